@@ -1,0 +1,172 @@
+//! What a frame gives: matched segments, claimed points, and the count of everything that was rejected.
+
+use crate::units::{Confidence, Depth, Disparity, Position};
+
+/// A sub-pixel image point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Point {
+    /// Pixels right of the first column's centre.
+    pub x: Position,
+    /// Pixels below the first row's centre.
+    pub y: Position,
+}
+
+/// The side or sides of a segment that carry its disparity. On a near-horizontal segment `Left` is the side above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// Smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
+    Left,
+    /// Larger x (below, on a near-horizontal segment).
+    Right,
+    /// Both: texture inside a surface.
+    Both,
+}
+
+/// What each of the three techniques says, at the segment's middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Techniques {
+    /// Fitted line of a right segment that is structurally the same; `None` when there is none.
+    pub feature: Option<Disparity>,
+    /// Window shaped by the segment.
+    pub window: Disparity,
+    /// Census along the segment.
+    pub census: Disparity,
+}
+
+/// A segment of the left image with its disparity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Match {
+    /// Ends: top first; left first on a near-horizontal segment.
+    pub ends: [Point; 2],
+    /// Disparity at each end.
+    pub disparity: [Disparity; 2],
+    /// Standard deviation of the disparity in px.
+    pub sigma: Disparity,
+    /// Probability that the disparity is within 1 px, of the better side.
+    pub confidence: Confidence,
+    /// Which sides carry the disparity.
+    pub owner: Owner,
+    /// Depth at each end, `None` without a rig.
+    pub depth: Option<[Depth; 2]>,
+    /// Standard deviation of depth at each end in metres, `None` without a rig.
+    pub depth_sigma: Option<[Depth; 2]>,
+    /// The three disparities that were brought together.
+    pub techniques: Techniques,
+}
+
+/// One pixel of the left image with a disparity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PointClaim {
+    /// Column.
+    pub x: u16,
+    /// Row.
+    pub y: u16,
+    /// Disparity of the surface seen at this pixel.
+    pub disparity: Disparity,
+    /// Probability that it is within 1 px.
+    pub confidence: Confidence,
+    /// Position of its segment in the list of matches.
+    pub source: u16,
+}
+
+/// Why a left segment (or one piece of it) has no disparity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rejection {
+    /// Too close to the left or right border to compare enough disparities.
+    NearBorder,
+    /// The window's cost curve has a second minimum that is nearly as low.
+    WindowNotUnique,
+    /// The census curve has a second minimum that is nearly as low.
+    CensusNotUnique,
+    /// The techniques lie further apart than the margin (Eq. 13).
+    TechniquesDisagree,
+    /// Searching back from the right image does not return to the segment.
+    LeftRight,
+    /// The two halves' disparities are too far apart to be one straight edge.
+    Slant,
+    /// Neither side's own window carries the disparity.
+    NoOwner,
+    /// A more credible segment already explains the same position in the right image.
+    NotExclusive,
+    /// The probability is below the asked one.
+    LowConfidence,
+}
+
+impl Rejection {
+    /// Every reason, in the order in which a segment meets them.
+    pub const ALL: [Self; 9] = [
+        Self::NearBorder,
+        Self::WindowNotUnique,
+        Self::CensusNotUnique,
+        Self::TechniquesDisagree,
+        Self::LeftRight,
+        Self::Slant,
+        Self::NoOwner,
+        Self::NotExclusive,
+        Self::LowConfidence,
+    ];
+
+    /// The reason in snake case, as it stands in JSON and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NearBorder => "near_border",
+            Self::WindowNotUnique => "window_not_unique",
+            Self::CensusNotUnique => "census_not_unique",
+            Self::TechniquesDisagree => "techniques_disagree",
+            Self::LeftRight => "left_right",
+            Self::Slant => "slant",
+            Self::NoOwner => "no_owner",
+            Self::NotExclusive => "not_exclusive",
+            Self::LowConfidence => "low_confidence",
+        }
+    }
+}
+
+/// What was found, matched, rejected and dropped in one frame: `segments_left = matched + matches_dropped + all rejections`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Segments detected in the left image (long ones count once per piece that is matched on its own).
+    pub segments_left: u16,
+    /// Segments detected in the right image: votes for feature matching.
+    pub segments_right: u16,
+    /// Left segments beyond the detector's capacity, shortest first.
+    pub segments_left_dropped: u16,
+    /// Right segments beyond the detector's capacity.
+    pub segments_right_dropped: u16,
+    /// Segments in the list of matches.
+    pub matched: u16,
+    /// Matches beyond the list's capacity, least confident first.
+    pub matches_dropped: u16,
+    /// Points in the list of points.
+    pub points: u32,
+    /// Points beyond the list's capacity, least confident first.
+    pub points_dropped: u32,
+    rejected: [u16; Rejection::ALL.len()],
+}
+
+impl Counts {
+    /// Left segments lost for this reason.
+    #[must_use]
+    pub fn rejected(&self, reason: Rejection) -> u16 {
+        self.rejected.get(reason as usize).copied().unwrap_or(0)
+    }
+
+    pub(crate) const ZERO: Self = Self {
+        segments_left: 0,
+        segments_right: 0,
+        segments_left_dropped: 0,
+        segments_right_dropped: 0,
+        matched: 0,
+        matches_dropped: 0,
+        points: 0,
+        points_dropped: 0,
+        rejected: [0; Rejection::ALL.len()],
+    };
+
+    pub(crate) fn reject(&mut self, reason: Rejection) {
+        if let Some(count) = self.rejected.get_mut(reason as usize) {
+            *count = count.saturating_add(1);
+        }
+    }
+}

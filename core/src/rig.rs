@@ -1,0 +1,123 @@
+//! The rectified rig: disparity to depth (Eqs. 5, 12) and depth margin to disparity interval (Eq. 13).
+//!
+//! In: focal length, baseline and offset, checked once at set-up (the only floating point here). Out: depths in metres
+//! and disparity intervals, by 64-bit integer divisions.
+//!
+//! # Bounds
+//! `f*B` is at most 10^7 px*m, in Q16 below 2^40; shifted by 6 for a quotient in Q16 below 2^46: fits `i64`.
+
+use crate::units::{Depth, Disparity, INFINITE_DEPTH};
+use core::fmt;
+
+/// Focal length, baseline and disparity offset of a rectified pair: `z = f*B / (d + offset)`.
+///
+/// ```
+/// use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig};
+/// let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
+/// assert_eq!(rig.depth(Disparity::from_num(20)), Depth::from_num(2)); // 400 * 0.1 / 20
+/// assert_eq!(rig.depth(Disparity::ZERO), INFINITE_DEPTH);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rig {
+    /// f*B in px*m, Q16.
+    focal_baseline_q16: i64,
+    /// Disparity offset in px, Q6 (the step of [`Disparity`]).
+    offset_q6: i64,
+}
+
+/// Which number of a rig is unusable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RigError {
+    /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
+    Focal(f64),
+    /// Baseline in metres, outside 0.0001 ..= 100 or not finite.
+    Baseline(f64),
+    /// Disparity offset in pixels, outside -4096 ..= 4096 or not finite.
+    Offset(f64),
+}
+
+impl fmt::Display for RigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Focal(v) => write!(f, "focal length {v} px is outside 1 to 100000"),
+            Self::Baseline(v) => write!(f, "baseline {v} m is outside 0.0001 to 100"),
+            Self::Offset(v) => write!(f, "disparity offset {v} px is outside -4096 to 4096"),
+        }
+    }
+}
+
+impl core::error::Error for RigError {}
+
+impl Rig {
+    /// A rig from its focal length in px, baseline in m and the offset in px that is added to every disparity
+    /// (`x_centre_right - x_centre_left`; 0 for most rigs).
+    #[expect(
+        clippy::float_arithmetic,
+        clippy::cast_possible_truncation,
+        reason = "set-up; both products are range-checked"
+    )]
+    pub fn new(focal_px: f64, baseline_m: f64, offset_px: f64) -> Result<Self, RigError> {
+        if !(1.0..=100_000.0).contains(&focal_px) {
+            return Err(RigError::Focal(focal_px));
+        }
+        if !(0.0001..=100.0).contains(&baseline_m) {
+            return Err(RigError::Baseline(baseline_m));
+        }
+        if !(-4096.0..=4096.0).contains(&offset_px) {
+            return Err(RigError::Offset(offset_px));
+        }
+        let nearest = |v: f64| if v < 0.0 { (v - 0.5) as i64 } else { (v + 0.5) as i64 };
+        Ok(Self { focal_baseline_q16: nearest(focal_px * baseline_m * 65536.0), offset_q6: nearest(offset_px * 64.0) })
+    }
+
+    /// Depth of a disparity (Eqs. 5, 12), rounded to nearest, saturating at [`INFINITE_DEPTH`]; a disparity that is zero or less after
+    /// the offset is infinitely far.
+    #[must_use]
+    pub fn depth(&self, disparity: Disparity) -> Depth {
+        let d_q6 = i64::from(disparity.to_bits()).wrapping_add(self.offset_q6);
+        if d_q6 <= 0 {
+            return INFINITE_DEPTH;
+        }
+        let z_q16 = (self.focal_baseline_q16 << 6).wrapping_add(d_q6 >> 1).checked_div(d_q6).unwrap_or(i64::MAX);
+        i32::try_from(z_q16).map_or(INFINITE_DEPTH, Depth::from_bits)
+    }
+
+    /// Standard deviation of depth in metres for one of disparity: `|dz/dd| * sigma = z^2 / (f*B) * sigma`.
+    #[must_use]
+    pub fn depth_sigma(&self, disparity: Disparity, sigma: Disparity) -> Depth {
+        let d_q6 = i64::from(disparity.to_bits()).wrapping_add(self.offset_q6);
+        let z = self.depth(disparity);
+        if d_q6 <= 0 || z == INFINITE_DEPTH {
+            return INFINITE_DEPTH;
+        }
+        // z * sigma / (d + offset): the same quantity without squaring z.
+        let sigma_z =
+            i64::from(z.to_bits()).wrapping_mul(i64::from(sigma.to_bits())).checked_div(d_q6).unwrap_or(i64::MAX);
+        i32::try_from(sigma_z).map_or(INFINITE_DEPTH, Depth::from_bits)
+    }
+
+    /// The disparity interval of a depth margin around the depth of `disparity` (Eq. 13): `nearer` metres in front and `farther` metres
+    /// behind, as `[f*B/(z+farther), f*B/(z-nearer)] - offset`. It is open upwards (`Disparity::MAX`) when `z <= nearer`, and
+    /// starts at `-offset` when z is infinite.
+    #[must_use]
+    pub fn disparity_interval(&self, disparity: Disparity, nearer: Depth, farther: Depth) -> (Disparity, Disparity) {
+        let z = self.depth(disparity);
+        let at = |z_q16: i64| {
+            let d_q6 = (self.focal_baseline_q16 << 6).wrapping_add(z_q16 >> 1).checked_div(z_q16).unwrap_or(i64::MAX);
+            saturate(d_q6.saturating_sub(self.offset_q6))
+        };
+        let low = if z == INFINITE_DEPTH {
+            saturate(self.offset_q6.wrapping_neg())
+        } else {
+            at(i64::from(z.to_bits()).wrapping_add(i64::from(farther.to_bits())))
+        };
+        let near_q16 = i64::from(z.to_bits()).wrapping_sub(i64::from(nearer.to_bits()));
+        let high = if near_q16 <= 0 { Disparity::MAX } else { at(near_q16) };
+        (low, high)
+    }
+}
+
+fn saturate(d_q6: i64) -> Disparity {
+    let clamped = d_q6.clamp(i64::from(i16::MIN), i64::from(i16::MAX));
+    Disparity::from_bits(i16::try_from(clamped).unwrap_or(i16::MAX))
+}

@@ -1,0 +1,68 @@
+//! The core with memory for any image up to 1280 x 1280, as one call from PC code.
+
+use linestereo::{Counts, Dims, Gray, Match, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch};
+
+/// Most segments listed per frame on a PC.
+pub const MAX_MATCHES: usize = 4096;
+/// Most points listed per frame on a PC.
+pub const MAX_POINTS: usize = 131_072;
+
+type PcScratch = Scratch<1408, 51200, 4096>;
+
+/// An owned 8-bit grey image without padding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GrayImage {
+    /// Width and height.
+    pub dims: Dims,
+    /// Row-major pixels.
+    pub pixels: Vec<u8>,
+}
+
+impl GrayImage {
+    /// The core's view of it; the core's limits of size apply.
+    pub fn view(&self) -> Result<Gray<'_>, linestereo::ViewError> {
+        Gray::new(&self.pixels, self.dims, usize::from(self.dims.width))
+    }
+}
+
+/// Result of one pair, owned.
+#[derive(Clone, Debug)]
+pub struct FrameResult {
+    /// Matched segments, most confident first.
+    pub matches: Vec<Match>,
+    /// Claimed points, most confident first, one per pixel at most.
+    pub points: Vec<PointClaim>,
+    /// What was found, rejected and dropped.
+    pub counts: Counts,
+}
+
+/// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
+pub struct Engine {
+    plan: Plan,
+    scratch: Box<PcScratch>,
+    output: Box<Output<MAX_MATCHES, MAX_POINTS>>,
+}
+
+impl Engine {
+    /// Checks the parameters for images of this size and allocates the memory, once.
+    pub fn new(params: &Params, dims: Dims) -> Result<Self, ParamError> {
+        let plan = params.plan(dims)?;
+        Ok(Self { plan, scratch: Box::new(PcScratch::new()), output: Box::new(Output::new()) })
+    }
+
+    /// Runs the core without copying the result out: for benchmarks and for loops that read it in place.
+    pub fn run_in_place(
+        &mut self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
+        self.plan.run(left, right, &mut self.scratch, &mut self.output)?;
+        Ok(&self.output)
+    }
+
+    /// Runs the core on one rectified pair.
+    pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, SizeMismatch> {
+        let output = self.run_in_place(left, right)?;
+        Ok(FrameResult { matches: output.matches.to_vec(), points: output.points.to_vec(), counts: output.counts })
+    }
+}

@@ -1,0 +1,2 @@
+//! `linestereo`: sparse stereo depth on captured frames.
+fn main() {}
