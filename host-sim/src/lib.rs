@@ -1,3 +1,6 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
+pub mod commands;
 pub mod engine;
+pub mod evaluate;
+pub mod frames;

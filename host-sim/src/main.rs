@@ -1,2 +1,7 @@
 //! `linestereo`: sparse stereo depth on captured frames.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    linestereo_sim::commands::main()
+}

@@ -1,0 +1,73 @@
+//! The command line: one thin file per command.
+//!
+//! Convention: every command is a `pub struct Args` (`clap::Args`) and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
+//! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
+//! [`print`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
+
+pub mod eval;
+
+use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Exit code of every failure.
+const FAILURE: u8 = 2;
+
+/// Sparse stereo depth from line segments: credible depths, each with a probability, from a rectified stereo pair.
+#[derive(Debug, Parser)]
+#[command(name = "linestereo", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Eval(eval::Args),
+}
+
+/// Parses the command line, runs the command and reports a failure in one line.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return report_usage(&error),
+    };
+    let outcome = match &cli.command {
+        Some(Command::Eval(args)) => eval::run(args),
+        None => print(&Cli::command().render_help().to_string()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report(&format!("{error:#}"));
+            ExitCode::from(FAILURE)
+        }
+    }
+}
+
+/// Help and version are answers, not failures; of a usage error its first line says what is wrong.
+fn report_usage(error: &clap::Error) -> ExitCode {
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        let _ = error.print(); // a closed pipe is no failure
+        return ExitCode::SUCCESS;
+    }
+    let text = error.to_string();
+    let what: Vec<&str> =
+        text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
+    report(&format!("{}; see --help", what.join(" ").trim_start_matches("error: ").trim()));
+    ExitCode::from(FAILURE)
+}
+
+fn report(message: &str) {
+    let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let _ = writeln!(io::stderr(), "linestereo: {line}"); // nowhere else to say it
+}
+
+/// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.
+pub fn print(text: &str) -> anyhow::Result<()> {
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
