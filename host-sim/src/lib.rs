@@ -4,3 +4,4 @@ pub mod commands;
 pub mod engine;
 pub mod evaluate;
 pub mod frames;
+pub mod scene;
