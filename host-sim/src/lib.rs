@@ -4,4 +4,5 @@ pub mod commands;
 pub mod engine;
 pub mod evaluate;
 pub mod frames;
+pub mod output;
 pub mod scene;

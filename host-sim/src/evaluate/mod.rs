@@ -1,1 +1,19 @@
-//! Scores against ground truth.
+//! Scores of results against ground truth, in words that mean one thing only.
+//!
+//! - **point**: one pixel for which a disparity is claimed. **bad1 / bad2**: share of points more than 1 / 2 px off the truth.
+//! - **vis**: only points whose true match is visible in the right image. **allGT**: every point that has truth, so that a value
+//!   claimed on a hidden pixel counts as wrong unless it happens to be right.
+//! - **segprec@1 / @2**: share of reported segments whose median error along the segment is at most 1 / 2 px; the error at a
+//!   pixel is the distance to the nearest truth within +-1 px across the edge.
+//! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds a claim.
+//! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
+//!
+//! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
+
+mod frame;
+mod summary;
+mod table;
+
+pub use frame::{FrameScore, PointScore, SegmentScore};
+pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
+pub use table::{report, scene_table};

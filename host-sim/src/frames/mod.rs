@@ -1,1 +1,111 @@
-//! Captured frames and scene folders.
+//! Captured frames: image files, scene folders with ground truth, area resampling, perturbations.
+
+mod decode;
+mod perturb;
+mod resample;
+mod scene;
+mod truth;
+
+pub use decode::{check_usable, load_gray};
+pub use perturb::Perturbation;
+pub use resample::{area_average, resampled_height};
+pub use scene::{Scene, SceneInfo, find_scenes, has_truth, load_scene, scaled_max_disparity};
+pub use truth::Truth;
+
+use core::fmt;
+use linestereo::{Dims, RigError, ViewError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why frames cannot be used: one line that says what is wrong and what to do.
+#[derive(Debug)]
+pub enum FrameError {
+    /// The file cannot be read.
+    Read(PathBuf, io::Error),
+    /// The file is not a PNG, JPEG or PNM image, or it is damaged.
+    Decode(PathBuf, String),
+    /// The image is smaller or larger than the core accepts.
+    Size(PathBuf, ViewError),
+    /// Two images that belong together differ in size.
+    SizesDiffer {
+        /// One file.
+        first: (PathBuf, Dims),
+        /// The other.
+        second: (PathBuf, Dims),
+    },
+    /// Every pixel has the same value.
+    Uniform(PathBuf, u8),
+    /// Nearly every pixel is at one end of the scale.
+    Saturated {
+        /// The image.
+        path: PathBuf,
+        /// Share of its pixels at that end, in percent.
+        percent: f64,
+        /// Value of that end.
+        value: u8,
+    },
+    /// The asked width is not smaller than the image, or 0.
+    Width {
+        /// Width of the image.
+        have: u16,
+        /// Width asked for.
+        asked: u16,
+    },
+    /// `scene.json` is not what it should be.
+    SceneFile(PathBuf, String),
+    /// The rig in `scene.json` is unusable.
+    Rig(PathBuf, RigError),
+    /// A folder holds no image of this name.
+    NoImage(PathBuf, &'static str),
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
+            Self::Decode(path, what) => {
+                write!(f, "{} is not a readable image ({what}); give a PNG, JPEG, PGM or PPM file", path.display())
+            }
+            Self::Size(path, error) => {
+                write!(f, "{}: {error}; larger images can be reduced with --width", path.display())
+            }
+            Self::SizesDiffer { first, second } => write!(
+                f,
+                "{} is {} but {} is {}; give two images of one size",
+                first.0.display(),
+                first.1,
+                second.0.display(),
+                second.1
+            ),
+            Self::Uniform(path, value) => write!(
+                f,
+                "every pixel of {} is {value}, there is nothing to match; check the lens cap, the exposure and the file",
+                path.display()
+            ),
+            Self::Saturated { path, percent, value } => write!(
+                f,
+                "{percent:.1} % of the pixels of {} are {value}; {} the exposure",
+                path.display(),
+                if *value == 0 { "raise" } else { "lower" }
+            ),
+            Self::Width { have, asked } => {
+                write!(f, "--width {asked} is not between 1 and the image's {have}; images are only ever reduced")
+            }
+            Self::SceneFile(path, what) => write!(f, "{}: {what}; correct the file", path.display()),
+            Self::Rig(path, error) => write!(f, "{}: {error}; correct \"rectified\"", path.display()),
+            Self::NoImage(folder, name) => {
+                write!(f, "{} holds no {name}.png, .jpg, .pgm or .ppm; add the image", folder.display())
+            }
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// Both images have the same size.
+pub fn check_same_size(first: (&Path, Dims), second: (&Path, Dims)) -> Result<(), FrameError> {
+    if first.1 == second.1 {
+        return Ok(());
+    }
+    Err(FrameError::SizesDiffer { first: (first.0.to_path_buf(), first.1), second: (second.0.to_path_buf(), second.1) })
+}

@@ -1,0 +1,96 @@
+//! Scores as text.
+
+use super::frame::FrameScore;
+use super::summary::{Claims, ErrorRates, Summary};
+use core::fmt::Write;
+
+/// One line per frame and one for all of them.
+#[must_use]
+pub fn scene_table(scores: &[FrameScore]) -> String {
+    let width = scores.iter().map(|score| score.name.chars().count()).max().unwrap_or(0).max("pooled".len());
+    let mut text = format!(
+        "{:width$}  segments  segprec@1/@2   points  cells   vis bad1/bad2  allGT bad1/bad2  median   rms px      ms\n",
+        "scene"
+    );
+    for score in scores {
+        line(&mut text, width, &score.name, &Summary::pool([score]));
+    }
+    line(&mut text, width, "pooled", &Summary::pool(scores));
+    text
+}
+
+/// What the pooled line does not hold: sure claims, error against yield, said against observed probability.
+#[must_use]
+pub fn report(summary: &Summary) -> String {
+    let mut text = String::from("claims      points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");
+    for (name, claims) in [("all", &summary.all), ("p >= 0.9", &summary.sure)] {
+        claims_line(&mut text, name, claims);
+    }
+    text.push_str("\nmost confident points of all scenes together (points with truth)\n");
+    text.push_str("points/frame      least p   vis bad1/bad2   allGT bad1/bad2\n");
+    for row in &summary.curve {
+        let least = row.least_probability.map_or("-".to_owned(), |p| format!("{p:.3}"));
+        let _ = write!(text, "{:12} {least:>12} {}", row.points_per_frame, rates(&row.errors));
+        if row.available_per_frame < row.points_per_frame as f64 {
+            let _ = write!(text, "   only {:.0} there are", row.available_per_frame);
+        }
+        text.push('\n');
+    }
+    text.push_str(
+        "\nprobability said against observed (within 1 px, allGT)\nbin            points    said   observed\n",
+    );
+    for bin in &summary.calibration {
+        let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+        let _ = writeln!(
+            text,
+            "{:.2}-{:.2}  {:10}  {:>6}   {:>8}",
+            bin.low,
+            bin.high,
+            bin.points,
+            share(bin.said),
+            share(bin.observed)
+        );
+    }
+    text
+}
+
+fn line(text: &mut String, width: usize, name: &str, summary: &Summary) {
+    let _ = writeln!(
+        text,
+        "{name:width$}  {:8.0}  {:>12}  {:7.0}  {:>4} %  {}  {:>6}  {:>7}  {:>6}",
+        summary.segments_per_frame,
+        pair(summary.segprec1, summary.segprec2, 1),
+        summary.all.points_per_frame,
+        number(summary.all.cells_percent, 0),
+        rates(&summary.all.errors),
+        number(summary.median_error_px, 2),
+        number(summary.rms_error_px, 2),
+        number(summary.milliseconds, 2),
+    );
+}
+
+fn claims_line(text: &mut String, name: &str, claims: &Claims) {
+    let _ = writeln!(
+        text,
+        "{name:10}  {:12.0}  {:>4} %  {}",
+        claims.points_per_frame,
+        number(claims.cells_percent, 0),
+        rates(&claims.errors)
+    );
+}
+
+fn rates(errors: &ErrorRates) -> String {
+    format!(
+        "{:>14}  {:>16}",
+        pair(errors.vis_bad1, errors.vis_bad2, 2),
+        pair(errors.all_gt_bad1, errors.all_gt_bad2, 2)
+    )
+}
+
+fn pair(first: Option<f64>, second: Option<f64>, decimals: usize) -> String {
+    format!("{}/{}", number(first, decimals), number(second, decimals))
+}
+
+fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+}

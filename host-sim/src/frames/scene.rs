@@ -1,0 +1,223 @@
+//! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
+//!
+//! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `ground_truth` (`file`, `disparity_scale`: disparity in
+//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`). What is visible in
+//! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
+
+use super::decode::{check_size, load_values};
+use super::{FrameError, Truth, area_average, check_same_size, load_gray};
+use crate::engine::GrayImage;
+use linestereo::{Dims, Rig};
+use serde::Deserialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Disparity range where neither `scene.json` nor the truth gives one.
+const DEFAULT_MAX_DISPARITY: u16 = 64;
+/// Derived disparity ranges are multiples of this.
+const RANGE_STEP: u16 = 16;
+const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+
+/// What `scene.json` says; fields it does not have are `None`.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct SceneInfo {
+    /// Name of the scene.
+    pub scene: Option<String>,
+    /// Disparities to search, 0 .. this, in px.
+    pub max_disparity: Option<f64>,
+    ground_truth: Option<GroundTruthInfo>,
+    rectified: Option<RectifiedInfo>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct GroundTruthInfo {
+    file: Option<String>,
+    disparity_scale: f32,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct RectifiedInfo {
+    focal_px: f64,
+    baseline_m: f64,
+    #[serde(default)]
+    disparity_offset_px: f64,
+}
+
+impl SceneInfo {
+    /// Reads a `scene.json`.
+    pub fn load(path: &Path) -> Result<Self, FrameError> {
+        let text = fs::read_to_string(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        serde_json::from_str(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
+    }
+
+    /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
+    pub fn rig(&self, path: &Path, scale: f64) -> Result<Option<Rig>, FrameError> {
+        let Some(rectified) = &self.rectified else { return Ok(None) };
+        Rig::new(rectified.focal_px * scale, rectified.baseline_m, rectified.disparity_offset_px * scale)
+            .map(Some)
+            .map_err(|error| FrameError::Rig(path.to_path_buf(), error))
+    }
+}
+
+/// A pair with what is known about it, ready for the core.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the scene: from `scene.json`, else the folder's.
+    pub name: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Left image, the reference.
+    pub left: GrayImage,
+    /// Right image.
+    pub right: GrayImage,
+    /// Disparities to search, 0 .. this, in px.
+    pub max_disparity: u16,
+    /// Rectified rig, if known.
+    pub rig: Option<Rig>,
+    /// Ground truth, if any.
+    pub truth: Option<Truth>,
+}
+
+/// Every folder at or below `root` that holds a `scene.json`, sorted.
+pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
+    let mut found = Vec::new();
+    let mut pending = vec![root.to_path_buf()];
+    while let Some(folder) = pending.pop() {
+        let read_error = |error| FrameError::Read(folder.clone(), error);
+        for entry in fs::read_dir(&folder).map_err(read_error)? {
+            let path = entry.map_err(read_error)?.path();
+            if path.is_dir() {
+                pending.push(path);
+            } else if path.file_name().is_some_and(|name| name == "scene.json") {
+                found.push(folder.clone());
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The folder's `scene.json` names ground truth.
+pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
+    Ok(SceneInfo::load(&folder.join("scene.json"))?.ground_truth.is_some())
+}
+
+/// Loads a scene folder, reduced to `width` if asked; images are checked against the core's limits after that.
+pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError> {
+    let info_path = folder.join("scene.json");
+    let info = SceneInfo::load(&info_path)?;
+    let (left_path, left) = load_image(folder, "left")?;
+    let (right_path, right) = load_image(folder, "right")?;
+    check_same_size((&left_path, left.dims), (&right_path, right.dims))?;
+    let truth = load_truth(folder, &info, (&left_path, left.dims))?;
+    let full_width = left.dims.width;
+    let reduce = |image: GrayImage, path: &Path| {
+        let image = width.map_or(Ok(image.clone()), |width| area_average(&image, width))?;
+        check_size(path, &image).map(|()| image)
+    };
+    let (left, right) = (reduce(left, &left_path)?, reduce(right, &right_path)?);
+    let truth = truth.map(|truth| width.map_or(truth.clone(), |width| truth.resampled(width)));
+    let scale = f64::from(left.dims.width) / f64::from(full_width);
+    let max_disparity = match (info.max_disparity, truth.as_ref().and_then(Truth::largest)) {
+        (Some(range), _) if width.is_none() => range.round() as u16,
+        (Some(range), _) => scaled_max_disparity(range, scale),
+        // A range of N searches 0 .. N - 1: the largest truth itself has to be inside.
+        (None, Some(largest)) => scaled_max_disparity(f64::from(largest.ceil()) + 1.0, 1.0),
+        (None, None) => DEFAULT_MAX_DISPARITY,
+    };
+    let folder_name = || folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(Scene {
+        name: info.scene.clone().unwrap_or_else(folder_name),
+        folder: folder.to_path_buf(),
+        rig: info.rig(&info_path, scale)?,
+        left,
+        right,
+        max_disparity,
+        truth,
+    })
+}
+
+/// A disparity range for images reduced by `scale`: rounded up to a multiple of 16.
+#[must_use]
+pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
+    let steps = (range * scale / f64::from(RANGE_STEP)).ceil().max(1.0);
+    (steps as u16).saturating_mul(RANGE_STEP)
+}
+
+fn load_image(folder: &Path, name: &'static str) -> Result<(PathBuf, GrayImage), FrameError> {
+    let path = IMAGE_EXTENSIONS
+        .iter()
+        .map(|extension| folder.join(name).with_extension(extension))
+        .find(|path| path.is_file())
+        .ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name))?;
+    let image = load_gray(&path)?;
+    Ok((path, image))
+}
+
+fn load_truth(folder: &Path, info: &SceneInfo, image: (&Path, Dims)) -> Result<Option<Truth>, FrameError> {
+    let Some(ground_truth) = &info.ground_truth else { return Ok(None) };
+    let scale = ground_truth.disparity_scale;
+    if !(scale.is_finite() && scale > 0.0) {
+        let what = format!("disparity_scale is {scale}, it has to be above 0");
+        return Err(FrameError::SceneFile(folder.join("scene.json"), what));
+    }
+    let values = |path: &Path| -> Result<Vec<u16>, FrameError> {
+        let (dims, values) = load_values(path)?;
+        check_same_size(image, (path, dims)).map(|()| values)
+    };
+    let disparities = |path: &Path| -> Result<Vec<f32>, FrameError> {
+        let known = |value: u16| if value == 0 { f32::NAN } else { f32::from(value) / scale };
+        Ok(values(path)?.into_iter().map(known).collect())
+    };
+    let disparity = disparities(&folder.join(ground_truth.file.as_deref().unwrap_or("gt.png")))?;
+    let mask = ["visible.png", "mask_nonocc.png"].map(|name| folder.join(name)).into_iter().find(|path| path.is_file());
+    let right = folder.join("gt_right.png");
+    let dims = image.1;
+    Ok(Some(if let Some(mask) = mask {
+        Truth::new(dims, disparity, values(&mask)?.into_iter().map(|value| value > 0).collect())
+    } else if right.is_file() {
+        Truth::with_right_truth(dims, disparity, &disparities(&right)?)
+    } else {
+        Truth::with_reprojected_visibility(dims, disparity)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_multiples_of_sixteen() {
+        assert_eq!(scaled_max_disparity(64.0, 0.5), 32);
+        assert_eq!(scaled_max_disparity(65.0, 0.5), 48);
+        assert_eq!(scaled_max_disparity(3.0, 1.0), 16);
+    }
+
+    #[test]
+    fn a_folder_is_read_with_rig_truth_and_visibility() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let grey =
+            |value: u8| image::GrayImage::from_fn(32, 16, |x, y| image::Luma([value.wrapping_add((x * y) as u8)]));
+        grey(3).save(at("left.png")).unwrap();
+        grey(5).save(at("right.pgm")).unwrap();
+        let truth = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_fn(32, 16, |x, _| {
+            image::Luma([if x == 0 { 0 } else { 640 }])
+        });
+        truth.save(at("gt.png")).unwrap();
+        let json = r#"{"scene":"s","ground_truth":{"disparity_scale":64},
+            "rectified":{"focal_px":100,"baseline_m":0.1,"disparity_offset_px":2}}"#;
+        fs::write(at("scene.json"), json).unwrap();
+
+        let scene = load_scene(folder.path(), None).unwrap();
+        assert_eq!((scene.name.as_str(), scene.max_disparity), ("s", 16));
+        assert_eq!(scene.rig, Some(Rig::new(100.0, 0.1, 2.0).unwrap()));
+        let truth = scene.truth.unwrap();
+        assert_eq!((truth.disparity(0, 0), truth.disparity(1, 0)), (None, Some(10.0)));
+        assert!(!truth.is_visible(9, 3) && truth.is_visible(10, 3));
+
+        let half = load_scene(folder.path(), Some(16));
+        assert!(matches!(half, Err(FrameError::Size(..)))); // 16x8
+        assert_eq!(find_scenes(folder.path()).unwrap(), [folder.path()]);
+    }
+}

@@ -1,0 +1,96 @@
+//! Output files: all of a command's files appear, whole, or none does.
+
+use anyhow::{Context, Result};
+use std::fs::{self, File, Permissions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Files that are written beside their destinations first and renamed together at the end.
+#[derive(Debug, Default)]
+pub struct OutputFiles {
+    staged: Vec<(NamedTempFile, PathBuf)>,
+    /// Devices and pipes cannot be renamed onto; they are written last.
+    direct: Vec<(PathBuf, Vec<u8>)>,
+}
+
+impl OutputFiles {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Writes one file's contents to a temporary file in the destination's folder.
+    pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
+        self.stage(path, contents).with_context(|| {
+            format!("cannot write {}; choose a file in a folder that exists and is writable", path.display())
+        })
+    }
+
+    fn stage(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
+        match fs::metadata(path) {
+            Ok(there) if there.is_dir() => anyhow::bail!("it is a folder"),
+            Ok(there) if !there.is_file() => {
+                self.direct.push((path.to_path_buf(), contents.to_vec()));
+                return Ok(());
+            }
+            _ => {}
+        }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        if let Some(permissions) = ordinary_permissions() {
+            builder.permissions(permissions);
+        }
+        let mut file = builder.prefix(".linestereo-").tempfile_in(folder)?;
+        file.write_all(contents)?;
+        self.staged.push((file, path.to_path_buf()));
+        Ok(())
+    }
+
+    /// Puts every file in its place.
+    pub fn commit(self) -> Result<()> {
+        for (file, path) in self.staged {
+            file.persist(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        for (path, contents) in self.direct {
+            let write = || File::options().write(true).open(&path)?.write_all(&contents);
+            write().with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Temporary files are private by default; results are for everybody the umask allows.
+#[cfg(unix)]
+fn ordinary_permissions() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn ordinary_permissions() -> Option<Permissions> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_appear_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let good = folder.path().join("good.txt");
+        let mut output = OutputFiles::new();
+        output.add(&good, b"x").unwrap();
+        assert!(output.add(&folder.path().join("missing/bad.txt"), b"y").is_err());
+        drop(output);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+
+        let mut output = OutputFiles::new();
+        output.add(&good, b"x").unwrap();
+        output.commit().unwrap();
+        assert_eq!(fs::read(&good).unwrap(), b"x");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
