@@ -5,6 +5,7 @@
 //! [`print`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
 pub mod eval;
+pub mod scene;
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use std::io::{self, Write};
@@ -24,6 +25,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Eval(eval::Args),
+    Scene(scene::Args),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
@@ -35,6 +37,7 @@ pub fn main() -> ExitCode {
     };
     let outcome = match &cli.command {
         Some(Command::Eval(args)) => eval::run(args),
+        Some(Command::Scene(args)) => scene::run(args),
         None => print(&Cli::command().render_help().to_string()),
     };
     match outcome {

@@ -9,12 +9,14 @@
 
 mod builtin;
 mod edges;
+mod folder;
 mod geometry;
 mod render;
 mod texture;
 
 pub use builtin::{Kind, build};
 pub use edges::{DisparityPlane, EdgeCase};
+pub use folder::{files, search_range};
 pub use geometry::{Pair, Surface, Vector};
 pub use render::{Rendering, Sensor, render};
 pub use texture::{Pattern, Texture};

@@ -1,7 +1,7 @@
 //! From surfaces to two images and the truth, by ray casting.
 //!
 //! A pixel is the mean over its area, taken at the points of a Fibonacci lattice: an edge of any direction sweeps over them one
-//! at a time, so its position shows in steps of about 1/89 px (a square grid of as many points would give 1/9).
+//! at a time, so its position shows in steps of 1/55 px (a square grid of as many points would give 1/7).
 
 use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
@@ -9,8 +9,8 @@ use super::texture::{hash, unit_from};
 use crate::engine::GrayImage;
 use linestereo::Dims;
 
-/// Points per pixel, a Fibonacci number, and the one before the one before it.
-const LATTICE: (u32, u32) = (89, 34);
+/// Points per pixel, a Fibonacci number, and the second one before it.
+const LATTICE: (u32, u32) = (55, 21);
 
 /// What the cameras add to the light: nothing by default.
 #[derive(Clone, Copy, Debug, PartialEq)]

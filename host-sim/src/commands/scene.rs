@@ -1,0 +1,89 @@
+//! `linestereo scene`: synthetic scenes with exact truth, as folders.
+
+use crate::scene::{self, Kind, Sensor};
+use anyhow::Context;
+use linestereo::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use std::path::{Path, PathBuf};
+
+/// Render synthetic scenes with exact ground truth to folders that `eval` and `run` read.
+///
+/// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown), visible.png, objects.png and
+/// scene.json. The same options give the same bytes on every machine.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// List the built-in scenes and stop
+    #[arg(long)]
+    list: bool,
+    /// Scene to render: one of --list, or "all" for one folder each inside FOLDER
+    #[arg(long, value_name = "NAME", default_value = "demo")]
+    kind: String,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = parse_size)]
+    size: Dims,
+    /// Seed of textures, random places and noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Standard deviation of the noise in both images, in grey levels
+    #[arg(long, value_name = "SIGMA", default_value_t = 1.0)]
+    noise: f64,
+    /// Factor on the brightness of the right image
+    #[arg(long, value_name = "G", default_value_t = 1.0)]
+    gain: f64,
+    /// Grey levels added to the right image
+    #[arg(long, value_name = "B", default_value_t = 0.0, allow_negative_numbers = true)]
+    bias: f64,
+    /// Rows by which the right image lies too low (rectification error), fractions allowed
+    #[arg(long, value_name = "PX", default_value_t = 0.0, allow_negative_numbers = true)]
+    row_offset: f64,
+    /// Folder to write to; made if it is not there
+    #[arg(value_name = "FOLDER", required_unless_present = "list")]
+    folder: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let Some(folder) = args.folder.as_deref().filter(|_| !args.list) else {
+        let line = |kind: &Kind| format!("{:<11} {}\n", kind.name(), kind.summary());
+        return super::print(&Kind::ALL.iter().map(line).collect::<String>());
+    };
+    for (name, value) in
+        [("noise", args.noise), ("gain", args.gain), ("bias", args.bias), ("row-offset", args.row_offset)]
+    {
+        anyhow::ensure!(value.is_finite() && value.abs() <= 1000.0, "--{name} is {value}; give a number up to 1000");
+    }
+    anyhow::ensure!(args.noise >= 0.0, "--noise is {}; give 0 or more", args.noise);
+    if args.kind == "all" {
+        for kind in Kind::ALL {
+            render(args, kind, &folder.join(kind.name()))?;
+        }
+        return Ok(());
+    }
+    let kind = Kind::ALL.into_iter().find(|kind| kind.name() == args.kind);
+    let kind = kind.with_context(|| format!("there is no scene \"{}\"; see --list", args.kind))?;
+    render(args, kind, folder)
+}
+
+fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
+    let sensor =
+        Sensor { noise: args.noise, seed: args.seed, gain: args.gain, bias: args.bias, row_offset: args.row_offset };
+    let scene = scene::build(kind, args.size, args.seed);
+    let rendering = scene::render(&scene, args.size, &sensor);
+    let files = scene::files(kind.name(), &scene.pair, &rendering)?;
+    std::fs::create_dir_all(folder)?;
+    for (name, contents) in files {
+        std::fs::write(folder.join(name), contents)?;
+    }
+    super::print(&format!("{}: {}\n", kind.name(), folder.display()))
+}
+
+fn parse_size(text: &str) -> Result<Dims, String> {
+    let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    match sides {
+        Some((width, height))
+            if (MIN_SIDE..=MAX_WIDTH).contains(&width) && (MIN_SIDE..=MAX_HEIGHT).contains(&height) =>
+        {
+            Ok(Dims { width, height })
+        }
+        _ => Err(format!("give a size from {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}, for example 320x240")),
+    }
+}
