@@ -100,6 +100,11 @@ impl<'a> Gray<'a> {
         self.dims
     }
 
+    /// All bytes and the distance between rows, for code that walks along columns.
+    pub(crate) fn as_slice(self) -> (&'a [u8], usize) {
+        (self.pixels, self.stride)
+    }
+
     /// Row `y`, `width` bytes, or `None` below the image.
     #[must_use]
     #[inline]

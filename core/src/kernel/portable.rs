@@ -1,0 +1,103 @@
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity.
+//!
+//! # Bounds
+//! Gradients are 1 ..= 127, so an absolute difference is at most 126 and two of them fit in `u8`. A curve sums at most 32 strips of 8:
+//! 32 * 8 * 126 = 32 256, and callers add at most two curves: fits `u16`. Hamming distances are at most 8 per point, and at most
+//! 31 points are summed per curve before widening: 248 fits `u8`.
+
+/// Value of a zero gradient.
+pub(crate) const FLAT: u8 = 64;
+/// Disparities that one step of a curve advances.
+pub(crate) const LANES: usize = 16;
+/// Pixels of a strip.
+pub(crate) const STRIP: usize = 8;
+
+/// Eight neighbouring pixels of one image and the row of the other in which they are sought: at disparity index i, reference pixel k
+/// meets `other[i + k]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strip<'a> {
+    pub(crate) reference: [u8; STRIP],
+    pub(crate) other: &'a [u8],
+}
+
+/// Sobel x of the middle of three rows, halved, clipped to +-63 and shifted by [`FLAT`]: 1 ..= 127. Only order-free differences of it
+/// are used, so a brightness offset between the cameras cancels. The first and last pixel are flat.
+pub(crate) fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+    let width = row.len();
+    out.fill(FLAT);
+    let (Some(a1), Some(r1), Some(b1)) = (above.get(2..), row.get(2..), below.get(2..)) else { return };
+    let Some(inner) = width.checked_sub(1).and_then(|end| out.get_mut(1..end)) else { return };
+    let left = above.iter().zip(row).zip(below);
+    let right = a1.iter().zip(r1).zip(b1);
+    for ((((a0, r0), b0), ((a2, r2), b2)), g) in left.zip(right).zip(inner) {
+        let sum = |a: u8, r: u8, b: u8| i16::from(a) + 2 * i16::from(r) + i16::from(b);
+        let half = (sum(*a2, *r2, *b2) - sum(*a0, *r0, *b0)) >> 1;
+        *g = (half.clamp(-63, 63) + i16::from(FLAT)) as u8;
+    }
+}
+
+/// Census of the middle row of five: one bit per neighbour at distance 2 (eight directions), set where the neighbour is darker.
+/// The first and last two pixels are 0.
+pub(crate) fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
+    out.fill(0);
+    let [top, _, row, _, bottom] = rows;
+    let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
+    let centre = from(row, 2).iter();
+    let upper = top.iter().zip(from(top, 2)).zip(from(top, 4));
+    let middle = row.iter().zip(from(row, 4));
+    let lower = bottom.iter().zip(from(bottom, 2)).zip(from(bottom, 4));
+    for (((((c, ((a, b), d)), (e, f)), ((g, h), i)), code)) in centre.zip(upper).zip(middle).zip(lower).zip(inner) {
+        let darker = |neighbour: &u8, bit: u8| u8::from(neighbour < c) << bit;
+        *code = darker(a, 0) | darker(b, 1) | darker(d, 2) | darker(e, 3)
+            | darker(f, 4) | darker(g, 5) | darker(h, 6) | darker(i, 7);
+    }
+}
+
+fn from(row: &[u8], start: usize) -> &[u8] {
+    row.get(start..).unwrap_or(&[])
+}
+
+/// Adds the sum of absolute differences of all strips to each entry of `curve` (a multiple of [`LANES`] long; every strip's `other` holds
+/// `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
+pub(crate) fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
+    for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
+        let start = block * LANES;
+        let mut sums = [0_u16; LANES];
+        for strip in strips {
+            let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<{ LANES + STRIP - 1 }>()) else {
+                continue;
+            };
+            for k in (0..STRIP).step_by(2) {
+                let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else { continue };
+                let (r0, r1) = (strip.reference[k], strip.reference[k + 1]);
+                for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
+                    // Two differences fit in eight bits: halves the widening.
+                    *sum = sum.wrapping_add(u16::from(p.abs_diff(r0).wrapping_add(q.abs_diff(r1))));
+                }
+            }
+        }
+        for (cost, sum) in costs.iter_mut().zip(sums) {
+            *cost = cost.wrapping_add(sum);
+        }
+    }
+}
+
+/// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve` (at most 31 points).
+pub(crate) fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
+    for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
+        let start = block * LANES;
+        let mut sums = [0_u8; LANES];
+        for (reference, other) in points {
+            let Some(others) = other.get(start..).and_then(|o| o.first_chunk::<LANES>()) else { continue };
+            for (sum, &o) in sums.iter_mut().zip(others) {
+                let mut bits = o ^ reference;
+                bits -= (bits >> 1) & 0x55;
+                bits = (bits & 0x33) + ((bits >> 2) & 0x33);
+                *sum = sum.wrapping_add((bits + (bits >> 4)) & 0x0f);
+            }
+        }
+        for (cost, sum) in costs.iter_mut().zip(sums) {
+            *cost = cost.wrapping_add(u16::from(sum));
+        }
+    }
+}

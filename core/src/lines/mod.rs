@@ -1,0 +1,151 @@
+//! Line segments of one image: edge drawing, then straight pieces with sub-pixel ends.
+//!
+//! In: a grey image. Out: segments, each short enough to carry one straight line of disparity.
+//!
+//! ```text
+//! for each direction (edges that run down the rows, then along the columns):
+//!     on every fourth row (column): anchors = local maxima of the gradient across the edge
+//!     from each anchor: follow the ridge both ways, one sub-pixel position per row     (edges)
+//!     cut the chain into straight runs, least squares each                             (fit)
+//!     cut long runs into pieces
+//! ```
+//!
+//! Only every fourth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
+//!
+//! # Bounds
+//! A pixel is drawn at most once per direction (one bit each), so time is bounded by four gradient evaluations per pixel whatever the
+//! image shows; memory is two bits per pixel, one position per row or column, and the list.
+//!
+//! # Source
+//! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011 (incremental least squares along a chain);
+//! Suarez et al.: "ELSED", 2022. We differ: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1,
+//! and each direction keeps one position per row, which makes a chain an array.
+
+pub(crate) mod edges;
+pub(crate) mod fit;
+
+use crate::image::Gray;
+use crate::result::Point;
+use crate::units::Position;
+use edges::{Axis, Direction, Edges};
+use heapless::vec::VecView;
+
+/// Longest piece of a segment that runs down the rows, in rows: what one window covers.
+pub(crate) const MAX_ROWS: i32 = 32;
+/// Longest piece of a near-horizontal segment, in columns.
+pub(crate) const MAX_COLUMNS: i32 = 24;
+
+/// A straight edge, as detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Ends: top first; left first when [`Segment::near_horizontal`].
+    pub ends: [Point; 2],
+    /// True when the pixels right of the edge (below it, when near-horizontal) are the brighter ones.
+    pub rising: bool,
+    /// Mean grey step across the edge, 0 ..= 255.
+    pub contrast: u8,
+    /// True when it runs more along the columns than down the rows: its line says little about disparity.
+    pub near_horizontal: bool,
+}
+
+impl Segment {
+    /// Ends as plain integers in 1/32 px: `(x0, y0, x1, y1)`.
+    pub(crate) fn ends_q5(&self) -> (i32, i32, i32, i32) {
+        let [a, b] = self.ends;
+        (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
+    }
+
+    /// Extent along its direction in 1/32 px.
+    pub(crate) fn extent_q5(&self) -> i32 {
+        let (x0, y0, x1, y1) = self.ends_q5();
+        if self.near_horizontal { x1.wrapping_sub(x0) } else { y1.wrapping_sub(y0) }
+    }
+}
+
+/// Thresholds of the detector, checked by the plan.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LineParams {
+    /// Least gradient of an anchor, Sobel units (grey step times 4).
+    pub(crate) anchor: i32,
+    /// Least gradient along a chain, Sobel units.
+    pub(crate) edge: i32,
+    /// Least extent of a segment, rows or columns.
+    pub(crate) min_extent: i32,
+}
+
+/// Working memory of the detector: one bit per pixel and direction, one position per row or column.
+pub(crate) struct LineScratch<'a> {
+    pub(crate) marks: &'a mut [u32],
+    pub(crate) chain: &'a mut [u16],
+}
+
+/// Lists the segments of `image`, sorted by their top row; returns how many did not fit (the shortest are dropped).
+pub(crate) fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
+    out.clear();
+    scratch.marks.fill(0);
+    let mut list = KeepLongest { out, dropped: 0 };
+    let mut edges = Edges::new(image, params, scratch.marks);
+    for direction in [Direction::Down, Direction::Along] {
+        edges.for_each_chain(direction, scratch.chain, |edges, axis, chain| {
+            fit::for_each_run(chain.positions, params.min_extent, |run| {
+                if run.slope_q12.unsigned_abs() > 4096 {
+                    return; // the other direction draws it with more positions
+                }
+                edges.claim(axis, chain, &run);
+                cut(&run, chain, direction, &mut list);
+            });
+        });
+    }
+    let dropped = list.dropped;
+    out.sort_unstable_by_key(|s| s.ends_q5().1.min(s.ends_q5().3) << 11 | s.ends_q5().0 >> 5);
+    dropped
+}
+
+/// A chain of one position per row (column): where it starts and what it saw.
+#[derive(Clone, Copy)]
+pub(crate) struct Chain<'a> {
+    pub(crate) first: i32,
+    pub(crate) positions: &'a [u16],
+    pub(crate) rising: bool,
+    pub(crate) contrast: u8,
+}
+
+/// Cuts a straight run into equal pieces of at most [`MAX_ROWS`] rows or [`MAX_COLUMNS`] columns.
+fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLongest<'_>) {
+    let near_horizontal = direction == Direction::Along;
+    let longest = if near_horizontal { MAX_COLUMNS } else { MAX_ROWS };
+    let length = run.last - run.first;
+    let pieces = (length + longest - 1) / longest;
+    for piece in 0..pieces {
+        let t0 = run.first + length * piece / pieces;
+        let t1 = run.first + length * (piece + 1) / pieces;
+        let end = |t: i32| {
+            let along = position((chain.first + t) << 5);
+            let across = position(run.at_q5(t));
+            if near_horizontal { Point { x: along, y: across } } else { Point { x: across, y: along } }
+        };
+        list.push(Segment { ends: [end(t0), end(t1)], rising: chain.rising, contrast: chain.contrast, near_horizontal });
+    }
+}
+
+fn position(q5: i32) -> Position {
+    Position::from_bits(u16::try_from(q5.max(0)).unwrap_or(u16::MAX))
+}
+
+/// A bounded list that gives up its shortest entries.
+struct KeepLongest<'a> {
+    out: &'a mut VecView<Segment>,
+    dropped: u16,
+}
+
+impl KeepLongest<'_> {
+    fn push(&mut self, segment: Segment) {
+        let Err(segment) = self.out.push(segment) else { return };
+        self.dropped = self.dropped.saturating_add(1);
+        if let Some(shortest) = self.out.iter_mut().min_by_key(|s| s.extent_q5())
+            && shortest.extent_q5() < segment.extent_q5()
+        {
+            *shortest = segment;
+        }
+    }
+}

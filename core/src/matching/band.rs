@@ -1,0 +1,164 @@
+//! A band of rows with their horizontal gradients and census codes, moved down the pair as matching proceeds.
+//!
+//! In: the two images. Out: padded rows of both, computed once per frame, held for [`BAND_ROWS`] rows.
+//!
+//! Rows of the right image are stored mirrored, so that for a fixed left pixel the candidates at rising disparity lie at rising
+//! addresses, in both directions of search: one kernel serves both.
+//!
+//! # Cost
+//! `4 * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
+
+use crate::image::Gray;
+use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
+
+/// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
+pub(crate) const BAND_ROWS: usize = 48;
+/// Pixels without content on both sides of a row: a window's half, a slant's shift, and the tail of a block of disparities.
+pub(crate) const PAD: usize = 48;
+
+/// Bytes of one padded row.
+#[must_use]
+pub const fn row_bytes(width: u16) -> usize {
+    width as usize + 2 * PAD
+}
+
+/// Which image the reference pixels come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Search {
+    /// Left reference, sought in the right image.
+    Forward,
+    /// Right reference, sought back in the left image.
+    Back,
+}
+
+/// One quantity of both images.
+struct Planes<'a> {
+    left: &'a mut [u8],
+    right_mirrored: &'a mut [u8],
+}
+
+/// The rows around the current position.
+pub(crate) struct Band<'a> {
+    images: [Gray<'a>; 2],
+    gradient: Planes<'a>,
+    census: Planes<'a>,
+    width: usize,
+    height: i32,
+    stride: usize,
+    next_row: i32,
+    /// Row of the right image that matches row 0 of the left one.
+    row_offset: i32,
+}
+
+impl<'a> Band<'a> {
+    /// A band over `rows`, which holds four planes of [`BAND_ROWS`] padded rows.
+    pub(crate) fn new(left: Gray<'a>, right: Gray<'a>, row_offset: i32, rows: &'a mut [u8]) -> Option<Self> {
+        let dims = left.dims();
+        let stride = row_bytes(dims.width);
+        let plane = stride * BAND_ROWS;
+        let rows = rows.get_mut(..plane * 4)?;
+        rows.fill(FLAT);
+        let (gradients, codes) = rows.split_at_mut_checked(plane * 2)?;
+        let (left_gradient, right_gradient) = gradients.split_at_mut_checked(plane)?;
+        let (left_census, right_census) = codes.split_at_mut_checked(plane)?;
+        Some(Self {
+            images: [left, right],
+            gradient: Planes { left: left_gradient, right_mirrored: right_gradient },
+            census: Planes { left: left_census, right_mirrored: right_census },
+            width: dims.width.into(),
+            height: dims.height.into(),
+            stride,
+            next_row: 0,
+            row_offset,
+        })
+    }
+
+    /// Computes rows up to and including `last`; rows before `last + 1 - BAND_ROWS` are forgotten.
+    pub(crate) fn advance(&mut self, last: i32) {
+        while self.next_row <= last.min(self.height - 1) {
+            let y = self.next_row;
+            self.next_row += 1;
+            let [left, right] = self.images;
+            let slot = self.slot(y);
+            if let Some(out) = self.gradient.left.get_mut(slot.clone()) {
+                fill_gradient(left, y, out);
+            }
+            if let Some(out) = self.census.left.get_mut(slot.clone()) {
+                fill_census(left, y, out);
+            }
+            if let Some(out) = self.gradient.right_mirrored.get_mut(slot.clone()) {
+                fill_gradient(right, y + self.row_offset, out);
+                out.reverse();
+            }
+            if let Some(out) = self.census.right_mirrored.get_mut(slot) {
+                fill_census(right, y + self.row_offset, out);
+                out.reverse();
+            }
+        }
+    }
+
+    fn slot(&self, y: i32) -> core::ops::Range<usize> {
+        let start = (y.max(0) as usize % BAND_ROWS) * self.stride + PAD;
+        start..start + self.width
+    }
+
+    fn row(plane: &[u8], stride: usize, y: i32) -> Option<&[u8]> {
+        let start = (y as usize % BAND_ROWS) * stride;
+        plane.get(start..start + stride)
+    }
+
+    /// Eight gradients at `x..x + 8` of row `y` of the reference image, and the row they are sought in from disparity `first` on.
+    pub(crate) fn strip(&self, search: Search, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
+        let (reference, other) = self.rows(&self.gradient, search, y)?;
+        let (at, sought) = self.places(search, x, STRIP as i32, first)?;
+        let mut pixels = *reference.get(at..)?.first_chunk::<STRIP>()?;
+        pixels.reverse();
+        Some(Strip { reference: pixels, other: other.get(sought..)? })
+    }
+
+    /// The census code at `(x, y)` of the reference image, and the codes it is compared with from disparity `first` on.
+    pub(crate) fn census(&self, search: Search, x: i32, y: i32, first: i32) -> Option<(u8, &[u8])> {
+        let (reference, other) = self.rows(&self.census, search, y)?;
+        let (at, sought) = self.places(search, x, 1, first)?;
+        Some((*reference.get(at)?, other.get(sought..)?))
+    }
+
+    fn rows<'s>(&'s self, planes: &'s Planes<'_>, search: Search, y: i32) -> Option<(&'s [u8], &'s [u8])> {
+        if y < (self.next_row - BAND_ROWS as i32).max(0) || y >= self.next_row {
+            return None;
+        }
+        let left = Self::row(planes.left, self.stride, y)?;
+        let right = Self::row(planes.right_mirrored, self.stride, y)?;
+        Some(match search {
+            Search::Forward => (left, right),
+            Search::Back => (right, left),
+        })
+    }
+
+    /// Where `length` pixels from column `x` on lie in the reference row, and where the first candidate lies in the other. The mirror
+    /// makes both directions alike: the reference is read backwards, candidates at rising disparity lie at rising addresses.
+    fn places(&self, search: Search, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
+        let plain = PAD as i32 + x;
+        let mirrored = PAD as i32 + self.width as i32 - length - x;
+        let (at, sought) = match search {
+            Search::Forward => (plain, mirrored),
+            Search::Back => (mirrored, plain),
+        };
+        Some((usize::try_from(at).ok()?, usize::try_from(sought + first).ok()?))
+    }
+}
+
+fn fill_gradient(image: Gray<'_>, y: i32, out: &mut [u8]) {
+    let row = |y: i32| clamped_row(image, y);
+    gradient_row(row(y - 1), row(y), row(y + 1), out);
+}
+
+fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
+    let row = |y: i32| clamped_row(image, y);
+    census_row([row(y - 2), row(y - 1), row(y), row(y + 1), row(y + 2)], out);
+}
+
+fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
+    let last = i32::from(image.dims().height) - 1;
+    image.row(y.clamp(0, last) as usize).unwrap_or(&[])
+}

@@ -1,0 +1,67 @@
+//! The evidence of a claim: plain numbers in Q8 that a linear model weighs.
+
+/// What is known about a claim, in the order of the model's coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+#[allow(missing_docs, reason = "names() explains each")]
+pub enum Kind {
+    SideRatio,
+    SideCost,
+    SideMargin,
+    WindowRatio,
+    WindowCost,
+    CensusRatio,
+    CensusCost,
+    CensusSideRatio,
+    CensusGap,
+    BackGap,
+    BackRatio,
+    Slant,
+    Length,
+    OtherRatio,
+    OtherDiffers,
+    SideDiffers,
+    RightAgrees,
+    NoRight,
+    WhichSide,
+    Lean,
+    Range,
+    Contrast,
+    Support,
+    Conflict,
+    Rivalry,
+    EdgeRatio,
+    Distance,
+}
+
+/// Number of entries.
+pub const EVIDENCE: usize = Kind::Distance as usize + 1;
+
+/// One number per [`Kind`], Q8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Evidence(pub [i16; EVIDENCE]);
+
+impl Evidence {
+    pub(crate) const fn new() -> Self {
+        Self([0; EVIDENCE])
+    }
+
+    pub(crate) fn set(&mut self, kind: Kind, value_q8: i32) {
+        if let Some(slot) = self.0.get_mut(kind as usize) {
+            *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
+        }
+    }
+
+    pub(crate) fn get(&self, kind: Kind) -> i32 {
+        self.0.get(kind as usize).copied().unwrap_or(0).into()
+    }
+}
+
+/// `log2(1 + sum / count)` in Q8, by the leading bit and a straight line between powers of two (error below 0.09).
+pub(crate) fn log2_mean_q8(sum: u32, count: i32) -> i32 {
+    let count = u32::try_from(count.max(1)).unwrap_or(1);
+    let x_q4 = (sum << 4) / count + 16;
+    let whole = x_q4.ilog2();
+    let part_q8 = ((x_q4 << 8) >> whole) as i32 - 256;
+    ((whole as i32 - 4) << 8) + part_q8
+}
