@@ -1,41 +1,50 @@
 //! `linestereo scene`: synthetic scenes with exact truth, as folders.
 
+use crate::output::OutputFiles;
 use crate::scene::{self, Kind, Sensor};
 use anyhow::Context;
 use linestereo::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo scene --list                               name and describe the built-in scenes
+  linestereo scene --kind poles out/poles               render one of them
+  linestereo scene --kind all --noise 5 out             render each into a folder of its own ...
+  linestereo eval out                                   ... and score the core on all of them";
 
 /// Render synthetic scenes with exact ground truth to folders that `eval` and `run` read.
 ///
 /// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown), visible.png, objects.png and
 /// scene.json. The same options give the same bytes on every machine.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// List the built-in scenes and stop
+    /// List the built-in scenes and stop.
     #[arg(long)]
     list: bool,
-    /// Scene to render: one of --list, or "all" for one folder each inside FOLDER
+    /// Scene to render: one of --list, or "all" for one folder each inside FOLDER.
     #[arg(long, value_name = "NAME", default_value = "demo")]
     kind: String,
-    /// Width and height in pixels
+    /// Width and height in pixels.
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = parse_size)]
     size: Dims,
-    /// Seed of textures, random places and noise
+    /// Seed of textures, random places and noise.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Standard deviation of the noise in both images, in grey levels
+    /// Standard deviation of the noise in both images, in grey levels.
     #[arg(long, value_name = "SIGMA", default_value_t = 1.0)]
     noise: f64,
-    /// Factor on the brightness of the right image
+    /// Factor on the brightness of the right image.
     #[arg(long, value_name = "G", default_value_t = 1.0)]
     gain: f64,
-    /// Grey levels added to the right image
+    /// Grey levels added to the right image.
     #[arg(long, value_name = "B", default_value_t = 0.0, allow_negative_numbers = true)]
     bias: f64,
-    /// Rows by which the right image lies too low (rectification error), fractions allowed
+    /// Rows by which the right image lies too low (rectification error), fractions allowed.
     #[arg(long, value_name = "PX", default_value_t = 0.0, allow_negative_numbers = true)]
     row_offset: f64,
-    /// Folder to write to; made if it is not there
+    /// Folder to write to; made if it is not there.
     #[arg(value_name = "FOLDER", required_unless_present = "list")]
     folder: Option<PathBuf>,
 }
@@ -69,10 +78,13 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
     let scene = scene::build(kind, args.size, args.seed);
     let rendering = scene::render(&scene, args.size, &sensor);
     let files = scene::files(kind.name(), &scene.pair, &rendering)?;
-    std::fs::create_dir_all(folder)?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}; choose one that can be written to", folder.display()))?;
+    let mut output = OutputFiles::new();
     for (name, contents) in files {
-        std::fs::write(folder.join(name), contents)?;
+        output.add(&folder.join(name), &contents)?;
     }
+    output.commit()?;
     super::print(&format!("{}: {}\n", kind.name(), folder.display()))
 }
 

@@ -62,7 +62,7 @@ impl Kind {
 #[must_use]
 pub fn build(kind: Kind, dims: Dims, seed: u64) -> Scene {
     let pair = Pair::centred(dims, 0.9 * f64::from(dims.width), 0.12);
-    let mut studio = Studio { surfaces: Vec::new(), draws: 0, seed };
+    let mut studio = Studio { surfaces: Vec::new(), objects: Vec::new(), draws: 0, seed };
     match kind {
         Kind::Demo => demo(&mut studio),
         Kind::Cards => cards(&mut studio, &pair, dims),
@@ -72,12 +72,13 @@ pub fn build(kind: Kind, dims: Dims, seed: u64) -> Scene {
         Kind::Blank => boxes(&mut studio, true),
         Kind::Repetition => repetition(&mut studio),
     }
-    Scene { pair, surfaces: studio.surfaces }
+    Scene { pair, surfaces: studio.surfaces, objects: studio.objects }
 }
 
-/// Surfaces so far, and a source of seeds and random numbers.
+/// The scene so far, and a source of seeds and random numbers.
 struct Studio {
     surfaces: Vec<Surface>,
+    objects: Vec<&'static str>,
     draws: u32,
     seed: u64,
 }
@@ -102,8 +103,14 @@ impl Studio {
         Texture::grained(Pattern::Blank(grey), 45.0, size, self.next())
     }
 
+    /// Surfaces added from here on belong to a new object.
+    fn object(&mut self, name: &'static str) -> &mut Self {
+        self.objects.push(name);
+        self
+    }
+
     fn label(&self) -> u8 {
-        self.surfaces.iter().map(|surface| surface.label).max().unwrap_or(0).saturating_add(1)
+        self.objects.len() as u8
     }
 
     fn rectangle(&mut self, corner: Vector, across: Vector, down: Vector, texture: Texture) {
@@ -132,34 +139,34 @@ fn plain(grey: f64) -> Texture {
 fn demo(studio: &mut Studio) {
     // Back wall 4 m away: textured on the left, blank on the right.
     let texture = studio.mosaic([60.0, 200.0], 0.45);
-    studio.rectangle([-4.0, -3.0, 4.0], [4.3, 0.0, 0.0], [0.0, 6.0, 0.0], texture);
-    studio.rectangle([0.3, -3.0, 4.0], [2.0, 0.0, 0.0], [0.0, 6.0, 0.0], plain(185.0));
+    studio.object("textured wall").rectangle([-4.0, -3.0, 4.0], [4.3, 0.0, 0.0], [0.0, 6.0, 0.0], texture);
+    studio.object("blank wall").rectangle([0.3, -3.0, 4.0], [2.0, 0.0, 0.0], [0.0, 6.0, 0.0], plain(185.0));
     // A slanted wall on the right with a window in it, and the floor.
     let texture = studio.mosaic([90.0, 160.0], 0.3);
-    studio.rectangle([1.75, -3.0, 4.0], [-0.65, 0.0, -2.4], [0.0, 6.0, 0.0], texture);
-    studio.rectangle([1.65, -0.9, 3.7], [-0.3, 0.0, -1.11], [0.0, 0.8, 0.0], plain(230.0));
+    studio.object("slanted wall").rectangle([1.75, -3.0, 4.0], [-0.65, 0.0, -2.4], [0.0, 6.0, 0.0], texture);
+    studio.object("window").rectangle([1.65, -0.9, 3.7], [-0.3, 0.0, -1.11], [0.0, 0.8, 0.0], plain(230.0));
     let texture = studio.mosaic([40.0, 120.0], 0.35);
-    studio.rectangle([-4.0, 0.85, 4.0], [8.0, 0.0, 0.0], [0.0, 0.0, -3.4], texture);
+    studio.object("floor").rectangle([-4.0, 0.85, 4.0], [8.0, 0.0, 0.0], [0.0, 0.0, -3.4], texture);
     // Boxes: one turned, one stacked on top, one before the border of the blank wall.
     let faces = [studio.mosaic([120.0, 220.0], 0.12), studio.rough(90.0, 0.05), studio.mosaic([70.0, 190.0], 0.12)];
-    studio.cuboid([-0.75, 0.6, 2.5], [0.6, 0.5, 0.5], 0.55, faces);
+    studio.object("turned box").cuboid([-0.75, 0.6, 2.5], [0.6, 0.5, 0.5], 0.55, faces);
     let faces = [plain(150.0), plain(215.0), plain(70.0)];
-    studio.cuboid([-0.8, 0.2, 2.55], [0.35, 0.3, 0.3], -0.4, faces);
+    studio.object("small box").cuboid([-0.8, 0.2, 2.55], [0.35, 0.3, 0.3], -0.4, faces);
     let faces = [studio.rough(70.0, 0.06), studio.rough(170.0, 0.06), studio.rough(120.0, 0.05)];
-    studio.cuboid([0.42, 0.15, 3.0], [0.55, 1.4, 0.3], -0.25, faces);
+    studio.object("tall box").cuboid([0.42, 0.15, 3.0], [0.55, 1.4, 0.3], -0.25, faces);
     // A board that leans to one side and away.
     let texture = studio.mosaic([50.0, 230.0], 0.16);
-    studio.rectangle([-1.05, -0.75, 2.9], [0.85, 0.2, 0.35], [-0.2, 0.6, 0.1], texture);
+    studio.object("leaning board").rectangle([-1.05, -0.75, 2.9], [0.85, 0.2, 0.35], [-0.2, 0.6, 0.1], texture);
     // A thin pole, a thinner one that leans, and a card close by.
-    studio.rectangle([-0.1, -2.0, 1.7], [0.035, 0.0, 0.0], [0.0, 4.0, 0.0], plain(25.0));
-    studio.rectangle([0.2, -2.0, 1.5], [0.018, 0.004, 0.0], [-0.5, 4.0, 0.2], plain(245.0));
+    studio.object("thin pole").rectangle([-0.1, -2.0, 1.7], [0.035, 0.0, 0.0], [0.0, 4.0, 0.0], plain(25.0));
+    studio.object("leaning pole").rectangle([0.2, -2.0, 1.5], [0.018, 0.004, 0.0], [-0.5, 4.0, 0.2], plain(245.0));
     let texture = studio.mosaic([60.0, 210.0], 0.06);
-    studio.rectangle([0.22, -0.36, 0.95], [0.2, -0.03, 0.02], [0.03, 0.2, -0.02], texture);
+    studio.object("near card").rectangle([0.22, -0.36, 0.95], [0.2, -0.03, 0.02], [0.03, 0.2, -0.02], texture);
 }
 
 fn cards(studio: &mut Studio, pair: &Pair, dims: Dims) {
     let texture = studio.mosaic([50.0, 210.0], 0.6);
-    studio.wall(8.0, texture);
+    studio.object("wall").wall(8.0, texture);
     let (columns, rows) = (5, 4);
     let (width, height) = (f64::from(dims.width) / f64::from(columns), f64::from(dims.height) / f64::from(rows));
     for row in 0..rows {
@@ -173,7 +180,7 @@ fn cards(studio: &mut Studio, pair: &Pair, dims: Dims) {
             let texture = studio.rough(grey, 7.0 * metres);
             let lean = studio.between(-0.3, 0.3);
             let (across, down) = (0.6 * width * metres, 0.6 * height * metres);
-            studio.rectangle(corner, [across, lean * across, 0.0], [-lean * down, down, 0.0], texture);
+            studio.object("card").rectangle(corner, [across, lean * across, 0.0], [-lean * down, down, 0.0], texture);
         }
     }
 }
@@ -182,20 +189,20 @@ fn corridor(studio: &mut Studio) {
     let forward = [0.0, 0.0, 9.0];
     let near = 0.5;
     let texture = studio.mosaic([60.0, 200.0], 0.4);
-    studio.rectangle([-0.8, -1.0, near], forward, [0.0, 2.0, 0.0], texture);
+    studio.object("left wall").rectangle([-0.8, -1.0, near], forward, [0.0, 2.0, 0.0], texture);
     let texture = studio.mosaic([80.0, 180.0], 0.6);
-    studio.rectangle([1.0, -1.0, near], forward, [0.0, 2.0, 0.0], texture);
+    studio.object("right wall").rectangle([1.0, -1.0, near], forward, [0.0, 2.0, 0.0], texture);
     let texture = studio.mosaic([30.0, 110.0], 0.3);
-    studio.rectangle([-0.8, 0.7, near], [1.8, 0.0, 0.0], forward, texture);
-    studio.rectangle([-0.8, -1.0, near], [1.8, 0.0, 0.0], forward, plain(225.0));
+    studio.object("floor").rectangle([-0.8, 0.7, near], [1.8, 0.0, 0.0], forward, texture);
+    studio.object("ceiling").rectangle([-0.8, -1.0, near], [1.8, 0.0, 0.0], forward, plain(225.0));
     let texture = studio.rough(140.0, 0.2);
-    studio.rectangle([-0.8, -1.0, 7.0], [1.8, 0.0, 0.0], [0.0, 1.7, 0.0], texture);
-    studio.rectangle([-0.2, -0.6, 6.98], [0.7, 0.0, 0.0], [0.0, 1.3, 0.0], plain(60.0));
+    studio.object("end wall").rectangle([-0.8, -1.0, 7.0], [1.8, 0.0, 0.0], [0.0, 1.7, 0.0], texture);
+    studio.object("door").rectangle([-0.2, -0.6, 6.98], [0.7, 0.0, 0.0], [0.0, 1.3, 0.0], plain(60.0));
 }
 
 fn poles(studio: &mut Studio) {
     let texture = studio.mosaic([70.0, 190.0], 0.5);
-    studio.wall(5.0, texture);
+    studio.object("wall").wall(5.0, texture);
     for pole in 0..8 {
         let depth = studio.between(1.2, 3.5);
         let width = f64::from(pole + 1) * depth / 288.0;
@@ -205,15 +212,15 @@ fn poles(studio: &mut Studio) {
         let grey = if pole % 3 == 0 { 235.0 } else { 30.0 };
         let height = 3.0 * depth;
         let corner = [x - 0.5 * lean * height, -0.5 * height, depth - 0.5 * away * height];
-        studio.rectangle(corner, [width, 0.0, 0.0], [lean * height, height, away * height], plain(grey));
+        studio.object("pole").rectangle(corner, [width, 0.0, 0.0], [lean * height, height, away * height], plain(grey));
     }
 }
 
 fn boxes(studio: &mut Studio, blank: bool) {
     let texture = if blank { plain(200.0) } else { studio.mosaic([60.0, 200.0], 0.5) };
-    studio.wall(5.0, texture);
+    studio.object("wall").wall(5.0, texture);
     let texture = if blank { plain(110.0) } else { studio.mosaic([40.0, 130.0], 0.4) };
-    studio.rectangle([-6.0, 0.9, 5.0], [12.0, 0.0, 0.0], [0.0, 0.0, -4.0], texture);
+    studio.object("floor").rectangle([-6.0, 0.9, 5.0], [12.0, 0.0, 0.0], [0.0, 0.0, -4.0], texture);
     for _ in 0..9 {
         let depth = studio.between(1.5, 4.2);
         let size = [studio.between(0.15, 0.5), studio.between(0.2, 0.7), studio.between(0.15, 0.5)];
@@ -223,21 +230,21 @@ fn boxes(studio: &mut Studio, blank: bool) {
             let grey = studio.between(40.0, 220.0);
             if blank { plain(grey) } else { studio.rough(grey, 0.03 * depth) }
         });
-        studio.cuboid(centre, size, turn, faces);
+        studio.object("box").cuboid(centre, size, turn, faces);
     }
 }
 
 fn repetition(studio: &mut Studio) {
     let texture = Texture::plain(Pattern::Checker { greys: [90.0, 170.0], side: 0.2 });
-    studio.rectangle([-5.0, -4.0, 4.0], [5.0, 0.0, 0.0], [0.0, 8.0, 0.0], texture);
+    studio.object("checkered wall").rectangle([-5.0, -4.0, 4.0], [5.0, 0.0, 0.0], [0.0, 8.0, 0.0], texture);
     let texture = Texture::plain(Pattern::Stripes { greys: [60.0, 190.0], period: 0.16 });
-    studio.rectangle([0.0, -4.0, 4.0], [5.0, 0.0, 0.0], [0.0, 8.0, 0.0], texture);
+    studio.object("striped wall").rectangle([0.0, -4.0, 4.0], [5.0, 0.0, 0.0], [0.0, 8.0, 0.0], texture);
     let texture = studio.rough(100.0, 0.2);
-    studio.rectangle([-5.0, 0.8, 4.0], [10.0, 0.0, 0.0], [0.0, 0.0, -3.0], texture);
+    studio.object("floor").rectangle([-5.0, 0.8, 4.0], [10.0, 0.0, 0.0], [0.0, 0.0, -3.0], texture);
     for picket in 0..14 {
         let x = f64::from(picket) * 0.14 - 1.0;
-        studio.rectangle([x, 0.0, 2.0], [0.06, 0.0, 0.0], [0.0, 0.75, 0.0], plain(225.0));
+        studio.object("picket").rectangle([x, 0.0, 2.0], [0.06, 0.0, 0.0], [0.0, 0.75, 0.0], plain(225.0));
     }
     let texture = studio.mosaic([50.0, 220.0], 0.08);
-    studio.rectangle([-0.5, -0.65, 1.6], [0.45, 0.0, 0.1], [0.0, 0.4, 0.0], texture);
+    studio.object("card").rectangle([-0.5, -0.65, 1.6], [0.45, 0.0, 0.1], [0.0, 0.4, 0.0], texture);
 }

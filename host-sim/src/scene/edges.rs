@@ -96,12 +96,13 @@ impl EdgeCase {
         };
         let mut front = self.plane.surface(&pair, direction, texture(pattern, self.plane.disparity, self.seed), 1);
         let Some(reach) = reach else {
-            return Scene { pair, surfaces: vec![front] };
+            return Scene { pair, surfaces: vec![front], objects: vec!["plane"] };
         };
         front.extent[1] = reach;
         let wall = DisparityPlane { disparity: self.background, slope: [0.0; 2], ..self.plane };
         let rear_texture = texture(Pattern::Blank(rear_grey), self.background, self.seed.wrapping_add(1));
-        Scene { pair, surfaces: vec![front, wall.surface(&pair, direction, rear_texture, 2)] }
+        let surfaces = vec![front, wall.surface(&pair, direction, rear_texture, 2)];
+        Scene { pair, surfaces, objects: vec!["plane", "wall behind"] }
     }
 
     /// Cases over directions (every 15 degrees or so, and near-horizontal ones), slants, sub-pixel shifts and owners, the

@@ -28,4 +28,6 @@ pub struct Scene {
     pub pair: Pair,
     /// What they see; where nothing is hit the image is black and has no truth.
     pub surfaces: Vec<Surface>,
+    /// Names of the objects: label `n` is entry `n - 1`.
+    pub objects: Vec<&'static str>,
 }

@@ -120,7 +120,7 @@ impl Camera {
 /// Renders a scene and its truth.
 #[must_use]
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
-    let Scene { pair, surfaces } = scene;
+    let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];
     let right_centre = [pair.centre[0] + pair.disparity_offset_px, pair.centre[1] + sensor.row_offset];
     let left = Camera::new(pair.focal_px, pair.centre, [0.0; 3], surfaces);
