@@ -1,8 +1,10 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
 pub mod commands;
+pub mod draw;
 pub mod engine;
 pub mod evaluate;
 pub mod frames;
+pub mod listing;
 pub mod output;
 pub mod scene;

@@ -1,13 +1,12 @@
 //! `linestereo eval`: scores on frames with ground truth.
 
-use super::print;
+use super::{engine_for, print};
 use crate::engine::{Engine, GrayImage};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::frames::{Perturbation, Scene, check_usable, find_scenes, load_scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::Params;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -145,14 +144,12 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Runs one scene several times for its time and scores its result.
 fn score(scene: &Scene, perturbation: &Perturbation) -> Result<FrameScore> {
-    let name = || format!("{}", scene.folder.display());
+    let name = || scene.folder.display().to_string();
     let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", name()))?;
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
     check_usable(&scene.folder.join("left"), &left)?;
     check_usable(&scene.folder.join("right"), &right)?;
-    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
-    let mut engine =
-        Engine::new(&params, left.dims).map_err(|error| anyhow::anyhow!("{}: {error}; see --max-disparity", name()))?;
+    let mut engine = engine_for(scene.max_disparity, scene.rig, left.dims).with_context(name)?;
     let milliseconds = time(&mut engine, &left, &right)?;
     let result = engine.run(left.view()?, right.view()?)?;
     let truth = if perturbation.swap { &truth.swapped() } else { truth };

@@ -5,9 +5,13 @@
 //! [`print`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
 pub mod eval;
+pub mod run;
 pub mod scene;
 
+use crate::engine::Engine;
+use anyhow::{Result, bail};
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
+use linestereo::{Dims, Params, Rig};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -24,6 +28,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Run(run::Args),
     Eval(eval::Args),
     Scene(scene::Args),
 }
@@ -36,6 +41,7 @@ pub fn main() -> ExitCode {
         Err(error) => return report_usage(&error),
     };
     let outcome = match &cli.command {
+        Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         None => print(&Cli::command().render_help().to_string()),
@@ -65,6 +71,15 @@ fn report_usage(error: &clap::Error) -> ExitCode {
 fn report(message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
     let _ = writeln!(io::stderr(), "linestereo: {line}"); // nowhere else to say it
+}
+
+/// The core with default parameters for one disparity range, rig and image size.
+fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine> {
+    if max_disparity >= dims.width {
+        bail!("a disparity range of {max_disparity} does not fit an image of {dims}; give a smaller --max-disparity");
+    }
+    let params = Params { max_disparity, rig, ..Params::default() };
+    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}; change --{}", error.name.replace('_', "-")))
 }
 
 /// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.

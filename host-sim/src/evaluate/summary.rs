@@ -188,7 +188,7 @@ mod tests {
         assert_eq!((summary.frames, summary.segments_per_frame), (2, 1.5));
         assert_eq!((summary.segprec1, summary.segprec2), (Some(100.0 / 3.0), Some(200.0 / 3.0)));
         assert_eq!((summary.all.points_per_frame, summary.sure.points_per_frame), (2.5, 1.0));
-        assert_eq!((summary.all.cells_percent, summary.sure.cells_percent), (Some(75.0), Some(25.0)));
+        assert_eq!((summary.all.cells_percent, summary.sure.cells_percent), (Some(50.0), Some(25.0)));
         let errors = ErrorRates {
             vis_bad1: Some(100.0 / 3.0),
             vis_bad2: Some(0.0),

@@ -64,7 +64,7 @@ pub fn check_usable(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
 }
 
 /// Refuses an image of a size the core does not take.
-pub(super) fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
+pub fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
     image.view().map(|_| ()).map_err(|error| FrameError::Size(path.to_path_buf(), error))
 }
 

@@ -1,0 +1,166 @@
+//! `linestereo run`: segments with depth from one rectified pair.
+
+use super::{engine_for, print};
+use crate::draw;
+use crate::engine::{FrameResult, GrayImage};
+use crate::frames::{
+    SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
+};
+use crate::listing;
+use crate::output::OutputFiles;
+use anyhow::{Context, Result};
+use core::fmt::Write;
+use core::time::Duration;
+use linestereo::{Dims, Rejection, Rig};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Disparity range where neither an option nor a scene file gives one.
+const DEFAULT_MAX_DISPARITY: u16 = 64;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo run left.png right.png --overlay depth.png
+      disparities only, and a picture of them
+  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --json -
+      with depth in metres, everything as JSON on stdout
+  linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
+      range and rig from a scene file, images reduced to 320 px
+
+The pair has to be rectified: a point lies on the same row in both images, and further left in the right image.
+Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
+
+JSON: {\"size\":[w,h], \"segments\":[{\"id\", \"left\":[[x0,y0],[x1,y1]], \"disparity_px\":[d0,d1], \"sigma_px\",
+\"confidence\" (probability of being within 1 px), \"owner\":\"left|right|both\" (the side whose surface has this depth;
+on a near-horizontal segment left is above), \"depth_m\":[z0,z1] or null without a rig (a depth of null: infinite),
+\"techniques\":{\"feature\",\"window\",\"census\"}}], \"points\":[[x,y,disparity_px,confidence]], \"counts\":{...}}";
+
+/// Match one rectified pair: segments and points with disparity, depth and a probability each.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Left image, the reference: PNG, JPEG, PGM or PPM, 8 or 16 bit, grey or colour.
+    left: PathBuf,
+    /// Right image of the same size.
+    right: PathBuf,
+    /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene file's, else 64].
+    #[arg(long, value_name = "N")]
+    max_disparity: Option<u16>,
+    /// Focal length of the rectified images as given (before --width).
+    #[arg(long, value_name = "PX", requires = "baseline_m")]
+    focal_px: Option<f64>,
+    /// Distance between the cameras.
+    #[arg(long, value_name = "M", requires = "focal_px")]
+    baseline_m: Option<f64>,
+    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs.
+    #[arg(long, value_name = "PX", requires = "focal_px", allow_negative_numbers = true)]
+    disparity_offset_px: Option<f64>,
+    /// Take disparity range and rig from a scene.json; options given here come first.
+    #[arg(long, value_name = "scene.json")]
+    scene: Option<PathBuf>,
+    /// Reduce both images to this width by area averaging; the rig follows.
+    #[arg(long, value_name = "PX")]
+    width: Option<u16>,
+    /// Write segments, points and counts as JSON; "-" is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the segments as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw the segments over the left image, red near to blue far, as PNG.
+    #[arg(long, value_name = "FILE.png")]
+    overlay: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let (left, full) = load(&args.left, args.width)?;
+    let (right, right_full) = load(&args.right, args.width)?;
+    check_same_size((&args.left, full), (&args.right, right_full))?;
+    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
+        check_size(path, image)?;
+        check_usable(path, image)?;
+    }
+    let scale = f64::from(left.dims.width) / f64::from(full.width);
+    let (max_disparity, rig) = range_and_rig(args, scale)?;
+    let mut engine = engine_for(max_disparity, rig, left.dims)?;
+    let start = Instant::now();
+    let result = engine.run(left.view()?, right.view()?)?;
+    let elapsed = start.elapsed();
+
+    let mut output = OutputFiles::new();
+    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
+    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
+        output.add(path, listing::json(left.dims, &result)?.as_bytes())?;
+    }
+    if let Some(path) = &args.csv {
+        output.add(path, listing::csv(&result).as_bytes())?;
+    }
+    if let Some(path) = &args.overlay {
+        output.add(path, &draw::png(&draw::overlay(&left, &result, rig.as_ref(), max_disparity))?)?;
+    }
+    output.commit()?;
+    if json_to_stdout {
+        return print(&listing::json(left.dims, &result)?);
+    }
+    print(&summary(left.dims, max_disparity, &result, elapsed))?;
+    for path in [&args.json, &args.csv, &args.overlay].into_iter().flatten() {
+        print(&format!("wrote {}\n", path.display()))?;
+    }
+    Ok(())
+}
+
+/// The image, reduced if asked, and its size before that.
+fn load(path: &Path, width: Option<u16>) -> Result<(GrayImage, Dims)> {
+    let image = load_gray(path)?;
+    let full = image.dims;
+    Ok((width.map_or(Ok(image.clone()), |width| area_average(&image, width))?, full))
+}
+
+fn range_and_rig(args: &Args, scale: f64) -> Result<(u16, Option<Rig>)> {
+    let (mut range, mut rig) = (None, None);
+    if let Some(path) = &args.scene {
+        let info = SceneInfo::load(path)?;
+        range =
+            info.max_disparity.map(|range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 });
+        rig = info.rig(path, scale)?;
+    }
+    if let (Some(focal), Some(baseline)) = (args.focal_px, args.baseline_m) {
+        let offset = args.disparity_offset_px.unwrap_or(0.0);
+        let given = Rig::new(focal * scale, baseline, offset * scale);
+        rig = Some(given.context("correct --focal-px, --baseline-m or --disparity-offset-px")?);
+    }
+    Ok((args.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY), rig))
+}
+
+/// What was found, in a few lines.
+fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, elapsed: Duration) -> String {
+    let counts = &result.counts;
+    let mut text = format!(
+        "{dims}, disparities 0 to {}: {} of {} segments matched, {} points, {:.1} ms\n",
+        max_disparity - 1,
+        counts.matched,
+        counts.segments_left,
+        counts.points,
+        1e3 * elapsed.as_secs_f64()
+    );
+    let shares = [0.98, 0.95, 0.9, 0.8].map(|least| {
+        let segments = result.matches.iter().filter(|found| found.confidence.to_num::<f64>() >= least).count();
+        let points = result.points.iter().filter(|point| point.confidence.to_num::<f64>() >= least).count();
+        format!("  p >= {least:.2}: {segments:4} segments, {points:6} points\n")
+    });
+    text.push_str(&shares.concat());
+    let depths = || result.matches.iter().filter_map(|found| found.depth).flatten();
+    if let (Some(nearest), Some(farthest)) = (depths().min(), depths().max()) {
+        let metres = |depth| listing::finite_metres(depth).map_or("infinity".to_owned(), |m| format!("{m:.2} m"));
+        let _ = writeln!(text, "depths from {} to {}", metres(nearest), metres(farthest));
+    }
+    let mut lost: Vec<_> = Rejection::ALL.map(|reason| (counts.rejected(reason), reason.name())).into();
+    lost.retain(|&(count, _)| count > 0);
+    lost.sort_by_key(|&(count, _)| core::cmp::Reverse(count));
+    if !lost.is_empty() {
+        let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
+        let _ = writeln!(text, "rejected: {}", list.join(", "));
+    }
+    text
+}

@@ -1,0 +1,64 @@
+//! Disparity to colour: red near, blue far.
+
+use crate::engine::FrameResult;
+
+/// Blue, cyan, green, yellow, orange, red: light enough to be seen on a dimmed photograph.
+const STOPS: [[f32; 3]; 6] = [
+    [70.0, 110.0, 255.0],
+    [0.0, 200.0, 255.0],
+    [70.0, 225.0, 110.0],
+    [255.0, 225.0, 40.0],
+    [255.0, 140.0, 20.0],
+    [255.0, 45.0, 45.0],
+];
+/// The range of colours starts and ends on a multiple of this, in px.
+const STEP: f32 = 4.0;
+/// Share of the segments at each end that may lie outside: one wrong match should not spoil the colours of all.
+const OUTSIDE: f32 = 0.02;
+
+/// Disparities, in px, that the colours span.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub(super) far: f32,
+    pub(super) near: f32,
+}
+
+impl Range {
+    /// What the segments of a result span, within 0 .. `max_disparity`.
+    pub(super) fn of(result: &FrameResult, max_disparity: u16) -> Self {
+        let limit = f32::from(max_disparity);
+        let mut found: Vec<f32> =
+            result.matches.iter().flat_map(|found| found.disparity.map(|d| d.to_num::<f32>())).collect();
+        found.sort_by(f32::total_cmp);
+        let skip = (OUTSIDE * found.len() as f32) as usize;
+        match (found.get(skip), found.iter().rev().nth(skip)) {
+            (Some(far), Some(near)) => {
+                let far = ((far / STEP).floor() * STEP).clamp(0.0, limit - STEP);
+                Self { far, near: ((near / STEP).ceil() * STEP).clamp(far + STEP, limit) }
+            }
+            _ => Self { far: 0.0, near: limit },
+        }
+    }
+}
+
+/// Colour of a disparity in px; outside the range that of its end.
+pub(super) fn colour(range: &Range, disparity: f32) -> [u8; 3] {
+    let last = STOPS.len() - 1;
+    let position = ((disparity - range.far) / (range.near - range.far)).clamp(0.0, 1.0) * last as f32;
+    let index = (position as usize).min(last - 1);
+    let t = position - index as f32;
+    core::array::from_fn(|i| (STOPS[index][i] * (1.0 - t) + STOPS[index + 1][i] * t).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn red_is_near_and_blue_is_far() {
+        let range = Range { far: 8.0, near: 32.0 };
+        assert_eq!(colour(&range, 40.0), [255, 45, 45]);
+        assert_eq!(colour(&range, 0.0), [70, 110, 255]);
+        assert_eq!(colour(&range, 12.8), [0, 200, 255]);
+    }
+}

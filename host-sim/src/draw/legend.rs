@@ -1,0 +1,75 @@
+//! The strip below a picture: colours in px and metres, line styles, counts.
+
+use super::colour::{Range, colour};
+use super::text::{Align, width, write};
+use crate::engine::FrameResult;
+use crate::listing::finite_metres;
+use image::{Rgb, RgbImage, imageops};
+use linestereo::{Disparity, Rig};
+
+const HEIGHT: u32 = 96;
+const MARGIN: f32 = 14.0;
+const BAR_HEIGHT: f32 = 14.0;
+const TEXT_HEIGHT: f32 = 15.0;
+const BACKGROUND: [u8; 3] = [16, 16, 18];
+const INK: [u8; 3] = [225, 225, 225];
+/// Labels of the bar stand at least this far apart, in px of the picture.
+const LABEL_DISTANCE: f32 = 80.0;
+
+/// The picture with a legend below it.
+pub(super) fn below(picture: &RgbImage, result: &FrameResult, rig: Option<&Rig>, range: &Range) -> RgbImage {
+    let mut whole = RgbImage::from_pixel(picture.width(), picture.height() + HEIGHT, Rgb(BACKGROUND));
+    imageops::replace(&mut whole, picture, 0, 0);
+    let top = picture.height() as f32 + 8.0;
+    bar(&mut whole, top, range);
+    labels(&mut whole, top + BAR_HEIGHT + 3.0, range, rig);
+    let key = "solid: p >= 0.9   dashed: less   ticks: owning side";
+    let found = format!("{} segments, {} points", result.matches.len(), result.points.len());
+    let line = picture.height() as f32 + HEIGHT as f32 - TEXT_HEIGHT - 8.0;
+    let right = whole.width() as f32 - MARGIN;
+    write(&mut whole, (MARGIN, line), Align::Left, TEXT_HEIGHT, INK, &found);
+    if MARGIN + width(TEXT_HEIGHT, &found) + 2.0 * MARGIN + width(TEXT_HEIGHT, key) < right {
+        write(&mut whole, (right, line), Align::Right, TEXT_HEIGHT, INK, key);
+    }
+    whole
+}
+
+/// Far on the left, near on the right.
+fn bar(picture: &mut RgbImage, top: f32, range: &Range) {
+    let (start, end) = (MARGIN as u32, picture.width().saturating_sub(MARGIN as u32));
+    for x in start..end {
+        let t = (x - start) as f32 / (end - start) as f32;
+        let rgb = Rgb(colour(range, range.far + t * (range.near - range.far)));
+        for y in top as u32..(top + BAR_HEIGHT) as u32 {
+            picture.put_pixel(x, y, rgb);
+        }
+    }
+}
+
+/// Disparity in px and below it the depth in metres.
+fn labels(picture: &mut RgbImage, top: f32, range: &Range, rig: Option<&Rig>) {
+    let length = picture.width() as f32 - 2.0 * MARGIN;
+    let span = range.near - range.far;
+    let steps = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
+    let step = steps.into_iter().find(|step| length * step / span >= LABEL_DISTANCE).unwrap_or(256.0);
+    let mut disparity = (range.far / step).ceil() * step;
+    while disparity <= range.near {
+        let x = MARGIN + length * (disparity - range.far) / span;
+        let metres = rig.map(|rig| {
+            let depth = finite_metres(rig.depth(Disparity::saturating_from_num(disparity)));
+            depth.map_or("infinity".to_owned(), |metres| format!("{metres:.*} m", if metres < 10.0 { 2 } else { 1 }))
+        });
+        let (anchor, align) = if x - MARGIN < 0.5 * LABEL_DISTANCE {
+            (x, Align::Left)
+        } else if length + MARGIN - x < 0.5 * LABEL_DISTANCE {
+            (x, Align::Right)
+        } else {
+            (x, Align::Centre)
+        };
+        write(picture, (anchor, top), align, TEXT_HEIGHT, INK, &format!("{disparity} px"));
+        if let Some(metres) = metres {
+            write(picture, (anchor, top + TEXT_HEIGHT + 1.0), align, TEXT_HEIGHT, INK, &metres);
+        }
+        disparity += step;
+    }
+}

@@ -1,0 +1,162 @@
+//! Pictures of results.
+//!
+//! In: a left image and its result. Out: the image, dimmed and enlarged, with every segment in the colour of its disparity (red
+//! near, blue far), ticks on the owning side, the claimed points as tinted pixels, and a legend in px and metres below. What is
+//! less probable is fainter; below [`SURE`] it is dashed.
+
+mod colour;
+mod legend;
+mod text;
+
+use crate::engine::{FrameResult, GrayImage};
+use colour::{Range, colour};
+use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
+use linestereo::{Match, Owner, Rig};
+use tiny_skia::{
+    Color, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
+};
+
+/// Segments at least this probable are drawn solid, the others dashed.
+const SURE: f64 = 0.9;
+/// Small images are enlarged by a whole factor to about this width.
+const TARGET_WIDTH: f32 = 1280.0;
+const LARGEST_FACTOR: f32 = 4.0;
+/// Share of its brightness that the background keeps.
+const DIMMED: f32 = 0.5;
+/// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the side above.
+const STEEP_LIMIT: f32 = 4.0;
+/// Distance between the ticks of the owning side and their length, in px of the image.
+const TICK_STEP: f32 = 5.0;
+const TICK_LENGTH: f32 = 2.0;
+
+/// The result drawn over its left image, with a legend; depths need the rig.
+#[must_use]
+pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_disparity: u16) -> RgbImage {
+    let factor = (TARGET_WIDTH / f32::from(left.dims.width)).round().clamp(1.0, LARGEST_FACTOR);
+    let range = Range::of(result, max_disparity);
+    let mut canvas = Canvas::new(left, factor as u32);
+    for point in &result.points {
+        canvas.point(point.x, point.y, colour(&range, point.disparity.to_num()), point.confidence.to_num());
+    }
+    // The most confident come first in the list and have to end on top.
+    for found in result.matches.iter().rev() {
+        canvas.segment(found, &range);
+    }
+    legend::below(&canvas.into_image(), result, rig, &range)
+}
+
+/// A picture as the bytes of a PNG file.
+pub fn png(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new(&mut bytes);
+    encoder.write_image(picture.as_raw(), picture.width(), picture.height(), image::ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
+
+struct Canvas {
+    pixmap: Pixmap,
+    factor: f32,
+}
+
+impl Canvas {
+    fn new(left: &GrayImage, factor: u32) -> Self {
+        let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
+        let mut pixmap = Pixmap::new(width * factor, height * factor).expect("image sides are above 0");
+        let columns = width as usize * factor as usize;
+        for (index, pixel) in pixmap.pixels_mut().iter_mut().enumerate() {
+            let (x, y) = (index % columns / factor as usize, index / columns / factor as usize);
+            let grey = (DIMMED * f32::from(left.pixels[y * width as usize + x])) as u8;
+            *pixel =
+                PremultipliedColorU8::from_rgba(grey, grey, grey, u8::MAX).expect("opaque colours are premultiplied");
+        }
+        Self { pixmap, factor: factor as f32 }
+    }
+
+    /// Tints one pixel.
+    fn point(&mut self, x: u16, y: u16, rgb: [u8; 3], confidence: f32) {
+        let side = self.factor;
+        let square = Rect::from_xywh(f32::from(x) * side, f32::from(y) * side, side, side);
+        if let Some(square) = square {
+            let paint = paint(rgb, 0.55 * opacity(confidence));
+            self.pixmap.fill_rect(square, &paint, Transform::identity(), None);
+        }
+    }
+
+    fn segment(&mut self, found: &Match, range: &Range) {
+        // Integer positions are pixel centres.
+        let centre = |value: f32| (value + 0.5) * self.factor;
+        let [start, end] = found.ends.map(|end| (centre(end.x.to_num()), centre(end.y.to_num())));
+        let disparities = found.disparity.map(|d| d.to_num::<f32>());
+        let rgb = colour(range, 0.5 * (disparities[0] + disparities[1]));
+        let confidence = found.confidence.to_num::<f32>();
+        let sure = f64::from(confidence) >= SURE;
+        let width = 0.5 * self.factor.max(2.0);
+        let dash = if sure { None } else { StrokeDash::new(vec![3.0 * width, 3.0 * width], 0.0) };
+        self.line(start, end, [0; 3], 0.6 * opacity(confidence), width + 2.0, dash.clone());
+        self.line(start, end, rgb, opacity(confidence), width, dash);
+        for tick in ticks(found, start, end, self.factor) {
+            self.line(tick.0, tick.1, rgb, opacity(confidence), 0.6 * width, None);
+        }
+    }
+
+    fn line(&mut self, from: Position, to: Position, rgb: [u8; 3], alpha: f32, width: f32, dash: Option<StrokeDash>) {
+        let mut path = PathBuilder::new();
+        path.move_to(from.0, from.1);
+        path.line_to(to.0, to.1);
+        if let Some(path) = path.finish() {
+            let stroke = Stroke { width, line_cap: LineCap::Butt, dash, ..Stroke::default() };
+            self.pixmap.stroke_path(&path, &paint(rgb, alpha), &stroke, Transform::identity(), None);
+        }
+    }
+
+    fn into_image(self) -> RgbImage {
+        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), bytes).expect("three bytes for each pixel")
+    }
+}
+
+type Position = (f32, f32);
+
+/// Short strokes from the segment towards the side or sides that own its disparity.
+fn ticks(found: &Match, start: Position, end: Position, factor: f32) -> Vec<(Position, Position)> {
+    let (dx, dy) = (end.0 - start.0, end.1 - start.1);
+    let length = dx.hypot(dy);
+    if length == 0.0 {
+        return Vec::new();
+    }
+    // The normal that points left, or up where the segment is near-horizontal.
+    let mut normal = (-dy / length, dx / length);
+    let away = if dx.abs() > STEEP_LIMIT * dy.abs() { normal.1 > 0.0 } else { normal.0 > 0.0 };
+    if away {
+        normal = (-normal.0, -normal.1);
+    }
+    let sides: &[f32] = match found.owner {
+        Owner::Left => &[1.0],
+        Owner::Right => &[-1.0],
+        Owner::Both => &[1.0, -1.0],
+    };
+    let count = (length / (TICK_STEP * factor)).round().max(1.0);
+    (0..count as usize)
+        .flat_map(|i| {
+            let t = (i as f32 + 0.5) / count;
+            let from = (start.0 + t * dx, start.1 + t * dy);
+            sides.iter().map(move |side| {
+                let reach = side * TICK_LENGTH * factor;
+                (from, (from.0 + reach * normal.0, from.1 + reach * normal.1))
+            })
+        })
+        .collect()
+}
+
+/// Half transparent at a probability of 0.5 and less, opaque at 1.
+fn opacity(confidence: f32) -> f32 {
+    confidence.clamp(0.4, 1.0)
+}
+
+fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
+    let mut paint = Paint::default();
+    let mut color = Color::from_rgba8(red, green, blue, u8::MAX);
+    color.set_alpha(alpha.clamp(0.0, 1.0));
+    paint.set_color(color);
+    paint
+}

@@ -1,0 +1,199 @@
+//! A frame's result as JSON and as CSV.
+//!
+//! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
+//! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
+
+use crate::engine::FrameResult;
+use core::fmt::Write;
+use linestereo::{Counts, Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Point, Rejection};
+use serde::{Serialize, Serializer};
+
+/// First line of [`csv`].
+const CSV_HEAD: &str = "id,x0,y0,x1,y1,disparity0_px,disparity1_px,sigma_px,confidence,owner,depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
+
+#[derive(Serialize)]
+struct Listing {
+    size: [u16; 2],
+    segments: Vec<Segment>,
+    /// x, y, disparity in px, confidence.
+    points: Vec<(u16, u16, f64, f64)>,
+    #[serde(serialize_with = "as_map")]
+    counts: Vec<(&'static str, u32)>,
+}
+
+#[derive(Serialize)]
+struct Segment {
+    id: usize,
+    left: [[f64; 2]; 2],
+    disparity_px: [f64; 2],
+    sigma_px: f64,
+    confidence: f64,
+    owner: &'static str,
+    depth_m: Option<[Option<f64>; 2]>,
+    techniques: TechniqueDisparities,
+}
+
+#[derive(Serialize)]
+struct TechniqueDisparities {
+    feature: Option<f64>,
+    window: f64,
+    census: f64,
+}
+
+/// The result as JSON: `size`, `segments`, `points` and `counts`.
+pub fn json(dims: Dims, result: &FrameResult) -> serde_json::Result<String> {
+    let points = result.points.iter();
+    let listing = Listing {
+        size: [dims.width, dims.height],
+        segments: result.matches.iter().enumerate().map(segment).collect(),
+        points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
+        counts: counts(&result.counts),
+    };
+    let mut text = serde_json::to_string(&listing)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// The segments as CSV, one line each below a line of names.
+#[must_use]
+pub fn csv(result: &FrameResult) -> String {
+    let mut text = String::from(CSV_HEAD);
+    for (id, found) in result.matches.iter().enumerate() {
+        let [start, end] = found.ends.map(position);
+        let [from, to] = found.disparity.map(Disparity::to_num::<f64>);
+        let _ = write!(
+            text,
+            "{id},{},{},{},{},{from},{to},{},{},{}",
+            start[0],
+            start[1],
+            end[0],
+            end[1],
+            found.sigma,
+            five_decimals(found.confidence.to_num()),
+            owner_name(found.owner)
+        );
+        for metres in [found.depth, found.depth_sigma] {
+            for end in 0..2 {
+                text.push(',');
+                if let Some(finite) = metres.and_then(|ends| finite_metres(ends[end])) {
+                    let _ = write!(text, "{finite}");
+                }
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for space.
+#[must_use]
+pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
+    let mut list = vec![
+        ("segments_left", u32::from(counts.segments_left)),
+        ("segments_right", u32::from(counts.segments_right)),
+        ("matched", u32::from(counts.matched)),
+    ];
+    list.extend(Rejection::ALL.map(|reason| (reason.name(), u32::from(counts.rejected(reason)))));
+    list.extend([
+        ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
+        ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
+        ("matches_dropped", u32::from(counts.matches_dropped)),
+        ("points", counts.points),
+        ("points_dropped", counts.points_dropped),
+    ]);
+    list
+}
+
+/// Metres with five decimals, `None` for an infinite depth.
+#[must_use]
+pub fn finite_metres(depth: Depth) -> Option<f64> {
+    (depth != INFINITE_DEPTH).then(|| five_decimals(depth.to_num()))
+}
+
+fn segment((id, found): (usize, &Match)) -> Segment {
+    Segment {
+        id,
+        left: found.ends.map(position),
+        disparity_px: found.disparity.map(Disparity::to_num),
+        sigma_px: found.sigma.to_num(),
+        confidence: five_decimals(found.confidence.to_num()),
+        owner: owner_name(found.owner),
+        depth_m: found.depth.map(|ends| ends.map(finite_metres)),
+        techniques: TechniqueDisparities {
+            feature: found.techniques.feature.map(Disparity::to_num),
+            window: found.techniques.window.to_num(),
+            census: found.techniques.census.to_num(),
+        },
+    }
+}
+
+fn position(point: Point) -> [f64; 2] {
+    [point.x.to_num(), point.y.to_num()]
+}
+
+fn owner_name(owner: Owner) -> &'static str {
+    match owner {
+        Owner::Left => "left",
+        Owner::Right => "right",
+        Owner::Both => "both",
+    }
+}
+
+/// One step of a probability or of a depth is 1.5e-5: five decimals tell all values apart.
+fn five_decimals(value: f64) -> f64 {
+    (value * 1e5).round() / 1e5
+}
+
+fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(counts.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::{Confidence, PointClaim, Position, Techniques};
+
+    fn example() -> FrameResult {
+        let point = |x: f64, y: f64| Point { x: Position::from_num(x), y: Position::from_num(y) };
+        let matched = Match {
+            ends: [point(1.5, 2.0), point(3.03125, 40.0)],
+            disparity: [Disparity::from_num(10.25), Disparity::from_num(0)],
+            sigma: Disparity::from_num(0.125),
+            confidence: Confidence::from_num(0.875),
+            owner: Owner::Left,
+            depth: Some([Depth::from_num(2.5), INFINITE_DEPTH]),
+            depth_sigma: None,
+            techniques: Techniques {
+                feature: None,
+                window: Disparity::from_num(10.25),
+                census: Disparity::from_num(10.5),
+            },
+        };
+        let point =
+            PointClaim { x: 7, y: 9, disparity: Disparity::from_num(10), confidence: Confidence::MAX, source: 0 };
+        FrameResult { matches: vec![matched], points: vec![point], counts: Counts::default() }
+    }
+
+    #[test]
+    fn json_is_exactly_this() {
+        let text = json(Dims { width: 64, height: 48 }, &example()).unwrap();
+        let (head, counts) = text.split_once("\"counts\":").unwrap();
+        let expected =
+            r#"{"size":[64,48],"segments":[{"id":0,"left":[[1.5,2.0],[3.03125,40.0]],"disparity_px":[10.25,0.0],"#
+                .to_owned()
+                + r#""sigma_px":0.125,"confidence":0.875,"owner":"left","depth_m":[2.5,null],"#
+                + r#""techniques":{"feature":null,"window":10.25,"census":10.5}}],"points":[[7,9,10.0,0.99998]],"#;
+        assert_eq!(head, expected);
+        let counts = counts.trim_end().trim_end_matches('}');
+        assert!(
+            counts.starts_with(r#"{"segments_left":0,"segments_right":0,"matched":0,"near_border":0,"#),
+            "{counts}"
+        );
+        assert!(counts.ends_with(r#""points":0,"points_dropped":0"#), "{counts}");
+    }
+
+    #[test]
+    fn csv_leaves_what_is_unknown_empty() {
+        assert_eq!(csv(&example()).lines().nth(1), Some("0,1.5,2,3.03125,40,10.25,0,0.125,0.875,left,2.5,,,"));
+    }
+}
