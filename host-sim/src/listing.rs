@@ -68,7 +68,7 @@ pub fn csv(result: &FrameResult) -> String {
             start[1],
             end[0],
             end[1],
-            found.sigma,
+            found.sigma.to_num::<f64>(),
             five_decimals(found.confidence.to_num()),
             owner_name(found.owner)
         );

@@ -1,8 +1,8 @@
 //! Output files: all of a command's files appear, whole, or none does.
 
-use anyhow::{Context, Result};
+use anyhow::{Result, anyhow};
 use std::fs::{self, File, Permissions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -23,14 +23,12 @@ impl OutputFiles {
 
     /// Writes one file's contents to a temporary file in the destination's folder.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
-        self.stage(path, contents).with_context(|| {
-            format!("cannot write {}; choose a file in a folder that exists and is writable", path.display())
-        })
+        self.stage(path, contents).map_err(|error| cannot_write(path, &error))
     }
 
-    fn stage(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
+    fn stage(&mut self, path: &Path, contents: &[u8]) -> io::Result<()> {
         match fs::metadata(path) {
-            Ok(there) if there.is_dir() => anyhow::bail!("it is a folder"),
+            Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
             Ok(there) if !there.is_file() => {
                 self.direct.push((path.to_path_buf(), contents.to_vec()));
                 return Ok(());
@@ -51,14 +49,19 @@ impl OutputFiles {
     /// Puts every file in its place.
     pub fn commit(self) -> Result<()> {
         for (file, path) in self.staged {
-            file.persist(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
         }
         for (path, contents) in self.direct {
             let write = || File::options().write(true).open(&path)?.write_all(&contents);
-            write().with_context(|| format!("cannot write {}", path.display()))?;
+            write().map_err(|error| cannot_write(&path, &error))?;
         }
         Ok(())
     }
+}
+
+/// Only the kind: the error itself names the temporary file, which nobody asked for.
+fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
+    anyhow!("cannot write {}: {}; choose a file in a folder that exists and is writable", path.display(), error.kind())
 }
 
 /// Temporary files are private by default; results are for everybody the umask allows.

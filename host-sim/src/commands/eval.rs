@@ -6,10 +6,11 @@ use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::frames::{Perturbation, Scene, check_usable, find_scenes, load_scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
+use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Timing of one pair stops after this long, or after this many runs.
 const TIMING_BUDGET: Duration = Duration::from_millis(250);
@@ -58,19 +59,19 @@ struct PerturbationArgs {
     #[arg(long, value_name = "PX", default_value_t = 0.0, allow_negative_numbers = true)]
     row_offset: f64,
     /// Multiply the right image.
-    #[arg(long, value_name = "G", default_value_t = 1.0)]
+    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true)]
     gain: f64,
     /// Add to the right image (grey levels).
     #[arg(long, value_name = "B", default_value_t = 0.0, allow_negative_numbers = true)]
     bias: f64,
     /// Add Gaussian noise of this standard deviation to both images.
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_negative_numbers = true)]
     noise: f64,
     /// Seed of the noise.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Blur both images by a Gaussian of this standard deviation.
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_negative_numbers = true)]
     blur: f64,
     /// Swap left and right: every true disparity is then negative, and the honest answer is next to nothing.
     #[arg(long)]

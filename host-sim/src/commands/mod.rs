@@ -4,13 +4,14 @@
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
 //! [`print`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
+pub mod demo;
 pub mod eval;
 pub mod run;
 pub mod scene;
 
 use crate::engine::Engine;
 use anyhow::{Result, bail};
-use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
+use clap::{Parser, Subcommand, error::ErrorKind};
 use linestereo::{Dims, Params, Rig};
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Args),
     Run(run::Args),
     Eval(eval::Args),
     Scene(scene::Args),
@@ -41,10 +43,11 @@ pub fn main() -> ExitCode {
         Err(error) => return report_usage(&error),
     };
     let outcome = match &cli.command {
+        Some(Command::Demo(args)) => demo::run(args),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::Scene(args)) => scene::run(args),
-        None => print(&Cli::command().render_help().to_string()),
+        None => demo::run(&demo::Args::default()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -8,10 +8,10 @@ use crate::frames::{
 };
 use crate::listing;
 use crate::output::OutputFiles;
-use anyhow::{Context, Result};
+use anyhow::{Result, anyhow};
 use core::fmt::Write;
 use core::time::Duration;
-use linestereo::{Dims, Rejection, Rig};
+use linestereo::{Dims, Rejection, Rig, RigError};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -128,17 +128,24 @@ fn range_and_rig(args: &Args, scale: f64) -> Result<(u16, Option<Rig>)> {
     if let (Some(focal), Some(baseline)) = (args.focal_px, args.baseline_m) {
         let offset = args.disparity_offset_px.unwrap_or(0.0);
         let given = Rig::new(focal * scale, baseline, offset * scale);
-        rig = Some(given.context("correct --focal-px, --baseline-m or --disparity-offset-px")?);
+        rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", option_behind(&error)))?);
     }
     Ok((args.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY), rig))
+}
+
+fn option_behind(error: &RigError) -> &'static str {
+    match error {
+        RigError::Focal(_) => "--focal-px",
+        RigError::Baseline(_) => "--baseline-m",
+        RigError::Offset(_) => "--disparity-offset-px",
+    }
 }
 
 /// What was found, in a few lines.
 fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, elapsed: Duration) -> String {
     let counts = &result.counts;
     let mut text = format!(
-        "{dims}, disparities 0 to {}: {} of {} segments matched, {} points, {:.1} ms\n",
-        max_disparity - 1,
+        "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {:.1} ms\n",
         counts.matched,
         counts.segments_left,
         counts.points,

@@ -20,7 +20,7 @@ use tiny_skia::{
 const SURE: f64 = 0.9;
 /// Small images are enlarged by a whole factor to about this width.
 const TARGET_WIDTH: f32 = 1280.0;
-const LARGEST_FACTOR: f32 = 4.0;
+const LARGEST_FACTOR: f32 = 6.0;
 /// Share of its brightness that the background keeps.
 const DIMMED: f32 = 0.5;
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the side above.
@@ -159,4 +159,62 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
     color.set_alpha(alpha.clamp(0.0, 1.0));
     paint.set_color(color);
     paint
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::{Confidence, Counts, Dims, Disparity, Point, PointClaim, Techniques};
+
+    fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
+        let point = |y: f64| Point { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };
+        let disparity = Disparity::from_num(disparity);
+        Match {
+            ends: [point(5.0), point(25.0)],
+            disparity: [disparity; 2],
+            sigma: Disparity::ZERO,
+            confidence: Confidence::MAX,
+            owner,
+            depth: None,
+            depth_sigma: None,
+            techniques: Techniques { feature: None, window: disparity, census: disparity },
+        }
+    }
+
+    #[test]
+    fn ticks_point_to_the_owner() {
+        let (start, end) = ((10.0, 5.0), (12.0, 25.0));
+        let reaches = |owner, to: Position| {
+            let found = vertical(owner, 10.0, 8);
+            ticks(&found, start, to, 1.0)
+                .into_iter()
+                .map(|(from, to)| (to.0 - from.0, to.1 - from.1))
+                .collect::<Vec<_>>()
+        };
+        assert!(reaches(Owner::Left, end).iter().all(|reach| reach.0 < 0.0));
+        assert!(reaches(Owner::Right, end).iter().all(|reach| reach.0 > 0.0));
+        assert_eq!(reaches(Owner::Both, end).len(), 2 * reaches(Owner::Left, end).len());
+        let flat_end = (30.0, 8.0); // near-horizontal: above is up
+        assert!(reaches(Owner::Left, flat_end).iter().all(|reach| reach.1 < 0.0));
+        assert!(ticks(&vertical(Owner::Left, 10.0, 8), start, start, 1.0).is_empty());
+    }
+
+    #[test]
+    fn near_is_red_far_is_blue_and_the_rest_is_dimmed() {
+        let left = GrayImage { dims: Dims { width: 320, height: 32 }, pixels: vec![200; 320 * 32] };
+        let point =
+            PointClaim { x: 200, y: 9, disparity: Disparity::from_num(40), confidence: Confidence::MAX, source: 0 };
+        let result = FrameResult {
+            matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],
+            points: vec![point],
+            counts: Counts::default(),
+        };
+        let picture = overlay(&left, &result, None, 64);
+        assert_eq!(picture.width(), 4 * 320);
+        let at = |x: u32, y: u32| picture.get_pixel(4 * x + 2, 4 * y + 1).0;
+        assert_eq!(at(5, 5), [100; 3]);
+        assert!(at(50, 12)[0] > 200 && at(50, 12)[2] < 80, "{:?}", at(50, 12));
+        assert!(at(100, 12)[2] > 200 && at(100, 12)[0] < 100, "{:?}", at(100, 12));
+        assert!(at(200, 9)[0] > 150 && at(201, 9) == [100; 3], "{:?}", at(200, 9));
+    }
 }

@@ -35,13 +35,15 @@ pub(super) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
     let image = decode(path)?;
     let dims = dims_of(path, &image)?;
     let values = match image.color() {
-        image::ColorType::L8 => image.into_luma8().into_raw().into_iter().map(u16::from).collect(),
         image::ColorType::L16 => image.into_luma16().into_raw(),
-        other => {
-            return Err(FrameError::Decode(
-                path.to_path_buf(),
-                format!("ground truth has to be 8 or 16-bit grey, not {other:?}"),
-            ));
+        image::ColorType::L8 => image.into_luma8().into_raw().into_iter().map(u16::from).collect(),
+        // Grey stored as a palette or as three equal channels.
+        _ => {
+            let rgb = image.into_rgb8();
+            if rgb.pixels().any(|pixel| pixel.0 != [pixel.0[0]; 3]) {
+                return Err(FrameError::ColouredTruth(path.to_path_buf()));
+            }
+            rgb.pixels().map(|pixel| u16::from(pixel.0[0])).collect()
         }
     };
     Ok((dims, values))

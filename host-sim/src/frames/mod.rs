@@ -13,7 +13,7 @@ pub use scene::{Scene, SceneInfo, find_scenes, has_truth, load_scene, scaled_max
 pub use truth::Truth;
 
 use core::fmt;
-use linestereo::{Dims, RigError, ViewError};
+use linestereo::{Dims, MAX_WIDTH, RigError, ViewError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +24,8 @@ pub enum FrameError {
     Read(PathBuf, io::Error),
     /// The file is not a PNG, JPEG or PNM image, or it is damaged.
     Decode(PathBuf, String),
+    /// A file of disparities or a mask is not grey.
+    ColouredTruth(PathBuf),
     /// The image is smaller or larger than the core accepts.
     Size(PathBuf, ViewError),
     /// Two images that belong together differ in size.
@@ -66,8 +68,13 @@ impl fmt::Display for FrameError {
             Self::Decode(path, what) => {
                 write!(f, "{} is not a readable image ({what}); give a PNG, JPEG, PGM or PPM file", path.display())
             }
+            Self::ColouredTruth(path) => {
+                write!(f, "{} is coloured; ground truth and masks are 8 or 16-bit grey", path.display())
+            }
             Self::Size(path, error) => {
-                write!(f, "{}: {error}; larger images can be reduced with --width", path.display())
+                let too_large = matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
+                let what = if too_large { "reduce it with --width" } else { "give a larger one" };
+                write!(f, "{}: {error}; {what}", path.display())
             }
             Self::SizesDiffer { first, second } => write!(
                 f,
@@ -91,7 +98,7 @@ impl fmt::Display for FrameError {
             Self::Width { have, asked } => {
                 write!(f, "--width {asked} is not between 1 and the image's {have}; images are only ever reduced")
             }
-            Self::SceneFile(path, what) => write!(f, "{}: {what}; correct the file", path.display()),
+            Self::SceneFile(path, what) => write!(f, "{} is not a scene file ({what}); correct it", path.display()),
             Self::Rig(path, error) => write!(f, "{}: {error}; correct \"rectified\"", path.display()),
             Self::NoImage(folder, name) => {
                 write!(f, "{} holds no {name}.png, .jpg, .pgm or .ppm; add the image", folder.display())

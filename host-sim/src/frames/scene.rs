@@ -46,8 +46,8 @@ struct RectifiedInfo {
 impl SceneInfo {
     /// Reads a `scene.json`.
     pub fn load(path: &Path) -> Result<Self, FrameError> {
-        let text = fs::read_to_string(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
-        serde_json::from_str(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
+        let text = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
     }
 
     /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
