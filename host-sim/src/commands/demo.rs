@@ -1,5 +1,6 @@
 //! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does without arguments.
 
+use super::scene::parse_noise;
 use super::{engine_for, print};
 use crate::draw;
 use crate::engine::FrameResult;
@@ -32,7 +33,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = SEED)]
     seed: u64,
     /// Standard deviation of the noise in both images, in grey levels.
-    #[arg(long, value_name = "SIGMA", default_value_t = NOISE, value_parser = super::scene::parse_noise)]
+    #[arg(long, value_name = "SIGMA", default_value_t = NOISE, allow_negative_numbers = true, value_parser = parse_noise)]
     noise: f64,
 }
 
