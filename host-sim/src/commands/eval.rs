@@ -28,7 +28,8 @@ Words:
   bad1/bad2      % of points more than 1 / 2 px off the truth
   vis, allGT     points whose true match is visible in the right image; all points with truth
   cells          % of 16x16 cells (those at least half visible truth) that hold a claim
-  median, rms    error of visible points in px; ms: time per pair on one thread, median of several runs";
+  median, rms    error of visible points in px
+  ms             time per pair on one thread, median of several runs";
 
 /// Score the core on every folder with a scene.json and ground truth.
 ///
@@ -122,15 +123,19 @@ pub fn run(args: &Args) -> Result<()> {
     let perturbation = args.perturbation.checked()?;
     let mut folders = Vec::new();
     for root in &args.folders {
-        folders.extend(find_scenes(root)?);
+        folders.extend(find_scenes(root)?.into_iter().map(|folder| (root, folder)));
     }
-    folders.dedup();
     let progress = progress_bar(folders.len());
     let mut scores = Vec::new();
-    for folder in &folders {
-        progress.set_message(folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
+    for (root, folder) in &folders {
+        let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
+        progress.set_message(below_root.clone());
         if crate::frames::has_truth(folder)? {
             let mut scene = load_scene(folder, args.width)?;
+            // Sets hold scenes of the same name: the path below the given folder tells them apart.
+            if !below_root.is_empty() {
+                scene.name = below_root;
+            }
             scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
             scores.push(score(&scene, &perturbation)?);
         }

@@ -21,7 +21,7 @@ const FAILURE: u8 = 2;
 
 /// Sparse stereo depth from line segments: credible depths, each with a probability, from a rectified stereo pair.
 #[derive(Debug, Parser)]
-#[command(name = "linestereo", version, propagate_version = true)]
+#[command(name = "linestereo", version, max_term_width = 104)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,

@@ -27,13 +27,20 @@ Examples:
   linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
       range and rig from a scene file, images reduced to 320 px
 
-The pair has to be rectified: a point lies on the same row in both images, and further left in the right image.
+The pair has to be rectified: a point lies on one row in both images.
 Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
 
-JSON: {\"size\":[w,h], \"segments\":[{\"id\", \"left\":[[x0,y0],[x1,y1]], \"disparity_px\":[d0,d1], \"sigma_px\",
-\"confidence\" (probability of being within 1 px), \"owner\":\"left|right|both\" (the side whose surface has this depth;
-on a near-horizontal segment left is above), \"depth_m\":[z0,z1] or null without a rig (a depth of null: infinite),
-\"techniques\":{\"feature\",\"window\",\"census\"}}], \"points\":[[x,y,disparity_px,confidence]], \"counts\":{...}}";
+JSON:
+  {\"size\":[w,h],
+   \"segments\":[{\"id\":0, \"left\":[[x0,y0],[x1,y1]], \"disparity_px\":[d0,d1], \"sigma_px\":s,
+                \"confidence\":c, \"owner\":\"left|right|both\", \"depth_m\":[z0,z1],
+                \"techniques\":{\"feature\":d, \"window\":d, \"census\":d}}],
+   \"points\":[[x,y,disparity_px,confidence]],
+   \"counts\":{...}}
+  confidence  probability of being within 1 px
+  owner       side whose surface has this depth; left is above on a near-horizontal segment
+  depth_m     null without a rig; a z of null is infinite
+  feature     null when no segment of the right image is alike";
 
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
