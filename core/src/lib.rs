@@ -1,20 +1,28 @@
 //! Sparse stereo depth from line segments.
 #![no_std]
 
+mod claims;
+mod confidence;
 mod image;
 mod kernel;
 mod lines;
 mod matching;
+mod params;
 mod pipeline;
+mod report;
 mod result;
 mod rig;
+mod sort;
 mod units;
 
+pub use confidence::{FITTED, Model, Models, NODES};
 pub use image::{Dims, Gray, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, ViewError};
 pub use lines::Segment;
+pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
-pub use pipeline::{Output, ParamError, Params, Plan, Scratch, SizeMismatch};
+pub use params::{Margin, ParamError, Params};
+pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words};
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
 pub use rig::{Rig, RigError};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

@@ -1,56 +1,17 @@
-//! Parameters, plan and the run over one pair.
+//! One rectified pair -> matches and points: the method, stage by stage.
+
+use crate::confidence::{FITTED, Models};
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, row_bytes};
-use crate::matching::flat::match_flat;
-use crate::matching::steep::match_steep;
-use crate::matching::{Candidate, MatchContext};
+use crate::matching::consistency::{self, Place};
+use crate::matching::{self, Candidate, MatchContext, row_offset};
+use crate::params::{ParamError, Params};
+use crate::report::Report;
 use crate::result::{Counts, Match, PointClaim};
-use crate::rig::Rig;
 use core::fmt;
 use heapless::Vec;
-
-/// Parameters.
-#[derive(Clone, Copy, Debug)]
-pub struct Params {
-    /// Disparities searched: 0 .. max_disparity, in px; 16 ..= 256 and smaller than the width.
-    pub max_disparity: u16,
-    /// Rectified rig; without one no depth in metres is given.
-    pub rig: Option<Rig>,
-    /// Least gradient of an anchor.
-    pub anchor: u16,
-    /// Least gradient of an edge.
-    pub edge: u16,
-    /// Least extent.
-    pub min_extent: u16,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Self { max_disparity: 64, rig: None, anchor: 40, edge: 24, min_extent: 6 }
-    }
-}
-
-/// A parameter out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ParamError {
-    /// Name of the field of [`Params`].
-    pub name: &'static str,
-    /// Its value.
-    pub value: i32,
-    /// Least allowed value.
-    pub low: i32,
-    /// Largest allowed value.
-    pub high: i32,
-}
-
-impl fmt::Display for ParamError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} is {}, allowed are {} to {}", self.name, self.value, self.low, self.high)
-    }
-}
-
-impl core::error::Error for ParamError {}
+use heapless::vec::VecView;
 
 /// The only way a planned frame can fail: another size than planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,14 +30,15 @@ impl fmt::Display for SizeMismatch {
 
 impl core::error::Error for SizeMismatch {}
 
-/// Checked parameters for one image size.
-#[derive(Clone, Copy, Debug)]
-pub struct Plan {
-    dims: Dims,
-    params: Params,
+/// Words of marks for images of this size: two bits per pixel.
+#[must_use]
+pub const fn mark_words(dims: Dims) -> usize {
+    (dims.width as usize * dims.height as usize).div_ceil(16)
 }
 
-/// Working memory of a run; its contents never influence a result.
+/// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.
+///
+/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments.
 #[derive(Debug)]
 pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> {
     marks: [u32; MARKS],
@@ -84,11 +46,15 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> 
     rows: [[[u8; ROW]; BAND_ROWS]; 4],
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
-    /// Candidates of the last run.
-    pub candidates: Vec<Candidate, SEGMENTS>,
+    candidates: Vec<Candidate, SEGMENTS>,
+    places: [[Place; 2]; SEGMENTS],
+    order: Vec<(u16, u16), SEGMENTS>,
 }
 
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, MARKS, SEGMENTS> {
+    /// Bytes of one.
+    pub const BYTES: usize = size_of::<Self>();
+
     /// Cleared memory.
     #[must_use]
     pub const fn new() -> Self {
@@ -99,7 +65,20 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),
+            places: [[Place::EMPTY; 2]; SEGMENTS],
+            order: Vec::new(),
         }
+    }
+
+    /// Everything that passed the hard tests of the last run, with its evidence: what a confidence model is fitted on.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+}
+
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Default for Scratch<ROW, MARKS, SEGMENTS> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -108,7 +87,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
 pub struct Output<const SEGMENTS: usize, const POINTS: usize> {
     /// Matched segments, most confident first.
     pub matches: Vec<Match, SEGMENTS>,
-    /// Points, most confident first, at most one per pixel.
+    /// Points of the matches, in their order; at most one per pixel.
     pub points: Vec<PointClaim, POINTS>,
     /// What was found and lost.
     pub counts: Counts,
@@ -122,15 +101,58 @@ impl<const SEGMENTS: usize, const POINTS: usize> Output<SEGMENTS, POINTS> {
     }
 }
 
-impl Params {
-    /// Checks everything once for images of this size.
-    pub fn plan(&self, dims: Dims) -> Result<Plan, ParamError> {
-        Ok(Plan { dims, params: *self })
+impl<const SEGMENTS: usize, const POINTS: usize> Default for Output<SEGMENTS, POINTS> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
+/// Checked parameters for one image size: all that a frame does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    dims: Dims,
+    params: Params,
+    models: Models,
+}
+
+impl Params {
+    /// Checks everything once, for images of this size.
+    pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
+        self.check(dims)?;
+        Ok(Plan { dims, params: self, models: FITTED })
+    }
+}
+
+/// The scratch memory without its capacities.
+struct Memory<'a> {
+    marks: &'a mut [u32],
+    chain: &'a mut [u16],
+    rows: &'a mut [u8],
+    left: &'a mut VecView<Segment>,
+    right: &'a mut VecView<Segment>,
+    candidates: &'a mut VecView<Candidate>,
+    places: &'a mut [[Place; 2]],
+    order: &'a mut VecView<(u16, u16)>,
+}
+
+/// The output without its capacities.
+struct Lists<'a> {
+    matches: &'a mut VecView<Match>,
+    points: &'a mut VecView<PointClaim>,
+    counts: &'a mut Counts,
+}
+
 impl Plan {
+    /// The same plan with other confidence models.
+    #[must_use]
+    pub fn with_models(self, models: Models) -> Self {
+        Self { models, ..self }
+    }
+
     /// Matches one rectified pair.
+    ///
+    /// The memory must be large enough for the planned size: see [`Scratch`]. A smaller one is refused by [`Plan::check_scratch`]; run with it
+    /// all the same, it gives an empty result.
     pub fn run<const R: usize, const M: usize, const S: usize, const OS: usize, const OP: usize>(
         &self,
         left: Gray<'_>,
@@ -138,51 +160,87 @@ impl Plan {
         scratch: &mut Scratch<R, M, S>,
         out: &mut Output<OS, OP>,
     ) -> Result<(), SizeMismatch> {
+        let memory = Memory {
+            marks: &mut scratch.marks,
+            chain: &mut scratch.chain,
+            rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
+            left: &mut scratch.left,
+            right: &mut scratch.right,
+            candidates: &mut scratch.candidates,
+            places: &mut scratch.places,
+            order: &mut scratch.order,
+        };
+        let lists = Lists { matches: &mut out.matches, points: &mut out.points, counts: &mut out.counts };
+        self.run_stages(left, right, memory, lists)
+    }
+
+    /// Says whether this scratch memory is large enough for the planned size.
+    pub fn check_scratch<const R: usize, const M: usize, const S: usize>(
+        &self,
+        _: &Scratch<R, M, S>,
+    ) -> Result<(), ParamError> {
+        let (row, marks) = (row_bytes(self.dims.width), mark_words(self.dims));
+        if R < row {
+            return Err(ParamError::ScratchTooSmall { name: "ROW", needed: row, given: R });
+        }
+        if M < marks {
+            return Err(ParamError::ScratchTooSmall { name: "MARKS", needed: marks, given: M });
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn run_stages(&self, left: Gray<'_>, right: Gray<'_>, m: Memory<'_>, out: Lists<'_>) -> Result<(), SizeMismatch> {
+        for image in [left, right] {
+            if image.dims() != self.dims {
+                return Err(SizeMismatch { planned: self.dims, given: image.dims() });
+            }
+        }
         out.matches.clear();
         out.points.clear();
-        out.counts = Counts::ZERO;
-        let params = LineParams {
-            anchor: self.params.anchor.into(),
-            edge: self.params.edge.into(),
+        *out.counts = Counts::ZERO;
+
+        // Segments of both images; of the left ones, the prominent.
+        let lines = LineParams {
+            anchor: self.params.anchor_gradient.into(),
+            edge: self.params.edge_gradient.into(),
             min_extent: self.params.min_extent.into(),
         };
-        for (image, list) in [(left, &mut scratch.left), (right, &mut scratch.right)] {
-            lines::detect(image, &params, LineScratch { marks: &mut scratch.marks, chain: &mut scratch.chain }, list);
-        }
-        out.counts.segments_left = scratch.left.len() as u16;
-        out.counts.segments_right = scratch.right.len() as u16;
-        scratch.candidates.clear();
-        let context = MatchContext {
-            width: self.dims.width.into(),
-            max_disparity: self.params.max_disparity.into(),
-            min_range: 8,
-            right: &scratch.right,
-            row_offset_q5: 0,
-            max_window_ratio_q8: 230,
-            max_census_ratio_q8: 240,
-            max_side_ratio_q8: 230,
-            max_flat_ratio_q8: 205,
-            max_slant_q6: 384,
-            margin_q6: 64,
-        };
-        let rows = scratch.rows.as_flattened_mut().as_flattened_mut();
-        let Some(mut band) = Band::new(left, right, 0, rows) else { return Ok(()) };
-        for segment in &scratch.left {
-            let (_, y0, _, y1) = segment.ends_q5();
-            let (top, bottom) = (y0.min(y1) >> 5, (y0.max(y1) + 31) >> 5);
-            band.advance((bottom + 8).min(top + BAND_ROWS as i32 - 9));
-            let result = if segment.near_horizontal {
-                match_flat(segment, &context, &band)
-            } else {
-                match_steep(segment, &context, &band)
-            };
-            match result {
+        out.counts.segments_left_dropped =
+            lines::detect(left, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.left);
+        out.counts.segments_right_dropped =
+            lines::detect(right, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
+        out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);
+        out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
+        let row_offset_q5 = row_offset::estimate(m.left, m.right, self.params.max_disparity.into());
+        let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
+        out.counts.reject_many(crate::result::Rejection::LessProminent, lost);
+
+        // Three matchings of each, aggregation, ownership.
+        m.candidates.clear();
+        let context = MatchContext::new(&self.params, self.dims, m.right, row_offset_q5);
+        let Some(mut band) = Band::new(left, right, (row_offset_q5 + 16) >> 5, m.rows) else { return Ok(()) };
+        for segment in m.left.iter() {
+            match matching::match_segment(segment, &context, &mut band) {
                 Ok(candidate) => {
-                    let _ = scratch.candidates.push(candidate);
+                    let _ = m.candidates.push(candidate); // as many places as segments
                 }
                 Err(reason) => out.counts.reject(reason),
             }
         }
+
+        // What the claims say of each other, probability, lists.
+        consistency::weigh_neighbours(m.candidates, m.places);
+        let report = Report {
+            params: &self.params,
+            models: &self.models,
+            dims: self.dims,
+            candidates: m.candidates,
+            places: m.places,
+            order: m.order,
+            marks: m.marks,
+        };
+        report.run(out.matches, out.points, out.counts);
         Ok(())
     }
 }

@@ -72,6 +72,8 @@ pub struct PointClaim {
 /// Why a left segment (or one piece of it) has no disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rejection {
+    /// Another segment in the same cell has more extent and contrast.
+    LessProminent,
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
     /// The window's cost curve has a second minimum that is nearly as low.
@@ -94,7 +96,8 @@ pub enum Rejection {
 
 impl Rejection {
     /// Every reason, in the order in which a segment meets them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
+        Self::LessProminent,
         Self::NearBorder,
         Self::WindowNotUnique,
         Self::CensusNotUnique,
@@ -110,6 +113,7 @@ impl Rejection {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::LessProminent => "less_prominent",
             Self::NearBorder => "near_border",
             Self::WindowNotUnique => "window_not_unique",
             Self::CensusNotUnique => "census_not_unique",
@@ -165,8 +169,12 @@ impl Counts {
     };
 
     pub(crate) fn reject(&mut self, reason: Rejection) {
+        self.reject_many(reason, 1);
+    }
+
+    pub(crate) fn reject_many(&mut self, reason: Rejection, segments: u16) {
         if let Some(count) = self.rejected.get_mut(reason as usize) {
-            *count = count.saturating_add(1);
+            *count = count.saturating_add(segments);
         }
     }
 }

@@ -1,13 +1,15 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
-use linestereo::{Counts, Dims, Gray, Match, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch};
+use linestereo::{Candidate, Counts, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch, mark_words, row_bytes};
 
 /// Most segments listed per frame on a PC.
 pub const MAX_MATCHES: usize = 4096;
 /// Most points listed per frame on a PC.
 pub const MAX_POINTS: usize = 131_072;
 
-type PcScratch = Scratch<1408, 51200, 4096>;
+const LARGEST: Dims = Dims { width: 1280, height: 1280 };
+
+type PcScratch = Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, MAX_MATCHES>;
 
 /// An owned 8-bit grey image without padding.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,6 +50,18 @@ impl Engine {
     pub fn new(params: &Params, dims: Dims) -> Result<Self, ParamError> {
         let plan = params.plan(dims)?;
         Ok(Self { plan, scratch: Box::new(PcScratch::new()), output: Box::new(Output::new()) })
+    }
+
+    /// The same engine with other confidence models.
+    #[must_use]
+    pub fn with_models(self, models: Models) -> Self {
+        Self { plan: self.plan.with_models(models), ..self }
+    }
+
+    /// What passed the hard tests of the last run, with its evidence.
+    #[must_use]
+    pub fn candidates(&self) -> &[Candidate] {
+        self.scratch.candidates()
     }
 
     /// Runs the core without copying the result out: for benchmarks and for loops that read it in place.

@@ -71,8 +71,9 @@ pub(crate) fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
                 let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else { continue };
                 let (r0, r1) = (strip.reference[k], strip.reference[k + 1]);
                 for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
-                    // Two differences fit in eight bits: halves the widening.
-                    *sum = sum.wrapping_add(u16::from(p.abs_diff(r0).wrapping_add(q.abs_diff(r1))));
+                    // max - min vectorises where `abs_diff` widens to 32 bits; two differences fit in eight bits.
+                    let (a, b) = (p.max(r0) - p.min(r0), q.max(r1) - q.min(r1));
+                    *sum = sum.wrapping_add(u16::from(a.wrapping_add(b)));
                 }
             }
         }

@@ -26,6 +26,7 @@ pub(crate) mod fit;
 
 use crate::image::Gray;
 use crate::result::Point;
+use crate::sort::sort_by_key;
 use crate::units::Position;
 use edges::{Axis, Direction, Edges};
 use heapless::vec::VecView;
@@ -97,8 +98,42 @@ pub(crate) fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<
         });
     }
     let dropped = list.dropped;
-    out.sort_unstable_by_key(|s| s.ends_q5().1.min(s.ends_q5().3) << 11 | s.ends_q5().0 >> 5);
+    sort_by_key(out, |s| {
+        let (x0, y0, x1, y1) = s.ends_q5();
+        (y0.min(y1), x0, y0, x1)
+    });
     dropped
+}
+
+/// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; returns how many
+/// were removed. `marks` is scratch.
+///
+/// Few, prominent and evenly spread: matching cost is bounded by the area, not by what the image shows.
+pub(crate) fn keep_prominent(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) -> u16 {
+    marks.fill(0);
+    let per_row = width / cell + 1;
+    let place = |s: &Segment| {
+        let (x0, y0, x1, y1) = s.ends_q5();
+        usize::try_from(((y0 + y1) >> 6) / cell * per_row + ((x0 + x1) >> 6) / cell).unwrap_or(0)
+    };
+    // Prominence in the upper bits, position in the list in the lower twelve: later ones lose ties.
+    let rank = |s: &Segment, i: usize| {
+        let prominence = (s.extent_q5() >> 5).clamp(0, 4095) as u32 * (u32::from(s.contrast) + 1);
+        prominence.min(0xf_ffff) << 12 | (4095 - i.min(4095)) as u32
+    };
+    for (i, segment) in list.iter().enumerate() {
+        if let Some(best) = marks.get_mut(place(segment)) {
+            *best = (*best).max(rank(segment, i));
+        }
+    }
+    let before = list.len();
+    let mut i = 0;
+    list.retain(|s| {
+        let keep = marks.get(place(s)).is_none_or(|&best| best == rank(s, i));
+        i += 1;
+        keep
+    });
+    u16::try_from(before - list.len()).unwrap_or(u16::MAX)
 }
 
 /// A chain of one position per row (column): where it starts and what it saw.

@@ -9,6 +9,7 @@
 //! `4 * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
 use crate::image::Gray;
+use crate::lines::Segment;
 use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
 
 /// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
@@ -21,6 +22,9 @@ pub(crate) const PAD: usize = 48;
 pub const fn row_bytes(width: u16) -> usize {
     width as usize + 2 * PAD
 }
+
+/// Rows that a window reaches above and below its segment.
+const WINDOW_REACH: i32 = 8;
 
 /// Which image the reference pixels come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,8 +77,14 @@ impl<'a> Band<'a> {
         })
     }
 
+    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before.
+    pub(crate) fn advance_for(&mut self, segment: &Segment) {
+        let (_, y0, _, y1) = segment.ends_q5();
+        self.advance(((y0.max(y1) + 31) >> 5) + WINDOW_REACH);
+    }
+
     /// Computes rows up to and including `last`; rows before `last + 1 - BAND_ROWS` are forgotten.
-    pub(crate) fn advance(&mut self, last: i32) {
+    fn advance(&mut self, last: i32) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
             self.next_row += 1;

@@ -29,9 +29,40 @@ pub enum Kind {
     Contrast,
     Support,
     Conflict,
-    Rivalry,
     EdgeRatio,
     Distance,
+}
+
+impl Kind {
+    /// What each entry says, in the model's order.
+    pub const NAMES: [&'static str; EVIDENCE] = [
+        "this side's window: cost at the disparity / best cost elsewhere",
+        "log2(1 + that cost per pixel)",
+        "log2(1 + how much worse elsewhere is, per pixel)",
+        "segment window: best cost / best elsewhere",
+        "log2(1 + its cost per pixel)",
+        "census: best cost / best elsewhere",
+        "log2(1 + its cost per point)",
+        "this side's census: cost at the disparity / best elsewhere",
+        "|window - census|, px",
+        "|searched back - window|, px",
+        "searching back: best cost / best elsewhere",
+        "|difference of the halves' disparities| per row or column",
+        "log2(1 + rows or columns)",
+        "the other side's window ratio",
+        "1 if the other side prefers another disparity",
+        "1 if this side alone prefers another disparity",
+        "1 if a right segment's line agrees",
+        "1 if no right segment is compatible",
+        "-1 left of or above the edge, +1 right or below",
+        "slope against its direction, px per px",
+        "log2(1 + disparities compared)",
+        "log2(1 + grey step)",
+        "log2(1 + neighbours that agree)",
+        "share of neighbours that contradict",
+        "the edge itself: cost at the disparity / best elsewhere",
+        "distance of the pixel from the edge, px",
+    ];
 }
 
 /// Number of entries.

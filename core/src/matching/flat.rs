@@ -3,7 +3,9 @@
 use super::band::{Band, Search};
 use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::{Candidate, MatchContext, Side};
+use super::{
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side,
+};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
@@ -92,7 +94,7 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
     let columns = line.columns();
     let count = columns.1 - columns.0 + 1;
     let len = context.max_disparity.min(columns.0 + 1);
-    if len < context.min_range || len > MAX_DISPARITIES as i32 || count < 3 {
+    if len < MIN_RANGE || len > MAX_DISPARITIES as i32 || count < 3 {
         return Err(Rejection::NearBorder);
     }
     let middle = (columns.0 + columns.1) / 2;
@@ -114,7 +116,7 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
         let (a, b, whole, pixels) = &curves[i];
         let (best, rival, ratio) = minima[i];
         let (other_best, _, other_ratio) = minima[1 - i];
-        if *pixels == 0 || ratio > context.max_flat_ratio_q8 {
+        if *pixels == 0 || ratio > MAX_SIDE_RATIO_Q8 {
             return Err(Rejection::WindowNotUnique);
         }
         let (census, census_count) = census_curve(&line, columns, i, band, len);
@@ -123,7 +125,7 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
         let census_ratio = ratio_q8(census_near.cost, census.rival(best.at));
         let whole_q6 = whole.subpixel_q6(best.at);
         let c_q6 = census.subpixel_q6(census_near.at);
-        if census_ratio > context.max_census_ratio_q8 {
+        if census_ratio > MAX_CENSUS_RATIO_Q8 {
             return Err(Rejection::CensusNotUnique);
         }
         if !context.margin_holds(whole_q6, census.subpixel_q6(census_best.at)) {
@@ -157,7 +159,7 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
         evidence.set(Kind::Lean, line.slope_q12.abs() >> 4);
         evidence.set(Kind::Range, log2_mean_q8(len as u32, 1));
         evidence.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
-        Ok(Side { disparity_q6: [whole_q6, whole_q6], evidence })
+        Ok(Side::new([first - slant / 2, last + slant / 2], evidence))
     };
     let mut keep = |i: usize| match side_of(i) {
         Ok(side) => Some(side),
@@ -172,5 +174,5 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
     if sides.iter().all(Option::is_none) {
         return Err(reasons);
     }
-    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6: None })
+    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6: None, beaten: false })
 }

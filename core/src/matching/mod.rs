@@ -6,10 +6,30 @@ pub(crate) mod curve;
 pub(crate) mod evidence;
 pub(crate) mod feature;
 pub(crate) mod flat;
+pub(crate) mod row_offset;
 pub(crate) mod steep;
 
+use crate::image::Dims;
 use crate::lines::Segment;
+use crate::params::{Margin, Params};
+use crate::result::Rejection;
+use crate::rig::Rig;
+use crate::units::Disparity;
+use band::Band;
 use evidence::Evidence;
+
+// The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
+
+/// Least disparities that a search must compare: with fewer there is no rival to be better than.
+const MIN_RANGE: i32 = 8;
+/// Largest best/rival ratio of the segment's window.
+const MAX_WINDOW_RATIO_Q8: i32 = 230;
+/// Largest best/rival ratio of census.
+const MAX_CENSUS_RATIO_Q8: i32 = 240;
+/// Largest best/rival ratio of a side's own window.
+const MAX_SIDE_RATIO_Q8: i32 = 230;
+/// Largest difference between the end disparities.
+const MAX_SLANT_Q6: i32 = 6 << 6;
 
 /// A segment that passed every hard test, with what speaks for and against each side's disparity.
 #[derive(Clone, Debug)]
@@ -24,6 +44,8 @@ pub struct Candidate {
     pub census_q6: i32,
     /// By the line of a right segment.
     pub feature_q6: Option<i32>,
+    /// True when a more probable claim explains the same place in the right image.
+    pub(crate) beaten: bool,
 }
 
 /// One side's claim.
@@ -33,25 +55,63 @@ pub struct Side {
     pub disparity_q6: [i32; 2],
     /// What speaks for and against it.
     pub evidence: Evidence,
+    pub(crate) score_q8: i32,
+    pub(crate) probability_q16: u16,
+    pub(crate) rejected: bool,
+}
+
+impl Side {
+    pub(crate) fn new(disparity_q6: [i32; 2], evidence: Evidence) -> Self {
+        Self { disparity_q6, evidence, score_q8: 0, probability_q16: 0, rejected: false }
+    }
 }
 
 /// What is the same for every segment of a frame.
 pub(crate) struct MatchContext<'a> {
     pub(crate) width: i32,
     pub(crate) max_disparity: i32,
-    pub(crate) min_range: i32,
     pub(crate) right: &'a [Segment],
     pub(crate) row_offset_q5: i32,
-    pub(crate) max_window_ratio_q8: i32,
-    pub(crate) max_census_ratio_q8: i32,
-    pub(crate) max_side_ratio_q8: i32,
-    pub(crate) max_flat_ratio_q8: i32,
-    pub(crate) max_slant_q6: i32,
-    pub(crate) margin_q6: i32,
+    margin: Margin,
+    rig: Option<Rig>,
 }
 
-impl MatchContext<'_> {
-    pub(crate) fn margin_holds(&self, a_q6: i32, b_q6: i32) -> bool {
-        (a_q6 - b_q6).abs() <= self.margin_q6
+impl<'a> MatchContext<'a> {
+    pub(crate) fn new(params: &Params, dims: Dims, right: &'a [Segment], row_offset_q5: i32) -> Self {
+        Self {
+            width: dims.width.into(),
+            max_disparity: params.max_disparity.into(),
+            right,
+            row_offset_q5,
+            margin: params.margin,
+            rig: params.rig,
+        }
+    }
+
+    /// Does `other` lie within the depth margin around `d` (Eq. 13)? In 1/64 px.
+    pub(crate) fn margin_holds(&self, d_q6: i32, other_q6: i32) -> bool {
+        match (self.margin, self.rig) {
+            (Margin::Metres { nearer, farther }, Some(rig)) => {
+                let d = Disparity::from_bits(i16::try_from(d_q6).unwrap_or(i16::MAX));
+                let (low, high) = rig.disparity_interval(d, nearer, farther);
+                (i32::from(low.to_bits())..=i32::from(high.to_bits())).contains(&other_q6)
+            }
+            (Margin::Pixels(margin), _) => (d_q6 - other_q6).abs() <= i32::from(margin.to_bits()),
+            (Margin::Metres { .. }, None) => false, // refused by `Params::check`
+        }
+    }
+}
+
+/// Matches one segment, or names the test it fails. Segments come in the order of their top rows.
+pub(crate) fn match_segment(
+    segment: &Segment,
+    context: &MatchContext<'_>,
+    band: &mut Band<'_>,
+) -> Result<Candidate, Rejection> {
+    band.advance_for(segment);
+    if segment.near_horizontal {
+        flat::match_flat(segment, context, band)
+    } else {
+        steep::match_steep(segment, context, band)
     }
 }

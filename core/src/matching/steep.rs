@@ -4,7 +4,9 @@ use super::band::{Band, Search};
 use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::feature::{SteepLine, for_each_partner};
-use super::{Candidate, MatchContext, Side};
+use super::{
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side,
+};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
@@ -113,7 +115,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     let count = rows.1 - rows.0 + 1;
     let columns = (line.column(rows.0), line.column(rows.1));
     let len = context.max_disparity.min(columns.0.min(columns.1) + 1);
-    if len < context.min_range || len > MAX_DISPARITIES as i32 || count < 3 {
+    if len < MIN_RANGE || len > MAX_DISPARITIES as i32 || count < 3 {
         return Err(Rejection::NearBorder);
     }
 
@@ -124,7 +126,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     let window = left_window.lower(&right_window);
     let best = window.minimum();
     let window_ratio = ratio_q8(best.cost, window.rival(best.at));
-    if window_ratio > context.max_window_ratio_q8 {
+    if window_ratio > MAX_WINDOW_RATIO_Q8 {
         return Err(Rejection::WindowNotUnique);
     }
     let window_q6 = window.subpixel_q6(best.at);
@@ -135,7 +137,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     let census = census_left.lower(census_right);
     let census_best = census.minimum();
     let census_ratio = ratio_q8(census_best.cost, census.rival(census_best.at));
-    if census_ratio > context.max_census_ratio_q8 {
+    if census_ratio > MAX_CENSUS_RATIO_Q8 {
         return Err(Rejection::CensusNotUnique);
     }
     let census_q6 = census.subpixel_q6(census_best.at);
@@ -164,7 +166,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
         curve.subpixel_q6(at)
     };
     let (upper, lower) = (half(0), half(1));
-    if (lower - upper).abs() > context.max_slant_q6 / 2 {
+    if (lower - upper).abs() > MAX_SLANT_Q6 / 2 {
         return Err(Rejection::Slant);
     }
     let disparity_q6 = [upper - (lower - upper) / 2, lower + (lower - upper) / 2];
@@ -211,7 +213,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
         let (near, rival, preferred) = *sides.get(i)?;
         let ratio = *side_ratios.get(i)?;
         let (other_ratio, (_, _, other_preferred)) = (*side_ratios.get(1 - i)?, *sides.get(1 - i)?);
-        if ratio > context.max_side_ratio_q8 {
+        if ratio > MAX_SIDE_RATIO_Q8 {
             return None;
         }
         let mut evidence = shared;
@@ -225,11 +227,11 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
         evidence.set(Kind::OtherDiffers, i32::from((other_preferred - best.at).abs() > 2) << 8);
         evidence.set(Kind::SideDiffers, i32::from((preferred - best.at).abs() > 1) << 8);
         evidence.set(Kind::WhichSide, if i == 0 { -256 } else { 256 });
-        Some(Side { disparity_q6, evidence })
+        Some(Side::new(disparity_q6, evidence))
     };
     let sides = [claim(0), claim(1)];
     if sides.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
-    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6 })
+    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6, beaten: false })
 }

@@ -1,0 +1,45 @@
+//! Pixels for which a side of a segment claims its disparity.
+//!
+//! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row (column, when near-horizontal) of the segment.
+
+use crate::image::Dims;
+use crate::matching::Candidate;
+use crate::matching::feature::SteepLine;
+use crate::matching::flat::FlatLine;
+
+/// The first claim of a near-horizontal segment lies one pixel further off: its rows, not its columns, were matched.
+const FLAT_OFFSET: i32 = 1;
+
+impl Candidate {
+    /// Calls `claim(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...) from the edge on `side` (0 = left or above). Pixels outside
+    /// the image, or whose match lies outside the right image, are left out.
+    pub fn for_each_pixel(&self, side: usize, distance: u16, dims: Dims, mut claim: impl FnMut(u16, u16, i32)) {
+        let Some(Some(owner)) = self.sides.get(side) else { return };
+        let sign = if side == 0 { -1 } else { 1 };
+        let [d0, d1] = owner.disparity_q6;
+        let mut emit = |x: i32, y: i32, d_q6: i32| {
+            let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
+            if column < dims.width && row < dims.height && (x << 6) >= d_q6 && d_q6 >= -32 {
+                claim(column, row, d_q6.max(0));
+            }
+        };
+        // d along the segment, 1/64 px in Q8 steps.
+        let ramp = |from: i32, to: i32| ((d1 - d0) << 8) / (to - from).max(1);
+        if self.segment.near_horizontal {
+            let line = FlatLine::new(&self.segment);
+            let (from, to) = line.columns();
+            let step = ramp(from, to);
+            for x in from..=to {
+                let off = sign * (i32::from(distance) + FLAT_OFFSET);
+                emit(x, line.row(x) + off, d0 + (((x - from) * step) >> 8));
+            }
+        } else {
+            let line = SteepLine::new(&self.segment);
+            let (from, to) = line.rows();
+            let step = ramp(from, to);
+            for y in from..=to {
+                emit(line.column(y) + sign * i32::from(distance), y, d0 + (((y - from) * step) >> 8));
+            }
+        }
+    }
+}

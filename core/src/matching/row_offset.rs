@@ -1,0 +1,59 @@
+//! Are the rows of the pair aligned? Near-horizontal segments of both images say by how much they are not.
+//!
+//! In: the segments of both images. Out: rows to add to a left row for the matching right row, 1/32 px.
+//!
+//! ```text
+//! for every left and right near-horizontal segment that could be the same edge: vote for the difference of their rows
+//! the offset is the heaviest cluster of votes within +-2 px, if it outweighs the rest; else 0
+//! ```
+//! True pairs agree, false ones spread evenly over the interval: no image is read.
+
+use crate::lines::Segment;
+
+/// Votes per 1/8 px, -2 .. 2 px.
+const BINS: usize = 33;
+const LIMIT_Q5: i32 = 64;
+/// Least votes in the cluster.
+const MIN_VOTES: u32 = 8;
+
+/// Row offset of the right image against the left, 1/32 px; 0 when the segments do not say.
+pub(crate) fn estimate(left: &[Segment], right: &[Segment], max_disparity: i32) -> i32 {
+    let mut votes = [0_u32; BINS];
+    for segment in left.iter().filter(|s| s.near_horizontal) {
+        let (x0, y0, x1, y1) = segment.ends_q5();
+        let first = right.partition_point(|s| s.ends_q5().1.min(s.ends_q5().3) < y0.min(y1) - LIMIT_Q5 - 32);
+        for other in right.get(first..).unwrap_or(&[]) {
+            let (u0, v0, u1, v1) = other.ends_q5();
+            if v0.min(v1) > y0.min(y1) + LIMIT_Q5 + 32 {
+                break;
+            }
+            let disparity = (x0 + x1 - u0 - u1) / 2;
+            let same = other.near_horizontal
+                && other.rising == segment.rising
+                && ((x1 - x0) - (u1 - u0)).abs() <= 64
+                && ((y1 - y0) - (v1 - v0)).abs() <= 16
+                && (-32..=max_disparity << 5).contains(&disparity)
+                && other.contrast.abs_diff(segment.contrast) <= segment.contrast / 4;
+            let bin = ((v0 + v1 - y0 - y1) / 2 + LIMIT_Q5 + 2) >> 2;
+            if same && let Some(count) = usize::try_from(bin).ok().and_then(|b| votes.get_mut(b)) {
+                *count += 1;
+            }
+        }
+    }
+    peak(&votes)
+}
+
+/// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them threefold.
+fn peak(votes: &[u32; BINS]) -> i32 {
+    let total: u32 = votes.iter().sum();
+    let mut best = (0, 0_i32);
+    for (window, start) in votes.windows(5).zip(0_i32..) {
+        let weight: u32 = window.iter().sum();
+        if weight > best.0 {
+            let moment: i32 = window.iter().zip(start..).map(|(&v, bin)| v as i32 * bin).sum();
+            best = (weight, ((moment << 2) / weight.max(1) as i32) - LIMIT_Q5);
+        }
+    }
+    let (weight, centre_q5) = best;
+    if weight >= MIN_VOTES && weight * BINS as u32 >= total * 5 * 3 / 2 { centre_q5 } else { 0 }
+}

@@ -1,0 +1,140 @@
+//! What a user may choose, checked once.
+//!
+//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or the name and range of the number that is
+//! wrong. After that a frame can fail only by being of another size.
+
+use crate::image::Dims;
+use crate::matching::curve::MAX_DISPARITIES;
+use crate::rig::Rig;
+use crate::units::{Confidence, Depth, Disparity};
+use core::fmt;
+
+/// How far apart the techniques may lie (Eq. 13).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Margin {
+    /// In disparity, both ways.
+    Pixels(Disparity),
+    /// In depth, around the window's depth; needs a rig.
+    Metres {
+        /// Towards the cameras (x of Eq. 13).
+        nearer: Depth,
+        /// Away from them (y of Eq. 13).
+        farther: Depth,
+    },
+}
+
+/// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Params {
+    /// Disparities searched: 0 .. max_disparity px; 8 ..= 256, and smaller than the width. The nearest depth is `f*B/max_disparity`.
+    pub max_disparity: u16,
+    /// The rectified rig; without one nothing is given in metres.
+    pub rig: Option<Rig>,
+    /// Least grey step times four at which an edge is started; 4 ..= 1020.
+    pub anchor_gradient: u16,
+    /// Least grey step times four along an edge; 4 ..= `anchor_gradient`.
+    pub edge_gradient: u16,
+    /// Least extent of a segment in px; 4 ..= 32.
+    pub min_extent: u16,
+    /// Side of the squares of which each gives its most prominent segment, px; 8 ..= 256. Cost falls with its square.
+    pub cell: u16,
+    /// How far apart window and census may lie.
+    pub margin: Margin,
+    /// Claims less probable than this are rejected; 0.1 ..= 0.99.
+    pub min_confidence: Confidence,
+    /// Pixels from the edge up to which a side's disparity is claimed; 1 ..= 6.
+    pub reach: u16,
+}
+
+impl Params {
+    /// The documented defaults.
+    pub const DEFAULT: Self = Self {
+        max_disparity: 64,
+        rig: None,
+        anchor_gradient: 40,
+        edge_gradient: 24,
+        min_extent: 6,
+        cell: 16,
+        margin: Margin::Pixels(Disparity::ONE),
+        min_confidence: Confidence::from_bits(0x8000),
+        reach: 4,
+    };
+
+    pub(crate) fn check(&self, dims: Dims) -> Result<(), ParamError> {
+        let widest = (MAX_DISPARITIES as u16).min(dims.width.saturating_sub(1));
+        in_range("max_disparity", self.max_disparity, 8, widest)?;
+        in_range("anchor_gradient", self.anchor_gradient, 4, 1020)?;
+        in_range("edge_gradient", self.edge_gradient, 4, self.anchor_gradient)?;
+        in_range("min_extent", self.min_extent, 4, 32)?;
+        in_range("cell", self.cell, 8, 256)?;
+        in_range("reach", self.reach, 1, 6)?;
+        let percent = (u32::from(self.min_confidence.to_bits()) * 100) >> 16;
+        in_range("min_confidence (percent)", percent, 10, 99)?;
+        match self.margin {
+            Margin::Pixels(margin) => in_range("margin (1/64 px)", margin.to_bits(), 16, 1024),
+            Margin::Metres { .. } if self.rig.is_none() => Err(ParamError::MarginNeedsRig),
+            Margin::Metres { nearer, farther } => {
+                in_range("margin nearer (mm)", millimetres(nearer), 1, 1_000_000)?;
+                in_range("margin farther (mm)", millimetres(farther), 1, 1_000_000)
+            }
+        }
+    }
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+fn millimetres(depth: Depth) -> i32 {
+    i32::try_from((i64::from(depth.to_bits()) * 1000) >> 16).unwrap_or(i32::MAX)
+}
+
+fn in_range<T: Into<i64>>(name: &'static str, value: T, low: u16, high: impl Into<i64>) -> Result<(), ParamError> {
+    let (value, low, high) = (value.into(), i64::from(low), high.into());
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamError::OutOfRange { name, value, low, high }) }
+}
+
+/// A parameter that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParamError {
+    /// A number outside its range.
+    OutOfRange {
+        /// Name of the field of [`Params`].
+        name: &'static str,
+        /// Its value.
+        value: i64,
+        /// Least allowed value.
+        low: i64,
+        /// Largest allowed value.
+        high: i64,
+    },
+    /// A margin in metres was asked for, and there is no rig to convert it with.
+    MarginNeedsRig,
+    /// The working memory was made for smaller images.
+    ScratchTooSmall {
+        /// What is too small.
+        name: &'static str,
+        /// Size needed.
+        needed: usize,
+        /// Size there.
+        given: usize,
+    },
+}
+
+impl fmt::Display for ParamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutOfRange { name, value, low, high } => {
+                write!(f, "{name} is {value}, allowed are {low} to {high}")
+            }
+            Self::MarginNeedsRig => write!(f, "a margin in metres needs a rig (focal length and baseline)"),
+            Self::ScratchTooSmall { name, needed, given } => {
+                write!(f, "{name} of the scratch memory holds {given}, these images need {needed}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ParamError {}

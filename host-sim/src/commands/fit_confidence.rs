@@ -1,0 +1,113 @@
+//! `linestereo fit-confidence`: the confidence model's constants from frames with truth.
+
+use super::{engine_for, print};
+use crate::evaluate::{FrameScore, Summary, report, scene_table};
+use crate::fitting::{SceneSamples, fit, scene_samples, source_text};
+use crate::frames::{Scene, find_scenes, has_truth, load_scene};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use linestereo::{Confidence, Models};
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo fit-confidence frames/qvga --out core/src/confidence/fitted.rs    write the constants that the core uses
+  linestereo fit-confidence frames/qvga --check core/src/confidence/fitted.rs  fail if they are not what the frames give
+  linestereo fit-confidence frames/qvga                                        only print the leave-one-scene-out scores";
+
+/// Fit the confidence model on frames with truth, and score it on scenes that it has not seen.
+///
+/// Every scene is scored by a model fitted on the other scenes (\"leave one out\"): the tables say what to expect of new scenes. The constants
+/// written are fitted on all of them, and depend on the frames alone.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Folders to search for scenes with truth, at any depth.
+    #[arg(required = true, value_name = "FOLDER")]
+    folders: Vec<PathBuf>,
+    /// Write the constants as Rust source.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Compare the constants with this file and fail when they differ.
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    check: Option<PathBuf>,
+    /// Do not score: only fit.
+    #[arg(long)]
+    no_scores: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let scenes = load(&args.folders)?;
+    let samples = scenes.iter().map(sample).collect::<Result<Vec<_>>>()?;
+    if !args.no_scores {
+        leave_one_out(&scenes, &samples)?;
+    }
+    let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let text = source_text(&fit(&samples.iter().collect::<Vec<_>>()), &format!("{} scenes ({})", names.len(), names.join(", ")));
+    if let Some(path) = &args.check {
+        let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        if there != text {
+            bail!("{} is not what these frames give; write it again with --out", path.display());
+        }
+        print(&format!("{} is what these frames give\n", path.display()))?;
+    }
+    if let Some(path) = &args.out {
+        let mut files = OutputFiles::default();
+        files.add(path, text.as_bytes())?;
+        files.commit()?;
+        print(&format!("wrote {}\n", path.display()))?;
+    }
+    Ok(())
+}
+
+fn load(roots: &[PathBuf]) -> Result<Vec<Scene>> {
+    let mut scenes = Vec::new();
+    for root in roots {
+        for folder in find_scenes(root)? {
+            if has_truth(&folder)? {
+                scenes.push(load_scene(&folder, None)?);
+            }
+        }
+    }
+    if scenes.len() < 2 {
+        let roots: Vec<_> = roots.iter().map(|root| root.display().to_string()).collect();
+        bail!("fewer than two scenes with truth below {}: none can be left out; give more", roots.join(", "));
+    }
+    Ok(scenes)
+}
+
+/// The claims of one scene, whatever their confidence.
+fn sample(scene: &Scene) -> Result<SceneSamples> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let mut engine = engine_for(scene.max_disparity, scene.rig, scene.left.dims)?;
+    engine.run(scene.left.view()?, scene.right.view()?)?;
+    Ok(scene_samples(engine.candidates(), truth, scene.left.dims))
+}
+
+/// Scores every scene by models that were fitted without it.
+fn leave_one_out(scenes: &[Scene], samples: &[SceneSamples]) -> Result<()> {
+    let bar = ProgressBar::new(scenes.len() as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} leaving out {msg}")?);
+    let mut scores = Vec::new();
+    for (i, scene) in scenes.iter().enumerate() {
+        bar.set_message(scene.name.clone());
+        let others: Vec<&SceneSamples> = samples.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, s)| s).collect();
+        scores.push(score(scene, &fit(&others))?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    print(&format!(
+        "Leave one scene out: each scene by a model fitted on the others\n\n{}\n{}\n",
+        scene_table(&scores),
+        report(&Summary::pool(&scores))
+    ))
+}
+
+fn score(scene: &Scene, models: &Models) -> Result<FrameScore> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let mut engine = engine_for(scene.max_disparity, scene.rig, scene.left.dims)?.with_models(*models);
+    let result = engine.run(scene.left.view()?, scene.right.view()?)?;
+    Ok(FrameScore::new(&scene.name, truth, &result))
+}

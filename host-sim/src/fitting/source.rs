@@ -1,0 +1,38 @@
+//! The fitted constants as Rust source.
+
+use super::names;
+use core::fmt::Write;
+use linestereo::{Model, Models};
+
+/// The text of the core's file of constants; `origin` names the frames.
+#[must_use]
+pub fn source_text(models: &Models, origin: &str) -> String {
+    let mut text = format!(
+        "//! Written by `linestereo fit-confidence` from {origin}: do not edit.\n\n\
+         use super::{{Model, Models}};\n\n\
+         /// The models that plans use unless they are given others.\n\
+         #[rustfmt::skip]\n\
+         pub const FITTED: Models = Models {{\n"
+    );
+    model(&mut text, "steep", &models.steep);
+    model(&mut text, "near_horizontal", &models.near_horizontal);
+    text.push_str("};\n");
+    text
+}
+
+fn model(text: &mut String, name: &str, model: &Model) {
+    let _ = writeln!(text, "    {name}: Model {{\n        bias_q12: {},\n        coefficients_q12: [", model.bias_q12);
+    for (coefficient, name) in model.coefficients_q12.iter().zip(names()) {
+        let _ = writeln!(text, "            {coefficient}, // {name}");
+    }
+    text.push_str("        ],\n");
+    for (name, table) in [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)] {
+        let _ = writeln!(text, "        {name}: [");
+        for row in table.chunks(11) {
+            let row: Vec<String> = row.iter().map(u16::to_string).collect();
+            let _ = writeln!(text, "            {},", row.join(", "));
+        }
+        text.push_str("        ],\n");
+    }
+    text.push_str("    },\n");
+}
