@@ -4,6 +4,7 @@ pub mod commands;
 pub mod draw;
 pub mod engine;
 pub mod evaluate;
+pub mod fitting;
 pub mod frames;
 pub mod listing;
 pub mod output;

@@ -6,6 +6,7 @@
 
 pub mod demo;
 pub mod eval;
+pub mod fit_confidence;
 pub mod run;
 pub mod scene;
 
@@ -32,6 +33,7 @@ enum Command {
     Demo(demo::Args),
     Run(run::Args),
     Eval(eval::Args),
+    FitConfidence(fit_confidence::Args),
     Scene(scene::Args),
 }
 
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
         Some(Command::Demo(args)) => demo::run(args),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
+        Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         None => demo::run(&demo::Args::default()),
     };
@@ -82,7 +85,7 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
         bail!("a disparity range of {max_disparity} does not fit an image of {dims}; give a smaller --max-disparity");
     }
     let params = Params { max_disparity, rig, ..Params::default() };
-    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}; change --{}", error.name.replace('_', "-")))
+    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}"))
 }
 
 /// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.
