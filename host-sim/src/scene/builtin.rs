@@ -151,7 +151,7 @@ fn demo(studio: &mut Studio) {
     let faces = [studio.mosaic([120.0, 220.0], 0.12), studio.rough(90.0, 0.05), studio.mosaic([70.0, 190.0], 0.12)];
     studio.object("turned box").cuboid([-0.75, 0.6, 2.5], [0.6, 0.5, 0.5], 0.55, faces);
     let faces = [plain(150.0), plain(215.0), plain(70.0)];
-    studio.object("small box").cuboid([-0.8, 0.2, 2.55], [0.35, 0.3, 0.3], -0.4, faces);
+    studio.object("small box").cuboid([-0.8, 0.2, 2.55], [0.35, 0.3, 0.3], 0.35, faces);
     let faces = [studio.rough(70.0, 0.06), studio.rough(170.0, 0.06), studio.rough(120.0, 0.05)];
     studio.object("tall box").cuboid([0.42, 0.15, 3.0], [0.55, 1.4, 0.3], -0.25, faces);
     // A board that leans to one side and away.
