@@ -1,0 +1,78 @@
+//! The core's public entry points as exported functions, and a panic handler that calls a function which does not exist.
+//!
+//! `tests/tests/no_panic.rs` builds this and checks that no exported `proof_*` function can reach the handler.
+#![no_std]
+
+use core::panic::PanicInfo;
+use linestereo::{
+    Counts, Depth, Dims, Disparity, Gray, Output, ParamError, Params, Plan, Rejection, Rig, RigError, Scratch,
+    SizeMismatch, ViewError,
+};
+
+/// Capacities of a QVGA board; the code is the same for all.
+type BoardScratch = Scratch<448, 9600, 512>;
+type BoardOutput = Output<256, 4096>;
+
+unsafe extern "C" {
+    /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop it from the machine code.
+    fn panic_is_reachable(location: *const u8) -> !;
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    let location = info.location().map_or(core::ptr::null(), |location| core::ptr::from_ref(location).cast());
+    // SAFETY: never runs, this library is not linked into anything.
+    unsafe { panic_is_reachable(location) }
+}
+
+/// The detector's own test: this one does reach the handler.
+#[unsafe(no_mangle)]
+pub fn control_index(list: &[u8], index: usize) -> u8 {
+    list[index]
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_view(pixels: &[u8], dims: Dims, stride: usize) -> Result<Gray<'_>, ViewError> {
+    Gray::new(pixels, dims, stride)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_row(image: Gray<'_>, y: usize) -> Option<&[u8]> {
+    image.row(y)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rig(focal_px: f64, baseline_m: f64, offset_px: f64) -> Result<Rig, RigError> {
+    Rig::new(focal_px, baseline_m, offset_px)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_depth(rig: &Rig, disparity: Disparity, sigma: Disparity) -> (Depth, Depth) {
+    (rig.depth(disparity), rig.depth_sigma(disparity, sigma))
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_interval(rig: &Rig, disparity: Disparity, nearer: Depth, farther: Depth) -> (Disparity, Disparity) {
+    rig.disparity_interval(disparity, nearer, farther)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_plan(params: &Params, dims: Dims) -> Result<Plan, ParamError> {
+    params.plan(dims)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_run(
+    plan: &Plan,
+    left: Gray<'_>,
+    right: Gray<'_>,
+    scratch: &mut BoardScratch,
+    output: &mut BoardOutput,
+) -> Result<(), SizeMismatch> {
+    plan.run(left, right, scratch, output)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_counts(counts: &Counts, reason: Rejection) -> u16 {
+    counts.rejected(reason)
+}
