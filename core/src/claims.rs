@@ -11,11 +11,12 @@ use crate::matching::flat::FlatLine;
 const FLAT_OFFSET: i32 = 1;
 
 impl Candidate {
-    /// Calls `claim(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...) from the edge on `side` (0 = left or above). Pixels outside
+    /// Calls `claim(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or above). Pixels outside
     /// the image, or whose match lies outside the right image, are left out.
     pub fn for_each_pixel(&self, side: usize, distance: u16, dims: Dims, mut claim: impl FnMut(u16, u16, i32)) {
         let Some(Some(owner)) = self.sides.get(side) else { return };
         let sign = if side == 0 { -1 } else { 1 };
+        let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
         let [d0, d1] = owner.disparity_q6;
         let mut emit = |x: i32, y: i32, d_q6: i32| {
             let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
@@ -30,7 +31,7 @@ impl Candidate {
             let (from, to) = line.columns();
             let step = ramp(from, to);
             for x in from..=to {
-                let off = sign * (i32::from(distance) + FLAT_OFFSET);
+                let off = sign * (i32::from(distance) + flat_offset);
                 emit(x, line.row(x) + off, d0 + (((x - from) * step) >> 8));
             }
         } else {

@@ -40,7 +40,7 @@ pub struct Params {
     pub cell: u16,
     /// How far apart window and census may lie.
     pub margin: Margin,
-    /// Claims less probable than this are rejected; 0.1 ..= 0.99.
+    /// Points and segments less probable than this are rejected; 0.1 ..= 0.99.
     pub min_confidence: Confidence,
     /// Pixels from the edge up to which a side's disparity is claimed; 1 ..= 6.
     pub reach: u16,
@@ -56,7 +56,7 @@ impl Params {
         min_extent: 6,
         cell: 16,
         margin: Margin::Pixels(Disparity::ONE),
-        min_confidence: Confidence::from_bits(0x8000),
+        min_confidence: Confidence::from_bits(0xe666),
         reach: 4,
     };
 

@@ -7,7 +7,7 @@ use crate::matching::band::{BAND_ROWS, Band, row_bytes};
 use crate::matching::consistency::{self, Place};
 use crate::matching::{self, Candidate, MatchContext, row_offset};
 use crate::params::{ParamError, Params};
-use crate::report::Report;
+use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim};
 use core::fmt;
 use heapless::Vec;
@@ -48,7 +48,7 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> 
     right: Vec<Segment, SEGMENTS>,
     candidates: Vec<Candidate, SEGMENTS>,
     places: [[Place; 2]; SEGMENTS],
-    order: Vec<(u16, u16), SEGMENTS>,
+    order: Vec<Ranked, SEGMENTS>,
 }
 
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, MARKS, SEGMENTS> {
@@ -132,7 +132,7 @@ struct Memory<'a> {
     right: &'a mut VecView<Segment>,
     candidates: &'a mut VecView<Candidate>,
     places: &'a mut [[Place; 2]],
-    order: &'a mut VecView<(u16, u16)>,
+    order: &'a mut VecView<Ranked>,
 }
 
 /// The output without its capacities.

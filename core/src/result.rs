@@ -42,7 +42,7 @@ pub struct Match {
     pub disparity: [Disparity; 2],
     /// Standard deviation of the disparity in px.
     pub sigma: Disparity,
-    /// Probability that the disparity is within 1 px, of the better side.
+    /// Probability that the disparity along the edge is within 1 px.
     pub confidence: Confidence,
     /// Which sides carry the disparity.
     pub owner: Owner,
@@ -65,8 +65,8 @@ pub struct PointClaim {
     pub disparity: Disparity,
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
-    /// Position of its segment in the list of matches.
-    pub source: u16,
+    /// Position of its segment in the list of matches; `None` when only a side of it is credible.
+    pub source: Option<u16>,
 }
 
 /// Why a left segment (or one piece of it) has no disparity.
@@ -92,11 +92,13 @@ pub enum Rejection {
     NotExclusive,
     /// The probability is below the asked one.
     LowConfidence,
+    /// A side's disparity is credible and its points are listed, but the edge itself may belong to the surface on the other side.
+    EdgeUnclear,
 }
 
 impl Rejection {
     /// Every reason, in the order in which a segment meets them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::LessProminent,
         Self::NearBorder,
         Self::WindowNotUnique,
@@ -107,6 +109,7 @@ impl Rejection {
         Self::NoOwner,
         Self::NotExclusive,
         Self::LowConfidence,
+        Self::EdgeUnclear,
     ];
 
     /// The reason in snake case, as it stands in JSON and tables.
@@ -123,6 +126,7 @@ impl Rejection {
             Self::NoOwner => "no_owner",
             Self::NotExclusive => "not_exclusive",
             Self::LowConfidence => "low_confidence",
+            Self::EdgeUnclear => "edge_unclear",
         }
     }
 }

@@ -39,13 +39,30 @@ pub struct Model {
     pub sigma_q6: [u16; NODES],
 }
 
-/// Models for segments that run down the rows and for near-horizontal ones.
+/// Models for segments that run down the rows and for near-horizontal ones: of the pixels that a side claims, and of the edge itself, which
+/// may belong to the surface on the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Models {
-    /// Segments that run down the rows.
+    /// A side of a segment that runs down the rows.
     pub steep: Model,
-    /// Near-horizontal segments.
+    /// A side of a near-horizontal segment.
     pub near_horizontal: Model,
+    /// The edge of a segment that runs down the rows, given one side's disparity.
+    pub steep_edge: Model,
+    /// The edge of a near-horizontal segment, given one side's disparity.
+    pub near_horizontal_edge: Model,
+}
+
+impl Models {
+    /// The models of a side and of the edge for one kind of segment.
+    #[must_use]
+    pub fn of(&self, near_horizontal: bool) -> (&Model, &Model) {
+        if near_horizontal {
+            (&self.near_horizontal, &self.near_horizontal_edge)
+        } else {
+            (&self.steep, &self.steep_edge)
+        }
+    }
 }
 
 impl Model {

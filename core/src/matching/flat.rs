@@ -174,5 +174,5 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
     if sides.iter().all(Option::is_none) {
         return Err(reasons);
     }
-    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6: None, beaten: false })
+    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6: None, beaten: false, listed: None })
 }

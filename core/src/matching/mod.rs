@@ -46,6 +46,8 @@ pub struct Candidate {
     pub feature_q6: Option<i32>,
     /// True when a more probable claim explains the same place in the right image.
     pub(crate) beaten: bool,
+    /// Its position in the list of matches.
+    pub(crate) listed: Option<u16>,
 }
 
 /// One side's claim.
@@ -57,12 +59,15 @@ pub struct Side {
     pub evidence: Evidence,
     pub(crate) score_q8: i32,
     pub(crate) probability_q16: u16,
+    /// Probability that the edge itself has this side's disparity.
+    pub(crate) edge_probability_q16: u16,
+    pub(crate) edge_sigma_q6: u16,
     pub(crate) rejected: bool,
 }
 
 impl Side {
     pub(crate) fn new(disparity_q6: [i32; 2], evidence: Evidence) -> Self {
-        Self { disparity_q6, evidence, score_q8: 0, probability_q16: 0, rejected: false }
+        Self { disparity_q6, evidence, score_q8: 0, probability_q16: 0, edge_probability_q16: 0, edge_sigma_q6: 0, rejected: false }
     }
 }
 

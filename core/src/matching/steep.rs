@@ -233,5 +233,5 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     if sides.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
-    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6, beaten: false })
+    Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6, beaten: false, listed: None })
 }

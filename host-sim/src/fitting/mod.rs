@@ -16,15 +16,20 @@ pub use source::source_text;
 
 use linestereo::{EVIDENCE, Kind, Model, Models};
 use logistic::Line;
-use sample::{Sample, SegmentKind};
+use sample::{Sample, SampleKind};
 
 /// Fits both models on these scenes. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]
 pub fn fit(scenes: &[&SceneSamples]) -> Models {
-    Models { steep: fit_kind(scenes, SegmentKind::Steep), near_horizontal: fit_kind(scenes, SegmentKind::NearHorizontal) }
+    Models {
+        steep: fit_kind(scenes, SampleKind::SteepSide),
+        near_horizontal: fit_kind(scenes, SampleKind::FlatSide),
+        steep_edge: fit_kind(scenes, SampleKind::SteepEdge),
+        near_horizontal_edge: fit_kind(scenes, SampleKind::FlatEdge),
+    }
 }
 
-fn fit_kind(scenes: &[&SceneSamples], kind: SegmentKind) -> Model {
+fn fit_kind(scenes: &[&SceneSamples], kind: SampleKind) -> Model {
     let of = |skip: Option<usize>| -> Vec<&Sample> {
         let kept = scenes.iter().enumerate().filter(|(i, _)| Some(*i) != skip);
         kept.flat_map(|(_, scene)| scene.of_kind(kind)).collect()

@@ -1,22 +1,24 @@
 //! Claims with evidence and truth.
 
 use crate::frames::Truth;
-use linestereo::{Candidate, Dims, EVIDENCE, Kind};
+use linestereo::{Candidate, Dims, EVIDENCE, Kind, Params};
 
-/// Distances from the edge at which claims are sampled: those that the core makes by default.
-const DISTANCES: core::ops::RangeInclusive<u16> = 1..=4;
+/// Pixels from the edge up to which claims are sampled: those that the core makes by default.
+const REACH: u16 = Params::DEFAULT.reach;
 
-/// The two models' kinds of segments.
+/// What each of the models is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SegmentKind {
-    Steep,
-    NearHorizontal,
+pub(super) enum SampleKind {
+    SteepSide,
+    FlatSide,
+    SteepEdge,
+    FlatEdge,
 }
 
 /// The pixels that one side of one candidate claims at one distance.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    kind: SegmentKind,
+    kind: SampleKind,
     pub(super) evidence: [f64; EVIDENCE],
     /// `|claimed - true|` of the pixels with truth, px.
     pub(super) errors: Vec<f32>,
@@ -35,7 +37,7 @@ impl Sample {
 pub struct SceneSamples(Vec<Sample>);
 
 impl SceneSamples {
-    pub(super) fn of_kind(&self, kind: SegmentKind) -> impl Iterator<Item = &Sample> {
+    pub(super) fn of_kind(&self, kind: SampleKind) -> impl Iterator<Item = &Sample> {
         self.0.iter().filter(move |sample| sample.kind == kind)
     }
 
@@ -57,20 +59,32 @@ impl SceneSamples {
 pub fn scene_samples(candidates: &[Candidate], truth: &Truth, dims: Dims) -> SceneSamples {
     let mut samples = Vec::new();
     for candidate in candidates {
-        let kind = if candidate.segment.near_horizontal { SegmentKind::NearHorizontal } else { SegmentKind::Steep };
+        let flat = candidate.segment.near_horizontal;
+        let (side_kind, edge_kind) = if flat {
+            (SampleKind::FlatSide, SampleKind::FlatEdge)
+        } else {
+            (SampleKind::SteepSide, SampleKind::SteepEdge)
+        };
+        // The nearest truth within 1 px across the edge, as segments are scored.
+        let at_edge = |x: i32, y: i32, d: f32| {
+            let near = (-1..=1).filter_map(|k| if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) });
+            near.map(|truth| (truth - d).abs()).reduce(f32::min)
+        };
+        let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
         for (index, side) in candidate.sides.iter().enumerate() {
             let Some(side) = side else { continue };
-            for distance in DISTANCES {
-                let mut errors = Vec::new();
+            for distance in 0..=REACH {
+                let mut errors: Vec<f32> = Vec::new();
                 candidate.for_each_pixel(index, distance, dims, |x, y, d_q6| {
-                    let truth = truth.disparity(x.into(), y.into());
-                    errors.extend(truth.map(|truth| (truth - d_q6 as f32 / 64.0).abs()));
+                    let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
+                    errors.extend(if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) });
                 });
                 if errors.is_empty() {
                     continue;
                 }
                 let mut evidence = side.evidence.0.map(|value| f64::from(value) / 256.0);
                 evidence[Kind::Distance as usize] = distance.into();
+                let kind = if distance == 0 { edge_kind } else { side_kind };
                 samples.push(Sample { kind, evidence, errors });
             }
         }

@@ -16,6 +16,8 @@ pub fn source_text(models: &Models, origin: &str) -> String {
     );
     model(&mut text, "steep", &models.steep);
     model(&mut text, "near_horizontal", &models.near_horizontal);
+    model(&mut text, "steep_edge", &models.steep_edge);
+    model(&mut text, "near_horizontal_edge", &models.near_horizontal_edge);
     text.push_str("};\n");
     text
 }
