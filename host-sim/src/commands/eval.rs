@@ -29,7 +29,10 @@ Words:
   vis, allGT     points whose true match is visible in the right image; all points with truth
   cells          % of 16x16 cells (those at least half visible truth) that hold a claim
   median, rms    error of visible points in px
-  ms             time per pair on one thread, median of several runs";
+  ms             time per pair on one thread, median of several runs
+
+Scenes that the confidence model was fitted on flatter it: fit-confidence scores each of them by a
+model that has not seen it.";
 
 /// Score the core on every folder with a scene.json and ground truth.
 ///

@@ -23,7 +23,7 @@ pub(super) fn below(picture: &RgbImage, result: &FrameResult, rig: Option<&Rig>,
     let top = picture.height() as f32 + 8.0;
     bar(&mut whole, top, range);
     labels(&mut whole, top + BAR_HEIGHT + 3.0, range, rig);
-    let key = "solid: p >= 0.9   dashed: less   ticks: owning side";
+    let key = "solid: p >= 0.9   dashed: less   ticks: owning side   tint: points";
     let found = format!("{} segments, {} points", result.matches.len(), result.points.len());
     let line = picture.height() as f32 + HEIGHT as f32 - TEXT_HEIGHT - 8.0;
     let right = whole.width() as f32 - MARGIN;

@@ -25,6 +25,10 @@ const LARGEST_FACTOR: f32 = 6.0;
 const DIMMED: f32 = 0.5;
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the side above.
 const STEEP_LIMIT: f32 = 4.0;
+/// Strength of a point's colour: its segment has to stand out from it.
+const TINT: f32 = 0.35;
+/// Least width of a segment's line in px of the picture.
+const LEAST_LINE: f32 = 1.6;
 /// Distance between the ticks of the owning side and their length, in px of the image.
 const TICK_STEP: f32 = 5.0;
 const TICK_LENGTH: f32 = 2.0;
@@ -77,7 +81,7 @@ impl Canvas {
         let side = self.factor;
         let square = Rect::from_xywh(f32::from(x) * side, f32::from(y) * side, side, side);
         if let Some(square) = square {
-            let paint = paint(rgb, 0.55 * opacity(confidence));
+            let paint = paint(rgb, TINT * opacity(confidence));
             self.pixmap.fill_rect(square, &paint, Transform::identity(), None);
         }
     }
@@ -90,9 +94,9 @@ impl Canvas {
         let rgb = colour(range, 0.5 * (disparities[0] + disparities[1]));
         let confidence = found.confidence.to_num::<f32>();
         let sure = f64::from(confidence) >= SURE;
-        let width = 0.5 * self.factor.max(2.0);
+        let width = (0.6 * self.factor).max(LEAST_LINE);
         let dash = if sure { None } else { StrokeDash::new(vec![3.0 * width, 3.0 * width], 0.0) };
-        self.line(start, end, [0; 3], 0.6 * opacity(confidence), width + 2.0, dash.clone());
+        self.line(start, end, [0; 3], 0.6 * opacity(confidence), width + 1.5, dash.clone());
         self.line(start, end, rgb, opacity(confidence), width, dash);
         for tick in ticks(found, start, end, self.factor) {
             self.line(tick.0, tick.1, rgb, opacity(confidence), 0.6 * width, None);
