@@ -170,7 +170,7 @@ mod tests {
             },
         };
         let point =
-            PointClaim { x: 7, y: 9, disparity: Disparity::from_num(10), confidence: Confidence::MAX, source: 0 };
+            PointClaim { x: 7, y: 9, disparity: Disparity::from_num(10), confidence: Confidence::MAX, source: Some(0) };
         FrameResult { matches: vec![matched], points: vec![point], counts: Counts::default() }
     }
 

@@ -164,7 +164,7 @@ pub(super) mod tests {
 
     pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> PointClaim {
         let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
-        PointClaim { x, y, disparity, confidence, source: 0 }
+        PointClaim { x, y, disparity, confidence, source: Some(0) }
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<PointClaim>) -> FrameResult {
