@@ -1,0 +1,165 @@
+//! Disparity, depth and depth margins against the float equations, over every disparity there is.
+
+use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig, RigError};
+use linestereo_tests::reference;
+
+/// Steps per metre of [`Depth`] and per pixel of [`Disparity`].
+const DEPTH_STEPS: f64 = 65536.0;
+const DISPARITY_STEPS: f64 = 64.0;
+
+/// Focal length, baseline, offset: boards, Middlebury, and both ends of what is accepted.
+const RIGS: [(f64, f64, f64); 7] = [
+    (400.0, 0.1, 0.0),
+    (288.0, 0.12, -3.25),
+    (934.2704, 0.16, 67.4473),
+    (3997.684, 0.193_001, 131.111),
+    (1.0, 0.0001, 0.0),
+    (100_000.0, 100.0, 0.0),
+    (100_000.0, 100.0, -4096.0),
+];
+
+fn disparities() -> impl Iterator<Item = Disparity> {
+    (i16::MIN..=i16::MAX).map(Disparity::from_bits)
+}
+
+/// What the rig computes with: the offset is rounded to the step of a disparity.
+fn rounded(offset: f64) -> f64 {
+    (offset * DISPARITY_STEPS).round() / DISPARITY_STEPS
+}
+
+#[test]
+fn depth_is_the_nearest_step() {
+    for (focal, baseline, offset) in RIGS {
+        let rig = Rig::new(focal, baseline, offset).unwrap();
+        for disparity in disparities() {
+            let (found, d) = (rig.depth(disparity), disparity.to_num::<f64>() + rounded(offset));
+            let expected = reference::depth(focal * baseline, rounded(offset), disparity.to_num());
+            if expected >= INFINITE_DEPTH.to_num::<f64>() {
+                assert_eq!(found, INFINITE_DEPTH, "{focal} {baseline} {offset}: {disparity}");
+                continue;
+            }
+            // Half a step, and f*B rounded to half a step, divided by d.
+            let bound = 0.5 / DEPTH_STEPS * (1.0 + 1.0 / d) * (1.0 + 1e-9);
+            let error = (found.to_num::<f64>() - expected).abs();
+            assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} is {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn nothing_in_front_of_infinity_is_infinite() {
+    let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
+    for disparity in [Disparity::ZERO, Disparity::from_num(-1), Disparity::MIN] {
+        assert_eq!(rig.depth(disparity), INFINITE_DEPTH);
+        assert_eq!(rig.depth_sigma(disparity, Disparity::ONE), INFINITE_DEPTH);
+        let (low, high) = rig.disparity_interval(disparity, Depth::ONE, Depth::ONE);
+        assert_eq!((low, high), (Disparity::ZERO, Disparity::ZERO));
+    }
+    let offset = Rig::new(400.0, 0.1, 10.0).unwrap();
+    assert_eq!(offset.depth(Disparity::ZERO), Depth::from_num(4));
+    assert_eq!(offset.depth(Disparity::from_num(-10)), INFINITE_DEPTH);
+}
+
+#[test]
+fn depth_never_grows_with_disparity() {
+    for (focal, baseline, offset) in RIGS {
+        let rig = Rig::new(focal, baseline, offset).unwrap();
+        let depths: Vec<Depth> = disparities().map(|disparity| rig.depth(disparity)).collect();
+        assert!(depths.is_sorted_by(|far, near| far >= near), "{focal} {baseline} {offset}");
+    }
+}
+
+#[test]
+fn sigma_follows_the_slope_of_depth() {
+    for (focal, baseline, offset) in RIGS {
+        let rig = Rig::new(focal, baseline, offset).unwrap();
+        for sigma in [0.0, 1.0 / 64.0, 0.25, 1.0, 7.5, 500.0] {
+            for disparity in disparities().step_by(7) {
+                let d = disparity.to_num::<f64>() + rounded(offset);
+                let z = reference::depth(focal * baseline, rounded(offset), disparity.to_num());
+                let found = rig.depth_sigma(disparity, Disparity::from_num(sigma));
+                let infinite = rig.depth(disparity) == INFINITE_DEPTH;
+                if infinite || z * sigma / d >= INFINITE_DEPTH.to_num::<f64>() {
+                    assert_eq!(found, INFINITE_DEPTH, "{focal} {baseline} {offset}: {disparity} +- {sigma}");
+                    continue;
+                }
+                // A step for the quotient, and what half a step of z and of f*B makes of it.
+                let bound = (1.0 + 0.5 * (1.0 + 1.0 / d) * sigma / d) / DEPTH_STEPS * (1.0 + 1e-9);
+                let error = (found.to_num::<f64>() - z * sigma / d).abs();
+                assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} +- {sigma} is {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn margins_become_the_interval_of_equation_13() {
+    for (focal, baseline, offset) in RIGS {
+        let (rig, product) = (Rig::new(focal, baseline, offset).unwrap(), focal * baseline);
+        for (nearer, farther) in [(0.25, 0.5), (0.0, 0.0), (3.0, 1000.0), (30_000.0, 0.125)] {
+            for disparity in disparities() {
+                // From the rounded depth, so that only the interval itself is on trial.
+                let z = rig.depth(disparity);
+                if z == INFINITE_DEPTH || z == Depth::ZERO {
+                    continue;
+                }
+                let (near, far) = (Depth::from_num(nearer), Depth::from_num(farther));
+                let found = rig.disparity_interval(disparity, near, far);
+                let (low, high) = reference::disparity_interval(product, rounded(offset), z.to_num(), nearer, farther);
+                let case = || format!("{focal} {baseline} {offset}: {disparity} - {nearer} + {farther} is {found:?}");
+                for (found, expected) in [(found.0, low), (found.1, high)] {
+                    let saturated = expected.clamp(-512.0, Disparity::MAX.to_num());
+                    // Half a step, and f*B rounded to half a step of depth, relative.
+                    let bound = 0.5 / DISPARITY_STEPS
+                        + if expected.is_finite() {
+                            (expected + rounded(offset)) * 0.5 / DEPTH_STEPS / product
+                        } else {
+                            0.0
+                        };
+                    let error = (found.to_num::<f64>() - saturated).abs();
+                    assert!(error <= bound * (1.0 + 1e-9), "{}, not {low} to {high}", case());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn margins_that_reach_the_camera_are_open() {
+    let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
+    let at_4_m = Disparity::from_num(10);
+    for nearer in [4, 5, 32_000] {
+        let (low, high) = rig.disparity_interval(at_4_m, Depth::from_num(nearer), Depth::ONE);
+        assert_eq!((low, high), (Disparity::from_num(8), Disparity::MAX));
+    }
+}
+
+#[test]
+fn a_disparity_lies_in_its_own_interval() {
+    let (nearer, farther) = (Depth::from_num(0.05), Depth::from_num(0.05));
+    for (focal, baseline, offset) in RIGS.into_iter().take(4) {
+        let rig = Rig::new(focal, baseline, offset).unwrap();
+        for disparity in disparities().filter(|&disparity| rig.depth(disparity) != INFINITE_DEPTH) {
+            let (low, high) = rig.disparity_interval(disparity, nearer, farther);
+            assert!(low <= disparity && disparity <= high, "{focal} {baseline} {offset}: {disparity}");
+        }
+    }
+}
+
+#[test]
+fn unusable_rigs_are_refused_by_name() {
+    for focal in [0.0, 0.99, -400.0, 100_001.0, f64::INFINITY] {
+        assert_eq!(Rig::new(focal, 0.1, 0.0), Err(RigError::Focal(focal)));
+    }
+    for baseline in [0.0, 0.000_09, -0.1, 100.1, f64::INFINITY] {
+        assert_eq!(Rig::new(400.0, baseline, 0.0), Err(RigError::Baseline(baseline)));
+    }
+    for offset in [-4096.1, 4096.1, f64::NEG_INFINITY] {
+        assert_eq!(Rig::new(400.0, 0.1, offset), Err(RigError::Offset(offset)));
+    }
+    assert!(matches!(Rig::new(f64::NAN, 0.1, 0.0), Err(RigError::Focal(_))));
+    assert!(matches!(Rig::new(400.0, f64::NAN, 0.0), Err(RigError::Baseline(_))));
+    assert!(matches!(Rig::new(400.0, 0.1, f64::NAN), Err(RigError::Offset(_))));
+    let error = Rig::new(0.0, 0.1, 0.0).unwrap_err();
+    assert_eq!(error.to_string(), "focal length 0 px is outside 1 to 100000");
+}
