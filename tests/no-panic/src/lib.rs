@@ -6,11 +6,12 @@
 use core::panic::PanicInfo;
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, Output, ParamError, Params, Plan, Rejection, Rig, RigError, Scratch,
-    SizeMismatch, ViewError,
+    SizeMismatch, ViewError, mark_words, row_bytes,
 };
 
+const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = Scratch<448, 9600, 512>;
+type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512>;
 type BoardOutput = Output<256, 4096>;
 
 unsafe extern "C" {
