@@ -84,8 +84,9 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
     if max_disparity >= dims.width {
         bail!("a disparity range of {max_disparity} does not fit an image of {dims}; give a smaller --max-disparity");
     }
+    // The range is the only parameter that comes from outside: no other one can be refused.
     let params = Params { max_disparity, rig, ..Params::default() };
-    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}"))
+    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}; change --max-disparity"))
 }
 
 /// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.

@@ -206,8 +206,13 @@ mod tests {
     #[test]
     fn near_is_red_far_is_blue_and_the_rest_is_dimmed() {
         let left = GrayImage { dims: Dims { width: 320, height: 32 }, pixels: vec![200; 320 * 32] };
-        let point =
-            PointClaim { x: 200, y: 9, disparity: Disparity::from_num(40), confidence: Confidence::MAX, source: Some(0) };
+        let point = PointClaim {
+            x: 200,
+            y: 9,
+            disparity: Disparity::from_num(40),
+            confidence: Confidence::MAX,
+            source: Some(0),
+        };
         let result = FrameResult {
             matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],
             points: vec![point],
