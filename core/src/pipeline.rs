@@ -161,7 +161,7 @@ impl Plan {
         out: &mut Output<OS, OP>,
     ) -> Result<(), SizeMismatch> {
         let memory = Memory {
-            marks: &mut scratch.marks,
+            marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
             chain: &mut scratch.chain,
             rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
             left: &mut scratch.left,

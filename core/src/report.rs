@@ -8,7 +8,7 @@
 
 use crate::confidence::Models;
 use crate::image::Dims;
-use crate::matching::consistency::{Place, contradict};
+use crate::matching::consistency::{CONTRADICTION_REACH, Place, contradict};
 use crate::matching::evidence::Kind;
 use crate::matching::{Candidate, Side};
 use crate::params::Params;
@@ -72,7 +72,10 @@ impl Report<'_> {
         let own = self.places.get(index).and_then(|pair| pair.get(side));
         let claim = self.candidates.get(index).and_then(|c| c.sides.get(side)).and_then(Option::as_ref);
         let (Some(own), Some(claim)) = (own, claim) else { return false };
-        self.candidates.iter().zip(self.places).enumerate().any(|(i, (candidate, pair))| {
+        let top = self.candidates.get(index).map_or(0, |c| c.segment.top());
+        let first = self.candidates.partition_point(|c| c.segment.top() < top - CONTRADICTION_REACH);
+        let near = self.candidates.iter().zip(self.places).enumerate().skip(first);
+        near.take_while(|(_, (c, _))| c.segment.top() <= top + CONTRADICTION_REACH).any(|(i, (candidate, pair))| {
             let beats = |(other, place): (&Option<Side>, &Place)| {
                 other.as_ref().is_some_and(|o| o.probability_q16 > claim.probability_q16) && contradict(*own, *place)
             };

@@ -46,7 +46,7 @@ pub(crate) fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
     let upper = top.iter().zip(from(top, 2)).zip(from(top, 4));
     let middle = row.iter().zip(from(row, 4));
     let lower = bottom.iter().zip(from(bottom, 2)).zip(from(bottom, 4));
-    for (((((c, ((a, b), d)), (e, f)), ((g, h), i)), code)) in centre.zip(upper).zip(middle).zip(lower).zip(inner) {
+    for ((((c, ((a, b), d)), (e, f)), ((g, h), i)), code) in centre.zip(upper).zip(middle).zip(lower).zip(inner) {
         let darker = |neighbour: &u8, bit: u8| u8::from(neighbour < c) << bit;
         *code = darker(a, 0) | darker(b, 1) | darker(d, 2) | darker(e, 3)
             | darker(f, 4) | darker(g, 5) | darker(h, 6) | darker(i, 7);

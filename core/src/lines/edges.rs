@@ -12,8 +12,8 @@ use super::fit::Run;
 use super::{Chain, LineParams};
 use crate::image::Gray;
 
-/// Rows (columns) between two scans for anchors.
-const SCAN_STEP: i32 = 4;
+/// Rows (columns) between two scans for anchors: no more than the least extent of a segment.
+const SCAN_STEP: i32 = 6;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
 const BORDER: i32 = 4;
 
@@ -46,6 +46,12 @@ pub(crate) struct Edges<'a> {
     anchor: i32,
     edge: i32,
     marks: &'a mut [u32],
+}
+
+/// Seven pixels across an edge: smoothed along it, and the difference of the rows after and before.
+struct Patch {
+    smoothed: [i32; 7],
+    lengthwise: [i32; 7],
 }
 
 /// Where the ridge is on one row.
@@ -91,10 +97,14 @@ impl<'a> Edges<'a> {
         let axis = self.axis(direction);
         let mut t = BORDER;
         while t < axis.steps - BORDER {
+            // One new column sum per pixel: the gradient at u is the sum at u + 1 minus the sum at u - 1.
+            let [mut sum_here, mut sum_next] = [BORDER, BORDER + 1].map(|u| self.smoothed(axis, t, u));
+            let mut here = sum_next - self.smoothed(axis, t, BORDER - 1);
             let mut before = 0;
-            let mut here = self.across(axis, t, BORDER);
             for u in BORDER..axis.breadth - BORDER {
-                let after = self.across(axis, t, u + 1);
+                let sum_after = self.smoothed(axis, t, u + 2);
+                let after = sum_after - sum_here;
+                (sum_here, sum_next) = (sum_next, sum_after);
                 let size = here.abs();
                 if size >= self.anchor && size >= before && size > after.abs() && self.is_anchor(axis, t, u, size) {
                     let sign = here.signum();
@@ -152,22 +162,20 @@ impl<'a> Edges<'a> {
         if !(BORDER..axis.breadth - BORDER).contains(&u) {
             return None;
         }
-        let mut sums = [0_i32; 7];
-        for (sum, k) in sums.iter_mut().zip(-3..) {
-            *sum = self.smoothed(axis, t, u + k);
-        }
-        let [a, b, c, d, e, f, g] = sums;
+        let patch = self.patch(axis, t, u)?;
+        let [a, b, c, d, e, f, g] = patch.smoothed;
         let gradients = [(c - a) * sign, (d - b) * sign, (e - c) * sign, (f - d) * sign, (g - e) * sign];
         let [g0, g1, g2, g3, g4] = gradients;
-        let (shift, low, mid, high) = if g2 >= g1 && g2 >= g3 {
-            (0, g1, g2, g3)
+        let [_, d1, d2, d3, d4, d5, _] = patch.lengthwise;
+        let (shift, low, mid, high, lengthwise) = if g2 >= g1 && g2 >= g3 {
+            (0, g1, g2, g3, d2 + 2 * d3 + d4)
         } else if g1 >= g3 {
-            (-1, g0, g1, g2)
+            (-1, g0, g1, g2, d1 + 2 * d2 + d3)
         } else {
-            (1, g2, g3, g4)
+            (1, g2, g3, g4, d3 + 2 * d4 + d5)
         };
         let u = u + shift;
-        if mid < self.edge || self.lengthwise(axis, t, u).abs() > 2 * mid || self.marked(axis, t, u) {
+        if mid < self.edge || lengthwise.abs() > 2 * mid || self.marked(axis, t, u) {
             return None;
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
@@ -190,8 +198,7 @@ impl<'a> Edges<'a> {
     #[inline]
     fn pixel(&self, axis: Axis, t: i32, u: i32) -> i32 {
         // A negative position wraps to an index beyond the slice: reads as 0, and callers keep BORDER away.
-        let index = (t as usize).wrapping_mul(axis.along).wrapping_add((u as usize).wrapping_mul(axis.across));
-        self.pixels.get(index).copied().unwrap_or(0).into()
+        self.pixels.get(self.index(axis, t, u)).copied().unwrap_or(0).into()
     }
 
     /// [1 2 1] along the edge.
@@ -200,10 +207,37 @@ impl<'a> Edges<'a> {
         self.pixel(axis, t - 1, u) + 2 * self.pixel(axis, t, u) + self.pixel(axis, t + 1, u)
     }
 
-    /// Sobel gradient across the edge.
+    /// Three rows by seven pixels around `(t, u)`.
     #[inline]
-    fn across(&self, axis: Axis, t: i32, u: i32) -> i32 {
-        self.smoothed(axis, t, u + 1) - self.smoothed(axis, t, u - 1)
+    fn patch(&self, axis: Axis, t: i32, u: i32) -> Option<Patch> {
+        let first = self.index(axis, t - 1, u - 3);
+        let mut patch = Patch { smoothed: [0; 7], lengthwise: [0; 7] };
+        let out = patch.smoothed.iter_mut().zip(&mut patch.lengthwise);
+        let both = |a: u8, b: u8, c: u8| {
+            let (a, b, c) = (i32::from(a), i32::from(b), i32::from(c));
+            (a + 2 * b + c, c - a)
+        };
+        if axis.across == 1 {
+            let row = |start: usize| self.pixels.get(start..).and_then(|row| row.first_chunk::<7>());
+            let second = first.wrapping_add(axis.along);
+            let (above, here, below) = (row(first)?, row(second)?, row(second.wrapping_add(axis.along))?);
+            for ((((s, l), &a), &b), &c) in out.zip(above).zip(here).zip(below) {
+                (*s, *l) = both(a, b, c);
+            }
+        } else {
+            let mut start = first;
+            for (s, l) in out {
+                let &[a, b, c] = self.pixels.get(start..)?.first_chunk::<3>()?;
+                (*s, *l) = both(a, b, c);
+                start = start.wrapping_add(axis.across);
+            }
+        }
+        Some(patch)
+    }
+
+    #[inline]
+    fn index(&self, axis: Axis, t: i32, u: i32) -> usize {
+        (t as usize).wrapping_mul(axis.along).wrapping_add((u as usize).wrapping_mul(axis.across))
     }
 
     /// Sobel gradient along the edge.

@@ -4,13 +4,13 @@
 //!
 //! ```text
 //! for each direction (edges that run down the rows, then along the columns):
-//!     on every fourth row (column): anchors = local maxima of the gradient across the edge
+//!     on every sixth row (column): anchors = local maxima of the gradient across the edge
 //!     from each anchor: follow the ridge both ways, one sub-pixel position per row     (edges)
 //!     cut the chain into straight runs, least squares each                             (fit)
 //!     cut long runs into pieces
 //! ```
 //!
-//! Only every fourth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
+//! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
 //!
 //! # Bounds
 //! A pixel is drawn at most once per direction (one bit each), so time is bounded by four gradient evaluations per pixel whatever the
@@ -28,7 +28,7 @@ use crate::image::Gray;
 use crate::result::Point;
 use crate::sort::sort_by_key;
 use crate::units::Position;
-use edges::{Axis, Direction, Edges};
+use edges::{Direction, Edges};
 use heapless::vec::VecView;
 
 /// Longest piece of a segment that runs down the rows, in rows: what one window covers.
@@ -54,6 +54,12 @@ impl Segment {
     pub(crate) fn ends_q5(&self) -> (i32, i32, i32, i32) {
         let [a, b] = self.ends;
         (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
+    }
+
+    /// First row, px.
+    pub(crate) fn top(&self) -> i32 {
+        let (_, y0, _, y1) = self.ends_q5();
+        y0.min(y1) >> 5
     }
 
     /// Extent along its direction in 1/32 px.

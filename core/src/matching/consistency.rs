@@ -15,8 +15,9 @@
 //! # Cost
 //! Quadratic in the claims of 2 * [`REACH`] rows.
 
-use super::evidence::{Evidence, Kind, log2_mean_q8};
+use super::evidence::{Kind, log2_mean_q8};
 use super::{Candidate, Side};
+use crate::lines::MAX_ROWS;
 
 /// Distance at which a neighbour's word counts nothing, px.
 const REACH: i32 = 64;
@@ -36,10 +37,12 @@ pub(crate) struct Place {
     d_q6: i16,
     /// 0 = no claim.
     weight_q8: u16,
+    agreeing: u32,
+    conflicting: u32,
 }
 
 impl Place {
-    pub(crate) const EMPTY: Self = Self { x: 0, y: 0, d_q6: 0, weight_q8: 0 };
+    pub(crate) const EMPTY: Self = Self { x: 0, y: 0, d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
 
     fn new(candidate: &Candidate, side: usize, claim: &Side) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
@@ -53,54 +56,74 @@ impl Place {
             y: (((y0 + y1) >> 6) + dy) as i16,
             d_q6: ((d0 + d1) >> 1) as i16,
             weight_q8: weight.clamp(1, 256) as u16,
+            ..Self::EMPTY
+        }
+    }
+
+    /// Lets two claims of different segments speak of each other.
+    fn weigh(&mut self, other: &mut Self) {
+        if self.weight_q8 == 0 || other.weight_q8 == 0 {
+            return;
+        }
+        let dx = i32::from(other.x - self.x).abs();
+        let dy = i32::from(other.y - self.y).abs();
+        let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3); // within 7 % of the length
+        if distance >= REACH {
+            return;
+        }
+        let nearness = (REACH - distance) as u32; // of 64
+        let (to_self, to_other) =
+            ((u32::from(other.weight_q8) * nearness) >> 6, (u32::from(self.weight_q8) * nearness) >> 6);
+        // 0.06 px per px is 4/64.
+        if i32::from(other.d_q6 - self.d_q6).abs() <= 64 + 4 * distance {
+            self.agreeing += to_self;
+            other.agreeing += to_other;
+        } else {
+            self.conflicting += to_self;
+            other.conflicting += to_other;
         }
     }
 }
 
-/// Fills `places` (two per candidate) and sets every claim's [`Kind::Support`] and [`Kind::Conflict`].
+/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one and both offsets on top.
+const TOPS_REACH: i32 = REACH + MAX_ROWS / 2 + 2 * OFF_EDGE;
+
+/// Fills `places` (two per candidate; candidates in the order of their tops) and sets every claim's [`Kind::Support`] and
+/// [`Kind::Conflict`].
 pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [[Place; 2]]) {
     for (candidate, pair) in candidates.iter().zip(places.iter_mut()) {
         for (side, (claim, place)) in candidate.sides.iter().zip(pair.iter_mut()).enumerate() {
             *place = claim.as_ref().map_or(Place::EMPTY, |claim| Place::new(candidate, side, claim));
         }
     }
-    let count = candidates.len();
-    let places = places.get(..count).unwrap_or(&[]);
-    for (i, (candidate, pair)) in candidates.iter_mut().zip(places).enumerate() {
+    for i in 0..candidates.len() {
+        let Some((pair, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+        let Some((own, others)) = candidates.get(i..).and_then(<[_]>::split_first) else { break };
+        let top = own.segment.top();
+        for (other, other_pair) in others.iter().zip(after) {
+            if other.segment.top() - top > TOPS_REACH {
+                break;
+            }
+            for place in pair.iter_mut() {
+                for neighbour in other_pair.iter_mut() {
+                    place.weigh(neighbour);
+                }
+            }
+        }
+    }
+    for (candidate, pair) in candidates.iter_mut().zip(places.iter()) {
         for (claim, place) in candidate.sides.iter_mut().zip(pair) {
             if let Some(claim) = claim {
-                weigh(&mut claim.evidence, *place, i, places);
+                claim.evidence.set(Kind::Support, log2_mean_q8(place.agreeing, 256));
+                let share = (place.conflicting << 8) / (place.agreeing + place.conflicting + 51);
+                claim.evidence.set(Kind::Conflict, share as i32);
             }
         }
     }
 }
 
-fn weigh(evidence: &mut Evidence, own: Place, own_index: usize, places: &[[Place; 2]]) {
-    let (mut agreeing, mut conflicting) = (0_u32, 0_u32);
-    for (i, pair) in places.iter().enumerate() {
-        for other in pair {
-            let dy = i32::from(other.y - own.y).abs();
-            if dy >= REACH || other.weight_q8 == 0 || i == own_index {
-                continue;
-            }
-            let dx = i32::from(other.x - own.x).abs();
-            let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3);
-            if distance >= REACH {
-                continue;
-            }
-            let says = (u32::from(other.weight_q8) * (REACH - distance) as u32) >> 6;
-            // 0.06 px per px is 4/64.
-            if i32::from(other.d_q6 - own.d_q6).abs() <= 64 + 4 * distance {
-                agreeing += says;
-            } else {
-                conflicting += says;
-            }
-        }
-    }
-    evidence.set(Kind::Support, log2_mean_q8(agreeing, 256));
-    let share = (conflicting << 8) / (agreeing + conflicting + 51);
-    evidence.set(Kind::Conflict, share as i32);
-}
+/// Rows between the tops of two segments beyond which their claims cannot contradict each other.
+pub(crate) const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2 + 2 * OFF_EDGE;
 
 /// True when two places want the same part of the right image with different disparities: at most one of them is right.
 pub(crate) fn contradict(a: Place, b: Place) -> bool {

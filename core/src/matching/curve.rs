@@ -60,21 +60,22 @@ impl Curve {
         sum
     }
 
+    /// Entry by entry sum.
     pub(crate) fn sum(&self, other: &Self) -> Self {
-        let mut sum = self.clone();
-        for (cost, &o) in sum.costs.iter_mut().zip(other.costs()) {
-            *cost = cost.saturating_add(o);
-        }
-        sum
+        self.combine(other, u16::saturating_add)
     }
 
     /// Entry by entry minimum.
     pub(crate) fn lower(&self, other: &Self) -> Self {
-        let mut lower = self.clone();
-        for (cost, &o) in lower.costs.iter_mut().zip(other.costs()) {
-            *cost = (*cost).min(o);
+        self.combine(other, u16::min)
+    }
+
+    fn combine(&self, other: &Self, operation: impl Fn(u16, u16) -> u16) -> Self {
+        let mut result = Self { costs: [0; MAX_DISPARITIES], len: self.len.min(other.len) };
+        for ((cost, &a), &b) in result.costs.iter_mut().zip(self.costs()).zip(other.costs()) {
+            *cost = operation(a, b);
         }
-        lower
+        result
     }
 
     /// The first lowest entry within `centre +- reach`.

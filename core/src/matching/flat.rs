@@ -4,7 +4,7 @@ use super::band::{Band, Search};
 use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side,
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MIN_RANGE, MatchContext, Side,
 };
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;

@@ -7,8 +7,8 @@ use crate::frames::{Scene, find_scenes, has_truth, load_scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::{Confidence, Models};
-use std::path::{Path, PathBuf};
+use linestereo::Models;
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
