@@ -28,6 +28,15 @@ pub(crate) struct Minimum {
 }
 
 impl Curve {
+    /// No disparities.
+    pub(crate) const EMPTY: Self = Self { costs: [0; MAX_DISPARITIES], len: 0 };
+
+    /// Starts again from zero over `len` disparities, in place.
+    pub(crate) fn clear(&mut self, len: i32) {
+        self.len = usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES);
+        self.blocks().fill(0);
+    }
+
     /// An all-zero curve over `len` disparities.
     pub(crate) fn new(len: i32) -> Self {
         Self { costs: [0; MAX_DISPARITIES], len: usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES) }

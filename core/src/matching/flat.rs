@@ -12,7 +12,7 @@ use crate::result::Rejection;
 use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge.
-const SIDE_ROWS: [[i32; 7]; 2] = [[-7, -6, -5, -4, -3, -2, -1], [1, 2, 3, 4, 5, 6, 7]];
+const SIDE_ROWS: [[i32; 4]; 2] = [[-7, -5, -3, -1], [1, 3, 5, 7]];
 /// Rows of each side's census points.
 const CENSUS_ROWS: [[i32; 3]; 2] = [[-5, -3, -1], [1, 3, 5]];
 

@@ -8,7 +8,7 @@ use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side,
 };
 use crate::kernel::{Strip, hamming_curve, sad_curve};
-use crate::lines::Segment;
+use crate::lines::{MAX_ROWS, Segment};
 use crate::result::Rejection;
 use heapless::Vec;
 
@@ -19,19 +19,26 @@ const EDGE: usize = 1;
 const RIGHT: usize = 2;
 /// Columns of the census points of each side, relative to the edge.
 const CENSUS_COLUMNS: [[i32; 3]; 2] = [[-5, -3, -1], [1, 3, 5]];
-/// Rows of half a segment at most.
-const HALF_ROWS: usize = 17;
 
 /// Window curves of the upper and lower half, for each of the three strips.
 struct Windows {
     halves: [[Curve; 3]; 2],
+    /// Rows that were summed.
+    rows: i32,
 }
 
 impl Windows {
     fn new(line: &SteepLine, rows: (i32, i32), band: &Band<'_>, len: i32) -> Self {
         let middle = (rows.0 + rows.1) / 2;
-        let half = |from: i32, to: i32| STRIP_COLUMNS.map(|column| strip_curve(line, from, to, column, 0, Search::Forward, band, len));
-        Self { halves: [half(rows.0, middle), half(middle + 1, rows.1)] }
+        let mut windows = Self { halves: [const { [const { Curve::EMPTY }; 3] }; 2], rows: 0 };
+        for (half, rows) in windows.halves.iter_mut().zip([(rows.0, middle), (middle + 1, rows.1)]) {
+            for (curve, column) in half.iter_mut().zip(STRIP_COLUMNS) {
+                curve.clear(len);
+                add_strips(line, rows, column, Search::Forward, band, curve);
+            }
+            windows.rows += (rows.1 - rows.0) / row_step(rows) + 1;
+        }
+        windows
     }
 
     /// The whole segment's curve of one strip.
@@ -61,27 +68,23 @@ impl Windows {
     }
 }
 
-/// Cost of one strip of eight columns that follows the line over rows `from..=to`, shifted by `-shift` columns.
-#[expect(clippy::too_many_arguments, reason = "a window is just that many numbers")]
-fn strip_curve(
-    line: &SteepLine,
-    from: i32,
-    to: i32,
-    column: i32,
-    shift: i32,
-    search: Search,
-    band: &Band<'_>,
-    len: i32,
-) -> Curve {
-    let mut strips: Vec<Strip<'_>, { HALF_ROWS * 2 }> = Vec::new();
-    for y in from..=to {
-        if let Some(strip) = band.strip(search, line.column(y) + column - shift, y, 0) {
+/// Rows from one strip to the next: neighbouring rows say nearly the same, so of eight and more every second one is enough
+/// (leave one out: no change in any score at 45 % fewer strips).
+fn row_step(rows: (i32, i32)) -> i32 {
+    if rows.1 - rows.0 >= 7 { 2 } else { 1 }
+}
+
+/// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it.
+fn add_strips(line: &SteepLine, rows: (i32, i32), column: i32, search: Search, band: &Band<'_>, curve: &mut Curve) {
+    let mut strips: Vec<Strip<'_>, { MAX_ROWS as usize + 2 }> = Vec::new();
+    let mut y = rows.0;
+    while y <= rows.1 {
+        if let Some(strip) = band.strip(search, line.column(y) + column, y, 0) {
             let _ = strips.push(strip); // a segment has at most MAX_ROWS + 1 rows
         }
+        y += row_step(rows);
     }
-    let mut curve = Curve::new(len);
     sad_curve(&strips, curve.blocks());
-    curve
 }
 
 /// Census curves of the left and the right side.
@@ -150,8 +153,11 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     let use_left = left_window.at(best.at).unwrap_or(u16::MAX) <= right_window.at(best.at).unwrap_or(u16::MAX);
     let side_column = STRIP_COLUMNS[if use_left { LEFT } else { RIGHT }];
     let back_len = context.max_disparity.min(context.width - columns.0.max(columns.1) + best.at);
-    let back_strip = |column| strip_curve(&line, rows.0, rows.1, column, best.at, Search::Back, band, back_len);
-    let back = back_strip(side_column).sum(&back_strip(STRIP_COLUMNS[EDGE]));
+    let mut back = Curve::EMPTY;
+    back.clear(back_len);
+    for column in [side_column, STRIP_COLUMNS[EDGE]] {
+        add_strips(&line, rows, column - best.at, Search::Back, band, &mut back);
+    }
     let back_best = back.minimum();
     let back_gap = ((back_best.at << 6) - window_q6).abs();
     if back_gap > 96 {
@@ -193,7 +199,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     let side_ratios = sides.map(|(near, rival, _)| ratio_q8(near.cost, rival));
     let mut shared = Evidence::new();
     shared.set(Kind::WindowRatio, window_ratio);
-    shared.set(Kind::WindowCost, log2_mean_q8(best.cost.into(), count * 16));
+    shared.set(Kind::WindowCost, log2_mean_q8(best.cost.into(), windows.rows * 16));
     shared.set(Kind::CensusRatio, census_ratio);
     shared.set(Kind::CensusCost, log2_mean_q8(census_best.cost.into(), census_count));
     shared.set(Kind::CensusGap, census_gap << 2);
@@ -218,8 +224,8 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
         }
         let mut evidence = shared;
         evidence.set(Kind::SideRatio, ratio);
-        evidence.set(Kind::SideCost, log2_mean_q8(near.cost.into(), count * 8));
-        evidence.set(Kind::SideMargin, log2_mean_q8(rival.saturating_sub(near.cost).into(), count * 8));
+        evidence.set(Kind::SideCost, log2_mean_q8(near.cost.into(), windows.rows * 8));
+        evidence.set(Kind::SideMargin, log2_mean_q8(rival.saturating_sub(near.cost).into(), windows.rows * 8));
         let census_side = census_sides.get(i)?;
         let census_near = census_side.minimum_near(best.at, 1);
         evidence.set(Kind::CensusSideRatio, ratio_q8(census_near.cost, census_side.rival(best.at)));
