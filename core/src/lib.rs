@@ -4,8 +4,8 @@
 mod claims;
 mod confidence;
 mod image;
-mod kernel;
-mod lines;
+pub mod kernel;
+pub mod lines;
 mod matching;
 mod params;
 mod pipeline;

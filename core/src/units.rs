@@ -11,5 +11,11 @@ pub type Position = U11F5;
 /// Probability that a disparity is within 1 px of the truth: 0 ..= 0.99998, step 1/65536.
 pub type Confidence = U0F16;
 
+/// `numerator / denominator` rounded towards zero; 0 where it has no value. Callers prove that this does not occur: it replaces a panic path.
+#[inline]
+pub(crate) fn quotient(numerator: i32, denominator: i32) -> i32 {
+    numerator.checked_div(denominator).unwrap_or(0)
+}
+
 /// What a disparity (plus offset) of zero or less becomes: too far to measure, and not an error.
 pub const INFINITE_DEPTH: Depth = Depth::MAX;

@@ -1,6 +1,9 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
-use linestereo::{Candidate, Counts, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch, mark_words, row_bytes};
+use linestereo::{
+    Candidate, Counts, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch,
+    mark_words, row_bytes,
+};
 
 /// Most segments listed per frame on a PC.
 pub const MAX_MATCHES: usize = 4096;

@@ -4,4 +4,4 @@
 
 mod portable;
 
-pub(crate) use portable::{FLAT, LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, sad_curve};
+pub use portable::{FLAT, LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, sad_curve};

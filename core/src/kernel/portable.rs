@@ -6,23 +6,25 @@
 //! 31 points are summed per curve before widening: 248 fits `u8`.
 
 /// Value of a zero gradient.
-pub(crate) const FLAT: u8 = 64;
+pub const FLAT: u8 = 64;
 /// Disparities that one step of a curve advances.
-pub(crate) const LANES: usize = 16;
+pub const LANES: usize = 16;
 /// Pixels of a strip.
-pub(crate) const STRIP: usize = 8;
+pub const STRIP: usize = 8;
 
 /// Eight neighbouring pixels of one image and the row of the other in which they are sought: at disparity index i, reference pixel k
 /// meets `other[i + k]`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Strip<'a> {
-    pub(crate) reference: [u8; STRIP],
-    pub(crate) other: &'a [u8],
+pub struct Strip<'a> {
+    /// Pixels of the reference image.
+    pub reference: [u8; STRIP],
+    /// Pixels of the other image, from the first candidate on.
+    pub other: &'a [u8],
 }
 
 /// Sobel x of the middle of three rows, halved, clipped to +-63 and shifted by [`FLAT`]: 1 ..= 127. Only order-free differences of it
 /// are used, so a brightness offset between the cameras cancels. The first and last pixel are flat.
-pub(crate) fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     out.fill(FLAT);
     let (Some(a1), Some(r1), Some(b1)) = (above.get(2..), row.get(2..), below.get(2..)) else { return };
@@ -38,7 +40,7 @@ pub(crate) fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8
 
 /// Census of the middle row of five: one bit per neighbour at distance 2 (eight directions), set where the neighbour is darker.
 /// The first and last two pixels are 0.
-pub(crate) fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
+pub fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
     out.fill(0);
     let [top, _, row, _, bottom] = rows;
     let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
@@ -48,8 +50,14 @@ pub(crate) fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
     let lower = bottom.iter().zip(from(bottom, 2)).zip(from(bottom, 4));
     for ((((c, ((a, b), d)), (e, f)), ((g, h), i)), code) in centre.zip(upper).zip(middle).zip(lower).zip(inner) {
         let darker = |neighbour: &u8, bit: u8| u8::from(neighbour < c) << bit;
-        *code = darker(a, 0) | darker(b, 1) | darker(d, 2) | darker(e, 3)
-            | darker(f, 4) | darker(g, 5) | darker(h, 6) | darker(i, 7);
+        *code = darker(a, 0)
+            | darker(b, 1)
+            | darker(d, 2)
+            | darker(e, 3)
+            | darker(f, 4)
+            | darker(g, 5)
+            | darker(h, 6)
+            | darker(i, 7);
     }
 }
 
@@ -59,7 +67,7 @@ fn from(row: &[u8], start: usize) -> &[u8] {
 
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (a multiple of [`LANES`] long; every strip's `other` holds
 /// `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
-pub(crate) fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
+pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
         let mut sums = [0_u16; LANES];
@@ -68,7 +76,9 @@ pub(crate) fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
                 continue;
             };
             for k in (0..STRIP).step_by(2) {
-                let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else { continue };
+                let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else {
+                    continue;
+                };
                 let (r0, r1) = (strip.reference[k], strip.reference[k + 1]);
                 for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
                     // max - min vectorises where `abs_diff` widens to 32 bits; two differences fit in eight bits.
@@ -84,7 +94,7 @@ pub(crate) fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
 }
 
 /// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve` (at most 31 points).
-pub(crate) fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
+pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
         let mut sums = [0_u8; LANES];

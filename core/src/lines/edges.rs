@@ -11,6 +11,7 @@
 use super::fit::Run;
 use super::{Chain, LineParams};
 use crate::image::Gray;
+use crate::units::quotient;
 
 /// Rows (columns) between two scans for anchors: no more than the least extent of a segment.
 const SCAN_STEP: i32 = 6;
@@ -78,12 +79,8 @@ impl<'a> Edges<'a> {
 
     fn axis(&self, direction: Direction) -> Axis {
         match direction {
-            Direction::Down => {
-                Axis { along: self.stride, across: 1, steps: self.height, breadth: self.width, bit: 0 }
-            }
-            Direction::Along => {
-                Axis { along: 1, across: self.stride, steps: self.width, breadth: self.height, bit: 1 }
-            }
+            Direction::Down => Axis { along: self.stride, across: 1, steps: self.height, breadth: self.width, bit: 0 },
+            Direction::Along => Axis { along: 1, across: self.stride, steps: self.width, breadth: self.height, bit: 1 },
         }
     }
 
@@ -101,8 +98,10 @@ impl<'a> Edges<'a> {
             let [mut sum_here, mut sum_next] = [BORDER, BORDER + 1].map(|u| self.smoothed(axis, t, u));
             let mut here = sum_next - self.smoothed(axis, t, BORDER - 1);
             let mut before = 0;
+            let mut index = self.index(axis, t, BORDER + 2);
             for u in BORDER..axis.breadth - BORDER {
-                let sum_after = self.smoothed(axis, t, u + 2);
+                let sum_after = self.smoothed_at(axis, index);
+                index = index.wrapping_add(axis.across);
                 let after = sum_after - sum_here;
                 (sum_here, sum_next) = (sum_next, sum_after);
                 let size = here.abs();
@@ -135,12 +134,16 @@ impl<'a> Edges<'a> {
                 self.keep(axis, at, &ridge, positions);
                 sum += ridge.gradient;
                 ridge_u = ridge.u;
-                if step < 0 { first = at } else { last = at }
+                if step < 0 {
+                    first = at
+                } else {
+                    last = at
+                }
                 at += step;
             }
         }
         let range = usize::try_from(first).ok()?..usize::try_from(last + 1).ok()?;
-        let mean = sum / (last - first + 1);
+        let mean = quotient(sum, last - first + 1);
         Some(Chain {
             first,
             positions: positions.get(range)?,
@@ -180,7 +183,7 @@ impl<'a> Edges<'a> {
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
-        let offset_q5 = if curvature > 0 { (((high - low) << 4) / curvature).clamp(-16, 16) } else { 0 };
+        let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
         Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid })
     }
 
@@ -204,7 +207,13 @@ impl<'a> Edges<'a> {
     /// [1 2 1] along the edge.
     #[inline]
     fn smoothed(&self, axis: Axis, t: i32, u: i32) -> i32 {
-        self.pixel(axis, t - 1, u) + 2 * self.pixel(axis, t, u) + self.pixel(axis, t + 1, u)
+        self.smoothed_at(axis, self.index(axis, t, u))
+    }
+
+    #[inline]
+    fn smoothed_at(&self, axis: Axis, index: usize) -> i32 {
+        let pixel = |index: usize| i32::from(self.pixels.get(index).copied().unwrap_or(0));
+        pixel(index.wrapping_sub(axis.along)) + 2 * pixel(index) + pixel(index.wrapping_add(axis.along))
     }
 
     /// Three rows by seven pixels around `(t, u)`.

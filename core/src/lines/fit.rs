@@ -14,6 +14,8 @@
 //! # Source
 //! Least squares line; EDLines (Akinlar, Topal 2011) for growing it along a chain.
 
+use crate::units::quotient;
+
 /// Positions of a seed.
 const SEED: i32 = 5;
 /// Most positions of a run: what keeps the sums in 32 bits.
@@ -66,11 +68,11 @@ impl Sums {
             return (0, 0);
         }
         // Q5 -> Q12 is a shift by 7; shift the remainder as well to keep the precision in 32 bits.
-        let whole = numerator / denominator;
-        let part = ((numerator % denominator) << 7) / denominator;
+        let whole = quotient(numerator, denominator);
+        let part = quotient((numerator - whole * denominator) << 7, denominator);
         let slope_q12 = (whole << 7) + part;
         let mean = self.u - ((self.t * slope_q12) >> 7);
-        ((mean + self.n / 2).div_euclid(self.n), slope_q12)
+        ((mean + self.n / 2).checked_div_euclid(self.n).unwrap_or(0), slope_q12)
     }
 }
 

@@ -21,13 +21,14 @@
 //! Suarez et al.: "ELSED", 2022. We differ: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1,
 //! and each direction keeps one position per row, which makes a chain an array.
 
-pub(crate) mod edges;
-pub(crate) mod fit;
+mod edges;
+mod fit;
 
 use crate::image::Gray;
 use crate::result::Point;
 use crate::sort::sort_by_key;
 use crate::units::Position;
+use crate::units::quotient;
 use edges::{Direction, Edges};
 use heapless::vec::VecView;
 
@@ -71,23 +72,26 @@ impl Segment {
 
 /// Thresholds of the detector, checked by the plan.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LineParams {
+pub struct LineParams {
     /// Least gradient of an anchor, Sobel units (grey step times 4).
-    pub(crate) anchor: i32,
+    pub anchor: i32,
     /// Least gradient along a chain, Sobel units.
-    pub(crate) edge: i32,
+    pub edge: i32,
     /// Least extent of a segment, rows or columns.
-    pub(crate) min_extent: i32,
+    pub min_extent: i32,
 }
 
 /// Working memory of the detector: one bit per pixel and direction, one position per row or column.
-pub(crate) struct LineScratch<'a> {
-    pub(crate) marks: &'a mut [u32],
-    pub(crate) chain: &'a mut [u16],
+#[derive(Debug)]
+pub struct LineScratch<'a> {
+    /// [`mark_words`](crate::mark_words) of the image.
+    pub marks: &'a mut [u32],
+    /// The longer side of the image.
+    pub chain: &'a mut [u16],
 }
 
 /// Lists the segments of `image`, sorted by their top row; returns how many did not fit (the shortest are dropped).
-pub(crate) fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
+pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
     out.clear();
     scratch.marks.fill(0);
     let mut list = KeepLongest { out, dropped: 0 };
@@ -117,10 +121,10 @@ pub(crate) fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<
 /// Few, prominent and evenly spread: matching cost is bounded by the area, not by what the image shows.
 pub(crate) fn keep_prominent(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) -> u16 {
     marks.fill(0);
-    let per_row = width / cell + 1;
+    let per_row = quotient(width, cell) + 1;
     let place = |s: &Segment| {
         let (x0, y0, x1, y1) = s.ends_q5();
-        usize::try_from(((y0 + y1) >> 6) / cell * per_row + ((x0 + x1) >> 6) / cell).unwrap_or(0)
+        usize::try_from(quotient((y0 + y1) >> 6, cell) * per_row + quotient((x0 + x1) >> 6, cell)).unwrap_or(0)
     };
     // Prominence in the upper bits, position in the list in the lower twelve: later ones lose ties.
     let rank = |s: &Segment, i: usize| {
@@ -158,14 +162,19 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
     let length = run.last - run.first;
     let pieces = (length + longest - 1) / longest;
     for piece in 0..pieces {
-        let t0 = run.first + length * piece / pieces;
-        let t1 = run.first + length * (piece + 1) / pieces;
+        let t0 = run.first + quotient(length * piece, pieces);
+        let t1 = run.first + quotient(length * (piece + 1), pieces);
         let end = |t: i32| {
             let along = position((chain.first + t) << 5);
             let across = position(run.at_q5(t));
             if near_horizontal { Point { x: along, y: across } } else { Point { x: across, y: along } }
         };
-        list.push(Segment { ends: [end(t0), end(t1)], rising: chain.rising, contrast: chain.contrast, near_horizontal });
+        list.push(Segment {
+            ends: [end(t0), end(t1)],
+            rising: chain.rising,
+            contrast: chain.contrast,
+            near_horizontal,
+        });
     }
 }
 

@@ -9,8 +9,8 @@
 //! `4 * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
 use crate::image::Gray;
-use crate::lines::Segment;
 use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
+use crate::lines::Segment;
 
 /// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
 pub(crate) const BAND_ROWS: usize = 48;
@@ -170,5 +170,5 @@ fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
 
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
     let last = i32::from(image.dims().height) - 1;
-    image.row(y.clamp(0, last) as usize).unwrap_or(&[])
+    image.row(y.max(0).min(last) as usize).unwrap_or(&[])
 }

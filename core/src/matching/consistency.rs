@@ -115,7 +115,7 @@ pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [[Plac
         for (claim, place) in candidate.sides.iter_mut().zip(pair) {
             if let Some(claim) = claim {
                 claim.evidence.set(Kind::Support, log2_mean_q8(place.agreeing, 256));
-                let share = (place.conflicting << 8) / (place.agreeing + place.conflicting + 51);
+                let share = (place.conflicting << 8).checked_div(place.agreeing + place.conflicting + 51).unwrap_or(0);
                 claim.evidence.set(Kind::Conflict, share as i32);
             }
         }

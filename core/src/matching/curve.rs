@@ -5,6 +5,7 @@
 //! 2001): two lines of equal and opposite slope, the right shape for absolute differences.
 
 use crate::kernel::LANES;
+use crate::units::quotient;
 
 /// Most disparities of a search.
 pub(crate) const MAX_DISPARITIES: usize = 256;
@@ -127,11 +128,11 @@ impl Curve {
         if depth <= 0 {
             return at << 6;
         }
-        (at << 6) + (((before - after) << 5) / depth).clamp(-32, 32)
+        (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
     }
 }
 
 /// `256 * cost / rival`, at most 3 * 256: below 256 the minimum is better than its rival.
 pub(crate) fn ratio_q8(cost: u16, rival: u16) -> i32 {
-    ((i32::from(cost) << 8) / i32::from(rival).max(1)).min(768)
+    quotient(i32::from(cost) << 8, i32::from(rival).max(1)).min(768)
 }

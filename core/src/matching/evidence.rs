@@ -90,9 +90,9 @@ impl Evidence {
 
 /// `log2(1 + sum / count)` in Q8, by the leading bit and a straight line between powers of two (error below 0.09).
 pub(crate) fn log2_mean_q8(sum: u32, count: i32) -> i32 {
-    let count = u32::try_from(count.max(1)).unwrap_or(1);
-    let x_q4 = (sum << 4) / count + 16;
-    let whole = x_q4.ilog2();
+    let mean_q4 = u32::try_from(count).ok().and_then(|count| (sum << 4).checked_div(count)).unwrap_or(0);
+    let x_q4 = mean_q4 + 16;
+    let whole = x_q4.checked_ilog2().unwrap_or(4);
     let part_q8 = ((x_q4 << 8) >> whole) as i32 - 256;
     ((whole as i32 - 4) << 8) + part_q8
 }

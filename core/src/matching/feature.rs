@@ -4,6 +4,7 @@
 //! A vote, not a requirement: only about 72 % of visible left segments have their partner among the right segments.
 
 use crate::lines::{MAX_ROWS, Segment};
+use crate::units::quotient;
 
 /// A line x(y) in 1/32 px with its row range.
 #[derive(Clone, Copy)]
@@ -21,7 +22,7 @@ impl SteepLine {
         if y0 > y1 {
             (x0, y0, x1, y1) = (x1, y1, x0, y0);
         }
-        let slope_q12 = (((x1 - x0) << 12) / (y1 - y0).max(1)).clamp(-(8 << 12), 8 << 12);
+        let slope_q12 = quotient((x1 - x0) << 12, y1 - y0).clamp(-(8 << 12), 8 << 12);
         Self { x0, y0, y1, slope_q12 }
     }
 

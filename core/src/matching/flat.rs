@@ -3,12 +3,11 @@
 use super::band::{Band, Search};
 use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MIN_RANGE, MatchContext, Side,
-};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MIN_RANGE, MatchContext, Side};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
+use crate::units::quotient;
 use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge.
@@ -29,7 +28,7 @@ pub(crate) struct FlatLine {
 impl FlatLine {
     pub(crate) fn new(segment: &Segment) -> Self {
         let (x0, y0, x1, y1) = segment.ends_q5();
-        let slope_q12 = (((y1 - y0) << 12) / (x1 - x0).max(1)).clamp(-(8 << 12), 8 << 12);
+        let slope_q12 = quotient((y1 - y0) << 12, x1 - x0).clamp(-(8 << 12), 8 << 12);
         Self { x0, y0, x1, slope_q12 }
     }
 
@@ -50,14 +49,22 @@ impl FlatLine {
 }
 
 /// Cost of one side over columns `from..=to`, in blocks of eight columns that follow the line.
-fn side_curve(line: &FlatLine, (from, to): (i32, i32), side: usize, shift: i32, search: Search, band: &Band<'_>, len: i32) -> (Curve, i32) {
+fn side_curve(
+    line: &FlatLine,
+    (from, to): (i32, i32),
+    side: usize,
+    shift: i32,
+    search: Search,
+    band: &Band<'_>,
+    len: i32,
+) -> (Curve, i32) {
     let mut curve = Curve::new(len);
     let mut pixels = 0;
     let blocks = (to - from + STRIP as i32) / STRIP as i32;
     let mut strips: Vec<Strip<'_>, 32> = Vec::new();
     for block in 0..blocks {
         // Blocks share the columns evenly; the last ones overlap when the length is no multiple of eight.
-        let start = if blocks > 1 { from + (to - from + 1 - STRIP as i32) * block / (blocks - 1) } else { from };
+        let start = if blocks > 1 { from + quotient((to - from + 1 - STRIP as i32) * block, blocks - 1) } else { from };
         let y = line.row_q5((start << 5) + 112);
         for row in SIDE_ROWS.get(side).into_iter().flatten() {
             if let Some(strip) = band.strip(search, start - shift, y + row, 0) {
@@ -89,7 +96,11 @@ fn census_curve(line: &FlatLine, (from, to): (i32, i32), side: usize, band: &Ban
 }
 
 /// Matches both sides of one piece, or names the test at which the better side failed.
-pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &Band<'_>) -> Result<Candidate, Rejection> {
+pub(crate) fn match_flat(
+    segment: &Segment,
+    context: &MatchContext<'_>,
+    band: &Band<'_>,
+) -> Result<Candidate, Rejection> {
     let line = FlatLine::new(segment);
     let columns = line.columns();
     let count = columns.1 - columns.0 + 1;
@@ -100,7 +111,8 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
     let middle = (columns.0 + columns.1) / 2;
     let spans = [(columns.0, middle), (middle + 1, columns.1)];
     let curves = [0, 1].map(|side| {
-        let [(a, pixels_a), (b, pixels_b)] = spans.map(|span| side_curve(&line, span, side, 0, Search::Forward, band, len));
+        let [(a, pixels_a), (b, pixels_b)] =
+            spans.map(|span| side_curve(&line, span, side, 0, Search::Forward, band, len));
         let whole = a.sum(&b);
         (a, b, whole, pixels_a + pixels_b)
     });
@@ -151,7 +163,7 @@ pub(crate) fn match_flat(segment: &Segment, context: &MatchContext<'_>, band: &B
         evidence.set(Kind::CensusGap, (whole_q6 - c_q6).abs() << 2);
         evidence.set(Kind::BackGap, (back_best.at - best.at).abs() << 8);
         evidence.set(Kind::BackRatio, ratio_q8(back_best.cost, back.rival(back_best.at)));
-        evidence.set(Kind::Slant, (slant.abs() << 3) / count);
+        evidence.set(Kind::Slant, quotient(slant.abs() << 3, count));
         evidence.set(Kind::Length, log2_mean_q8(count as u32, 1));
         evidence.set(Kind::OtherRatio, other_ratio);
         evidence.set(Kind::OtherDiffers, i32::from((other_best.at - best.at).abs() > 1) << 8);

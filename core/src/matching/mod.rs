@@ -67,7 +67,15 @@ pub struct Side {
 
 impl Side {
     pub(crate) fn new(disparity_q6: [i32; 2], evidence: Evidence) -> Self {
-        Self { disparity_q6, evidence, score_q8: 0, probability_q16: 0, edge_probability_q16: 0, edge_sigma_q6: 0, rejected: false }
+        Self {
+            disparity_q6,
+            evidence,
+            score_q8: 0,
+            probability_q16: 0,
+            edge_probability_q16: 0,
+            edge_sigma_q6: 0,
+            rejected: false,
+        }
     }
 }
 

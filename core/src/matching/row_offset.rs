@@ -9,6 +9,7 @@
 //! True pairs agree, false ones spread evenly over the interval: no image is read.
 
 use crate::lines::Segment;
+use crate::units::quotient;
 
 /// Votes per 1/8 px, -2 .. 2 px.
 const BINS: usize = 33;
@@ -51,7 +52,7 @@ fn peak(votes: &[u32; BINS]) -> i32 {
         let weight: u32 = window.iter().sum();
         if weight > best.0 {
             let moment: i32 = window.iter().zip(start..).map(|(&v, bin)| v as i32 * bin).sum();
-            best = (weight, ((moment << 2) / weight.max(1) as i32) - LIMIT_Q5);
+            best = (weight, quotient(moment << 2, weight as i32) - LIMIT_Q5);
         }
     }
     let (weight, centre_q5) = best;

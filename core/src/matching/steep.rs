@@ -10,6 +10,7 @@ use super::{
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::{MAX_ROWS, Segment};
 use crate::result::Rejection;
+use crate::units::quotient;
 use heapless::Vec;
 
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
@@ -36,7 +37,7 @@ impl Windows {
                 curve.clear(len);
                 add_strips(line, rows, column, Search::Forward, band, curve);
             }
-            windows.rows += (rows.1 - rows.0) / row_step(rows) + 1;
+            windows.rows += quotient(rows.1 - rows.0, row_step(rows)) + 1;
         }
         windows
     }
@@ -112,7 +113,11 @@ fn census_curves(line: &SteepLine, rows: (i32, i32), band: &Band<'_>, len: i32) 
 }
 
 /// Matches one segment, or names the test it fails.
-pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &Band<'_>) -> Result<Candidate, Rejection> {
+pub(crate) fn match_steep(
+    segment: &Segment,
+    context: &MatchContext<'_>,
+    band: &Band<'_>,
+) -> Result<Candidate, Rejection> {
     let line = SteepLine::new(segment);
     let rows = line.rows();
     let count = rows.1 - rows.0 + 1;
@@ -205,7 +210,7 @@ pub(crate) fn match_steep(segment: &Segment, context: &MatchContext<'_>, band: &
     shared.set(Kind::CensusGap, census_gap << 2);
     shared.set(Kind::BackGap, back_gap << 2);
     shared.set(Kind::BackRatio, back_ratio);
-    shared.set(Kind::Slant, ((lower - upper).abs() << 3) / count);
+    shared.set(Kind::Slant, quotient((lower - upper).abs() << 3, count));
     shared.set(Kind::Length, log2_mean_q8(count as u32, 1));
     shared.set(Kind::RightAgrees, i32::from(feature_q6.is_some()) << 8);
     shared.set(Kind::NoRight, i32::from(votes == 0) << 8);

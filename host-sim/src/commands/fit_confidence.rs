@@ -45,7 +45,10 @@ pub fn run(args: &Args) -> Result<()> {
         leave_one_out(&scenes, &samples)?;
     }
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
-    let text = source_text(&fit(&samples.iter().collect::<Vec<_>>()), &format!("{} scenes ({})", names.len(), names.join(", ")));
+    let text = source_text(
+        &fit(&samples.iter().collect::<Vec<_>>()),
+        &format!("{} scenes ({})", names.len(), names.join(", ")),
+    );
     if let Some(path) = &args.check {
         let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         if there != text {

@@ -48,9 +48,12 @@ impl Line {
     }
 
     fn standardise(&self, evidence: &[f64; EVIDENCE]) -> DVector<f64> {
-        DVector::from_fn(EVIDENCE + 1, |i, _| {
-            if i < EVIDENCE { (evidence[i] - self.mean[i]) / self.scale[i] } else { 1.0 }
-        })
+        DVector::from_fn(
+            EVIDENCE + 1,
+            |i, _| {
+                if i < EVIDENCE { (evidence[i] - self.mean[i]) / self.scale[i] } else { 1.0 }
+            },
+        )
     }
 
     /// Log-odds of a sample.
@@ -105,10 +108,7 @@ mod tests {
     #[test]
     fn newton_finds_the_log_odds_of_two_groups() {
         // 30 of 40 right without the input, 90 of 100 with it: log-odds ln 3 and ln 9.
-        let rows = [
-            (DVector::from_vec(vec![0.0, 1.0]), 30.0, 10.0),
-            (DVector::from_vec(vec![1.0, 1.0]), 90.0, 10.0),
-        ];
+        let rows = [(DVector::from_vec(vec![0.0, 1.0]), 30.0, 10.0), (DVector::from_vec(vec![1.0, 1.0]), 90.0, 10.0)];
         let weights = newton(&rows, DVector::zeros(2), 0.0);
         assert!((weights[1] - 3_f64.ln()).abs() < 1e-6, "{weights}");
         assert!((weights[0] - 3_f64.ln()).abs() < 1e-6, "{weights}");

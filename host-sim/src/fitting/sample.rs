@@ -67,7 +67,8 @@ pub fn scene_samples(candidates: &[Candidate], truth: &Truth, dims: Dims) -> Sce
         };
         // The nearest truth within 1 px across the edge, as segments are scored.
         let at_edge = |x: i32, y: i32, d: f32| {
-            let near = (-1..=1).filter_map(|k| if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) });
+            let near =
+                (-1..=1).filter_map(|k| if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) });
             near.map(|truth| (truth - d).abs()).reduce(f32::min)
         };
         let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
