@@ -18,7 +18,8 @@ impl Candidate {
         let sign = if side == 0 { -1 } else { 1 };
         let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
         let [d0, d1] = owner.disparity_q6;
-        let mut emit = |x: i32, y: i32, d_q6: i32| {
+        let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
+            let d_q6 = edge_q6 + ((owner.across_q10 * off) >> 4);
             let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
             if column < dims.width && row < dims.height && (x << 6) >= d_q6 && d_q6 >= -32 {
                 claim(column, row, d_q6.max(0));
@@ -31,15 +32,16 @@ impl Candidate {
             let (from, to) = line.columns();
             let step = ramp(from, to);
             for x in from..=to {
-                let off = sign * (i32::from(distance) + flat_offset);
-                emit(x, line.row(x) + off, d0 + (((x - from) * step) >> 8));
+                let off = i32::from(distance) + flat_offset;
+                emit(x, line.row(x) + sign * off, d0 + (((x - from) * step) >> 8), off);
             }
         } else {
             let line = SteepLine::new(&self.segment);
             let (from, to) = line.rows();
             let step = ramp(from, to);
             for y in from..=to {
-                emit(line.column(y) + sign * i32::from(distance), y, d0 + (((y - from) * step) >> 8));
+                let off = i32::from(distance);
+                emit(line.column(y) + sign * off, y, d0 + (((y - from) * step) >> 8), off);
             }
         }
     }

@@ -6,167 +6,167 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     steep: Model {
-        bias_q12: 37176,
+        bias_q12: 36707,
         coefficients_q12: [
-            -18265, // this side's window: cost at the disparity / best cost elsewhere
-            2207, // log2(1 + that cost per pixel)
-            -1076, // log2(1 + how much worse elsewhere is, per pixel)
-            2415, // segment window: best cost / best elsewhere
-            -4445, // log2(1 + its cost per pixel)
-            -3629, // census: best cost / best elsewhere
-            3813, // log2(1 + its cost per point)
-            -13685, // this side's census: cost at the disparity / best elsewhere
-            -8229, // |window - census|, px
-            5759, // |searched back - window|, px
-            317, // searching back: best cost / best elsewhere
-            -15738, // |difference of the halves' disparities| per row or column
-            1210, // log2(1 + rows or columns)
-            325, // the other side's window ratio
-            -281, // 1 if the other side prefers another disparity
-            -8552, // 1 if this side alone prefers another disparity
-            1940, // 1 if a right segment's line agrees
-            4407, // 1 if no right segment is compatible
-            305, // -1 left of or above the edge, +1 right or below
-            -2435, // slope against its direction, px per px
-            -365, // log2(1 + disparities compared)
-            -1088, // log2(1 + grey step)
-            52, // log2(1 + neighbours that agree)
-            -2277, // share of neighbours that contradict
-            4375, // the edge itself: cost at the disparity / best elsewhere
-            -961, // distance of the pixel from the edge, px
+            -18171, // this side's window: cost at the disparity / best cost elsewhere
+            2241, // log2(1 + that cost per pixel)
+            -1115, // log2(1 + how much worse elsewhere is, per pixel)
+            1761, // segment window: best cost / best elsewhere
+            -4245, // log2(1 + its cost per pixel)
+            -3388, // census: best cost / best elsewhere
+            3750, // log2(1 + its cost per point)
+            -13901, // this side's census: cost at the disparity / best elsewhere
+            -8393, // |window - census|, px
+            5715, // |searched back - window|, px
+            -266, // searching back: best cost / best elsewhere
+            -16523, // |difference of the halves' disparities| per row or column
+            1198, // log2(1 + rows or columns)
+            321, // the other side's window ratio
+            -338, // 1 if the other side prefers another disparity
+            -8686, // 1 if this side alone prefers another disparity
+            1868, // 1 if a right segment's line agrees
+            4361, // 1 if no right segment is compatible
+            318, // -1 left of or above the edge, +1 right or below
+            -2374, // slope against its direction, px per px
+            -312, // log2(1 + disparities compared)
+            -1113, // log2(1 + grey step)
+            146, // log2(1 + neighbours that agree)
+            -2054, // share of neighbours that contradict
+            4876, // the edge itself: cost at the disparity / best elsewhere
+            -978, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            531, 733, 1012, 1394, 1915, 2624, 3581, 4860, 6547, 8735, 11512,
-            14940, 19029, 23712, 28833, 34158, 39409, 44328, 48715, 52463, 56189, 58985,
-            61791, 63438, 64402, 64927, 65391, 65502, 65526, 65527, 65529, 65531, 65533,
+            539, 744, 1025, 1411, 1936, 2650, 3611, 4894, 6584, 8773, 11548,
+            14968, 19045, 23712, 28813, 34117, 39350, 44256, 48637, 52384, 56271, 59149,
+            61887, 63492, 64370, 64875, 65385, 65502, 65526, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            149, 149, 149, 149, 87, 87, 78, 47, 32, 27, 23,
-            19, 16, 14, 13, 11, 10, 9, 8, 6, 6, 6,
+            164, 164, 164, 159, 118, 94, 76, 46, 31, 26, 21,
+            18, 15, 13, 12, 10, 9, 8, 8, 8, 8, 8,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 41884,
+        bias_q12: 43736,
         coefficients_q12: [
-            -9931, // this side's window: cost at the disparity / best cost elsewhere
-            10, // log2(1 + that cost per pixel)
-            -1679, // log2(1 + how much worse elsewhere is, per pixel)
+            -10038, // this side's window: cost at the disparity / best cost elsewhere
+            -65, // log2(1 + that cost per pixel)
+            -1596, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -13918, // census: best cost / best elsewhere
-            3165, // log2(1 + its cost per point)
+            -14308, // census: best cost / best elsewhere
+            3081, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3745, // |window - census|, px
-            -1223, // |searched back - window|, px
-            -4920, // searching back: best cost / best elsewhere
-            -39581, // |difference of the halves' disparities| per row or column
-            -3105, // log2(1 + rows or columns)
-            484, // the other side's window ratio
-            -374, // 1 if the other side prefers another disparity
+            -3104, // |window - census|, px
+            -1111, // |searched back - window|, px
+            -4261, // searching back: best cost / best elsewhere
+            -38174, // |difference of the halves' disparities| per row or column
+            -3173, // log2(1 + rows or columns)
+            -400, // the other side's window ratio
+            -471, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            243, // -1 left of or above the edge, +1 right or below
-            -4285, // slope against its direction, px per px
-            880, // log2(1 + disparities compared)
-            -1283, // log2(1 + grey step)
-            1700, // log2(1 + neighbours that agree)
-            -822, // share of neighbours that contradict
+            211, // -1 left of or above the edge, +1 right or below
+            -4434, // slope against its direction, px per px
+            667, // log2(1 + disparities compared)
+            -1337, // log2(1 + grey step)
+            1739, // log2(1 + neighbours that agree)
+            -422, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
-            85, // distance of the pixel from the edge, px
+            70, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            1049, 1383, 1820, 2390, 3129, 4082, 5302, 6845, 8772, 11138, 13985,
-            17328, 21142, 25355, 29843, 34444, 38979, 43281, 47213, 50689, 56211, 59907,
-            62221, 63614, 64404, 64872, 65338, 65477, 65519, 65527, 65529, 65531, 65533,
+            1002, 1326, 1751, 2309, 3037, 3978, 5188, 6725, 8652, 11029, 13898,
+            17277, 21141, 25414, 29969, 34634, 39225, 43567, 47521, 51001, 56476, 60109,
+            62278, 63608, 64379, 64845, 65317, 65467, 65514, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 101, 101, 101, 101, 99, 73, 53, 38, 29, 23,
-            19, 17, 14, 13, 11, 10, 10, 10, 9, 9, 9,
+            512, 512, 120, 109, 109, 97, 72, 50, 36, 28, 22,
+            19, 17, 14, 12, 11, 10, 9, 9, 9, 9, 9,
         ],
     },
     steep_edge: Model {
-        bias_q12: 14082,
+        bias_q12: 14069,
         coefficients_q12: [
-            -1991, // this side's window: cost at the disparity / best cost elsewhere
+            -1999, // this side's window: cost at the disparity / best cost elsewhere
             -493, // log2(1 + that cost per pixel)
-            -115, // log2(1 + how much worse elsewhere is, per pixel)
-            -2615, // segment window: best cost / best elsewhere
-            -1886, // log2(1 + its cost per pixel)
-            -10210, // census: best cost / best elsewhere
-            1252, // log2(1 + its cost per point)
-            -998, // this side's census: cost at the disparity / best elsewhere
-            -6996, // |window - census|, px
-            2686, // |searched back - window|, px
-            -4929, // searching back: best cost / best elsewhere
-            -23232, // |difference of the halves' disparities| per row or column
-            1100, // log2(1 + rows or columns)
-            -291, // the other side's window ratio
-            -2757, // 1 if the other side prefers another disparity
-            -331, // 1 if this side alone prefers another disparity
-            3385, // 1 if a right segment's line agrees
-            2498, // 1 if no right segment is compatible
-            161, // -1 left of or above the edge, +1 right or below
+            -114, // log2(1 + how much worse elsewhere is, per pixel)
+            -2622, // segment window: best cost / best elsewhere
+            -1883, // log2(1 + its cost per pixel)
+            -10204, // census: best cost / best elsewhere
+            1253, // log2(1 + its cost per point)
+            -994, // this side's census: cost at the disparity / best elsewhere
+            -7004, // |window - census|, px
+            2687, // |searched back - window|, px
+            -4930, // searching back: best cost / best elsewhere
+            -23221, // |difference of the halves' disparities| per row or column
+            1102, // log2(1 + rows or columns)
+            -290, // the other side's window ratio
+            -2758, // 1 if the other side prefers another disparity
+            -325, // 1 if this side alone prefers another disparity
+            3384, // 1 if a right segment's line agrees
+            2499, // 1 if no right segment is compatible
+            160, // -1 left of or above the edge, +1 right or below
             -3093, // slope against its direction, px per px
-            1984, // log2(1 + disparities compared)
+            1985, // log2(1 + disparities compared)
             -522, // log2(1 + grey step)
             1382, // log2(1 + neighbours that agree)
-            1947, // share of neighbours that contradict
-            1161, // the edge itself: cost at the disparity / best elsewhere
+            1937, // share of neighbours that contradict
+            1156, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            904, 1231, 1674, 2269, 3066, 4125, 5518, 7324, 9627, 12499, 15982,
-            20068, 24679, 29658, 34787, 39818, 44524, 48731, 52346, 55346, 56950, 58334,
-            61924, 63778, 64198, 64519, 65107, 65356, 65460, 65504, 65523, 65530, 65533,
+            909, 1237, 1680, 2277, 3076, 4137, 5532, 7340, 9644, 12516, 15999,
+            20083, 24690, 29665, 34788, 39814, 44515, 48720, 52333, 55332, 56952, 58348,
+            61924, 63775, 64197, 64519, 65107, 65356, 65460, 65504, 65523, 65530, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 512, 512, 512, 43, 35, 28, 24, 20,
-            16, 14, 12, 11, 9, 8, 8, 8, 7, 6, 6,
+            512, 512, 512, 512, 512, 512, 45, 35, 28, 23, 20,
+            16, 14, 11, 11, 9, 8, 8, 8, 7, 6, 6,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 38694,
+        bias_q12: 38183,
         coefficients_q12: [
-            -5360, // this side's window: cost at the disparity / best cost elsewhere
-            -957, // log2(1 + that cost per pixel)
-            -47, // log2(1 + how much worse elsewhere is, per pixel)
+            -6079, // this side's window: cost at the disparity / best cost elsewhere
+            -999, // log2(1 + that cost per pixel)
+            -50, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -9058, // census: best cost / best elsewhere
-            2633, // log2(1 + its cost per point)
+            -8475, // census: best cost / best elsewhere
+            2208, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -1915, // |window - census|, px
-            -752, // |searched back - window|, px
-            -4463, // searching back: best cost / best elsewhere
-            -25291, // |difference of the halves' disparities| per row or column
-            -2515, // log2(1 + rows or columns)
-            444, // the other side's window ratio
-            -6723, // 1 if the other side prefers another disparity
+            -1283, // |window - census|, px
+            -760, // |searched back - window|, px
+            -3930, // searching back: best cost / best elsewhere
+            -21702, // |difference of the halves' disparities| per row or column
+            -1968, // log2(1 + rows or columns)
+            -403, // the other side's window ratio
+            -7571, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            -998, // -1 left of or above the edge, +1 right or below
-            3059, // slope against its direction, px per px
-            -244, // log2(1 + disparities compared)
-            -444, // log2(1 + grey step)
-            39, // log2(1 + neighbours that agree)
-            -2980, // share of neighbours that contradict
+            -995, // -1 left of or above the edge, +1 right or below
+            3460, // slope against its direction, px per px
+            -376, // log2(1 + disparities compared)
+            -493, // log2(1 + grey step)
+            144, // log2(1 + neighbours that agree)
+            -2491, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            976, 1286, 1693, 2224, 2913, 3804, 4945, 6393, 8207, 10446, 13154,
-            16357, 20042, 24148, 28568, 33149, 37715, 42092, 46135, 49743, 55614, 59564,
-            62510, 64039, 64669, 65035, 65403, 65501, 65526, 65527, 65529, 65531, 65533,
+            789, 1056, 1410, 1879, 2499, 3312, 4371, 5738, 7481, 9666, 12355,
+            15583, 19347, 23591, 28198, 32996, 37785, 42364, 46567, 50282, 55909, 59701,
+            62338, 63818, 64563, 64987, 65409, 65507, 65526, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 137, 137, 137, 101, 69, 55, 46, 36, 28,
-            22, 18, 16, 14, 12, 11, 9, 8, 8, 8, 8,
+            512, 512, 189, 180, 152, 95, 67, 53, 46, 36, 26,
+            20, 15, 13, 11, 9, 8, 7, 7, 7, 7, 7,
         ],
     },
 };

@@ -3,7 +3,7 @@
 use super::band::{Band, Search};
 use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MIN_RANGE, MatchContext, Side};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MIN_RANGE, MatchContext, Side, join_sides};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
@@ -182,9 +182,16 @@ pub(crate) fn match_flat(
             None
         }
     };
-    let sides = [keep(0), keep(1)];
+    let mut sides = [keep(0), keep(1)];
     if sides.iter().all(Option::is_none) {
         return Err(reasons);
+    }
+    if let [Some(above), Some(below)] = &sides {
+        let mean = |i: usize| -> Option<i32> { Some((above.disparity_q6.get(i)? + below.disparity_q6.get(i)?) / 2) };
+        if let (Some(first), Some(last)) = (mean(0), mean(1)) {
+            let own_q6 = [above, below].map(|side| side.disparity_q6.iter().sum::<i32>() / 2);
+            join_sides(&mut sides, own_q6, 8, [first, last]);
+        }
     }
     Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6: None, beaten: false, listed: None })
 }

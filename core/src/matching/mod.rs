@@ -14,7 +14,7 @@ use crate::lines::Segment;
 use crate::params::{Margin, Params};
 use crate::result::Rejection;
 use crate::rig::Rig;
-use crate::units::Disparity;
+use crate::units::{Disparity, quotient};
 use band::Band;
 use evidence::Evidence;
 
@@ -55,6 +55,8 @@ pub struct Candidate {
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
     pub disparity_q6: [i32; 2],
+    /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
+    pub across_q10: i32,
     /// What speaks for and against it.
     pub evidence: Evidence,
     pub(crate) score_q8: i32,
@@ -69,6 +71,7 @@ impl Side {
     pub(crate) fn new(disparity_q6: [i32; 2], evidence: Evidence) -> Self {
         Self {
             disparity_q6,
+            across_q10: 0,
             evidence,
             score_q8: 0,
             probability_q16: 0,
@@ -77,6 +80,26 @@ impl Side {
             rejected: false,
         }
     }
+}
+
+/// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.
+const ONE_SURFACE_Q6: i32 = 64;
+
+/// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
+/// edge follows from their difference. `own_q6` is what each side's window says by itself, `offset_q1` its centre's distance from the
+/// edge in half pixels; `line_q6` the disparity along the edge by both.
+fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], offset_q1: i32, line_q6: [i32; 2]) {
+    let [Some(left), Some(right)] = sides else { return };
+    let [own_left, own_right] = own_q6;
+    if (own_right - own_left).abs() > ONE_SURFACE_Q6 {
+        return;
+    }
+    // Over twice the offset, that is offset_q1 pixels; 1/64 px to 1/1024 px.
+    let across_q10 = quotient((own_right - own_left) << 4, offset_q1);
+    left.across_q10 = -across_q10;
+    right.across_q10 = across_q10;
+    left.disparity_q6 = line_q6;
+    right.disparity_q6 = line_q6;
 }
 
 /// What is the same for every segment of a frame.

@@ -5,7 +5,7 @@ use super::curve::{Curve, MAX_DISPARITIES, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::feature::{SteepLine, for_each_partner};
 use super::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side,
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MIN_RANGE, MatchContext, Side, join_sides,
 };
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::{MAX_ROWS, Segment};
@@ -196,9 +196,12 @@ pub(crate) fn match_steep(
 
     // Which side owns it: the side's own window, edge left out, must prefer this disparity.
     let shift = |q6: i32| (q6 - (best.at << 6) + 32) >> 6;
+    let mut own_q6 = [0; 2];
+    let mut own_q6_of = |strip: usize, q6: i32| if strip == LEFT { own_q6[0] = q6 } else { own_q6[1] = q6 };
     let sides = [LEFT, RIGHT].map(|strip| {
         let curve = windows.side(strip, shift(upper), shift(lower));
         let near = curve.minimum_near(best.at, 1);
+        own_q6_of(strip, curve.subpixel_q6(near.at));
         (near, curve.rival(best.at), curve.minimum().at)
     });
     let side_ratios = sides.map(|(near, rival, _)| ratio_q8(near.cost, rival));
@@ -240,9 +243,19 @@ pub(crate) fn match_steep(
         evidence.set(Kind::WhichSide, if i == 0 { -256 } else { 256 });
         Some(Side::new(disparity_q6, evidence))
     };
-    let sides = [claim(0), claim(1)];
+    let mut sides = [claim(0), claim(1)];
     if sides.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
+    if std_mean() {
+        let moved = (own_q6[0] + own_q6[1]) / 2 - middle_q6;
+        join_sides(&mut sides, own_q6, 11, disparity_q6.map(|d| d + moved));
+    } else {
+        join_sides(&mut sides, own_q6, 11, disparity_q6);
+    }
     Ok(Candidate { segment: *segment, sides, window_q6, census_q6, feature_q6, beaten: false, listed: None })
+}
+
+const fn std_mean() -> bool {
+    false
 }
