@@ -21,8 +21,9 @@ impl Candidate {
         let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
             let d_q6 = edge_q6 + ((owner.across_q10 * off) >> 4);
             let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
-            if column < dims.width && row < dims.height && (x << 6) >= d_q6 && d_q6 >= -32 {
-                claim(column, row, d_q6.max(0));
+            let right_q6 = (x << 6) - d_q6;
+            if column < dims.width && row < dims.height && (0..i32::from(dims.width) << 6).contains(&right_q6) {
+                claim(column, row, d_q6);
             }
         };
         // d along the segment, 1/64 px in Q8 steps.

@@ -26,7 +26,10 @@ pub enum Margin {
 /// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Params {
-    /// Disparities searched: 0 .. max_disparity px; 8 ..= 256, and smaller than the width. The nearest depth is `f*B/max_disparity`.
+    /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is: then the rig's offset makes it positive.
+    pub min_disparity: i16,
+    /// Disparities searched end before this, px; at least 8 above `min_disparity`, at most 256, smaller than the width. The nearest depth is
+    /// `f*B/max_disparity`.
     pub max_disparity: u16,
     /// The rectified rig; without one nothing is given in metres.
     pub rig: Option<Rig>,
@@ -49,6 +52,7 @@ pub struct Params {
 impl Params {
     /// The documented defaults.
     pub const DEFAULT: Self = Self {
+        min_disparity: 0,
         max_disparity: 64,
         rig: None,
         anchor_gradient: 40,
@@ -61,21 +65,23 @@ impl Params {
     };
 
     pub(crate) fn check(&self, dims: Dims) -> Result<(), ParamError> {
-        let widest = (MAX_DISPARITIES as u16).min(dims.width.saturating_sub(1));
-        in_range("max_disparity", self.max_disparity, 8, widest)?;
-        in_range("anchor_gradient", self.anchor_gradient, 4, 1020)?;
-        in_range("edge_gradient", self.edge_gradient, 4, self.anchor_gradient)?;
-        in_range("min_extent", self.min_extent, 4, 32)?;
-        in_range("cell", self.cell, 8, 256)?;
-        in_range("reach", self.reach, 1, 6)?;
+        in_range("min_disparity", self.min_disparity, -32_i16, 0_i16)?;
+        let most = MAX_DISPARITIES as i32 + i32::from(self.min_disparity);
+        let widest = most.min(i32::from(dims.width) - 1);
+        in_range("max_disparity", self.max_disparity, i32::from(self.min_disparity) + 8, widest)?;
+        in_range("anchor_gradient", self.anchor_gradient, 4_i32, 1020_i32)?;
+        in_range("edge_gradient", self.edge_gradient, 4_i32, self.anchor_gradient)?;
+        in_range("min_extent", self.min_extent, 4_i32, 32_i32)?;
+        in_range("cell", self.cell, 8_i32, 256_i32)?;
+        in_range("reach", self.reach, 1_i32, 6_i32)?;
         let percent = (u32::from(self.min_confidence.to_bits()) * 100) >> 16;
-        in_range("min_confidence (percent)", percent, 10, 99)?;
+        in_range("min_confidence (percent)", percent, 10_i32, 99_i32)?;
         match self.margin {
-            Margin::Pixels(margin) => in_range("margin (1/64 px)", margin.to_bits(), 16, 1024),
+            Margin::Pixels(margin) => in_range("margin (1/64 px)", margin.to_bits(), 16_i32, 1024_i32),
             Margin::Metres { .. } if self.rig.is_none() => Err(ParamError::MarginNeedsRig),
             Margin::Metres { nearer, farther } => {
-                in_range("margin nearer (mm)", millimetres(nearer), 1, 1_000_000)?;
-                in_range("margin farther (mm)", millimetres(farther), 1, 1_000_000)
+                in_range("margin nearer (mm)", millimetres(nearer), 1_i32, 1_000_000_i32)?;
+                in_range("margin farther (mm)", millimetres(farther), 1_i32, 1_000_000_i32)
             }
         }
     }
@@ -91,8 +97,13 @@ fn millimetres(depth: Depth) -> i32 {
     i32::try_from((i64::from(depth.to_bits()) * 1000) >> 16).unwrap_or(i32::MAX)
 }
 
-fn in_range<T: Into<i64>>(name: &'static str, value: T, low: u16, high: impl Into<i64>) -> Result<(), ParamError> {
-    let (value, low, high) = (value.into(), i64::from(low), high.into());
+fn in_range(
+    name: &'static str,
+    value: impl Into<i64>,
+    low: impl Into<i64>,
+    high: impl Into<i64>,
+) -> Result<(), ParamError> {
+    let (value, low, high) = (value.into(), low.into(), high.into());
     if (low..=high).contains(&value) { Ok(()) } else { Err(ParamError::OutOfRange { name, value, low, high }) }
 }
 

@@ -212,7 +212,8 @@ impl Plan {
             lines::detect(right, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
         out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);
         out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let row_offset_q5 = row_offset::estimate(m.left, m.right, self.params.max_disparity.into());
+        let row_offset_q5 =
+            row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
         let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
         out.counts.reject_many(crate::result::Rejection::LessProminent, lost);
 

@@ -178,22 +178,48 @@ fn rate(candidate: &mut Candidate, models: &Models) {
 
 fn to_match(candidate: &Candidate, params: &Params) -> Option<Match> {
     let side = candidate.edge_side()?;
-    let disparity = side.disparity_q6.map(disparity_from_q6);
+    let disparity_q6 = side.disparity_q6;
     let sigma = disparity_from_q6(side.edge_sigma_q6.into());
-    Some(Match {
+    let mut found = Match {
         ends: candidate.segment.ends,
-        disparity,
+        disparity: disparity_q6.map(disparity_from_q6),
         sigma,
         confidence: Confidence::from_bits(side.edge_probability_q16),
         owner: candidate.owner()?,
-        depth: params.rig.map(|rig| disparity.map(|d| rig.depth(d))),
-        depth_sigma: params.rig.map(|rig| disparity.map(|d| rig.depth_sigma(d, sigma))),
+        depth: None,
+        depth_sigma: None,
         techniques: Techniques {
             feature: candidate.feature_q6.map(disparity_from_q6),
             window: disparity_from_q6(candidate.window_q6),
             census: disparity_from_q6(candidate.census_q6),
         },
-    })
+    };
+    orient(&mut found, candidate.segment.near_horizontal);
+    if let Some(rig) = params.rig {
+        found.depth = Some(found.disparity.map(|d| rig.depth(d)));
+        found.depth_sigma = Some(found.disparity.map(|d| rig.depth_sigma(d, sigma)));
+    }
+    Some(found)
+}
+
+/// Brings a match into the convention of [`Match`] and [`Owner`], which turns at |dx| = 4 |dy|; the matcher's own turns at |dx| = |dy|.
+fn orient(found: &mut Match, drawn_along_columns: bool) {
+    let [a, b] = found.ends;
+    let dx = i32::from(b.x.to_bits()) - i32::from(a.x.to_bits());
+    let dy = i32::from(b.y.to_bits()) - i32::from(a.y.to_bits());
+    if !drawn_along_columns || dx.abs() > 4 * dy.abs() {
+        return;
+    }
+    // Falling to the right, what lies above lies to the right.
+    found.owner = match found.owner {
+        Owner::Left if dy > 0 => Owner::Right,
+        Owner::Right if dy > 0 => Owner::Left,
+        owner => owner,
+    };
+    if dy < 0 {
+        found.ends.reverse();
+        found.disparity.reverse();
+    }
 }
 
 impl Candidate {

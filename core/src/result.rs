@@ -11,7 +11,7 @@ pub struct Point {
     pub y: Position,
 }
 
-/// The side or sides of a segment that carry its disparity. On a near-horizontal segment `Left` is the side above.
+/// The side or sides of a segment that carry its disparity. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// Smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
@@ -36,7 +36,7 @@ pub struct Techniques {
 /// A segment of the left image with its disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Match {
-    /// Ends: top first; left first on a near-horizontal segment.
+    /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
     pub ends: [Point; 2],
     /// Disparity at each end.
     pub disparity: [Disparity; 2],

@@ -12,10 +12,11 @@ pub(crate) const MAX_DISPARITIES: usize = 256;
 /// Disparities on both sides of a minimum that are not its rivals.
 const NEIGHBOURHOOD: i32 = 2;
 
-/// Cost at disparities 0 .. len.
+/// Cost at disparities `first .. first + len`.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     costs: [u16; MAX_DISPARITIES],
+    first: i32,
     len: usize,
 }
 
@@ -30,17 +31,18 @@ pub(crate) struct Minimum {
 
 impl Curve {
     /// No disparities.
-    pub(crate) const EMPTY: Self = Self { costs: [0; MAX_DISPARITIES], len: 0 };
+    pub(crate) const EMPTY: Self = Self { costs: [0; MAX_DISPARITIES], first: 0, len: 0 };
 
-    /// Starts again from zero over `len` disparities, in place.
-    pub(crate) fn clear(&mut self, len: i32) {
+    /// Starts again from zero over `len` disparities from `first` on, in place.
+    pub(crate) fn clear(&mut self, (first, len): (i32, i32)) {
+        self.first = first;
         self.len = usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES);
         self.blocks().fill(0);
     }
 
-    /// An all-zero curve over `len` disparities.
-    pub(crate) fn new(len: i32) -> Self {
-        Self { costs: [0; MAX_DISPARITIES], len: usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES) }
+    /// The first disparity.
+    pub(crate) fn first(&self) -> i32 {
+        self.first
     }
 
     /// Room for the kernels: whole blocks, of which the last may reach beyond `len`.
@@ -54,15 +56,14 @@ impl Curve {
     }
 
     pub(crate) fn at(&self, d: i32) -> Option<u16> {
-        self.costs().get(usize::try_from(d).ok()?).copied()
+        self.costs().get(usize::try_from(d - self.first).ok()?).copied()
     }
 
-    /// Entry by entry sum; `shift_self` and `shift_other` move each curve, entries from outside count as the largest cost.
-    pub(crate) fn shifted_sum(&self, shift_self: i32, other: &Self, shift_other: i32) -> Self {
-        let mut sum = Self::new(self.len as i32);
-        let len = sum.len;
-        for (cost, d) in sum.costs.iter_mut().zip(0..).take(len) {
-            *cost = match (self.at(d + shift_self), other.at(d + shift_other)) {
+    /// Sum of this curve moved by `shift` and the other moved by `shift_other`; entries from outside count as the largest cost.
+    pub(crate) fn shifted_sum(&self, shift: i32, other: &Self, shift_other: i32) -> Self {
+        let mut sum = Self { first: self.first, len: self.len, ..Self::EMPTY };
+        for (cost, d) in sum.costs.iter_mut().zip(self.first..).take(self.len) {
+            *cost = match (self.at(d + shift), other.at(d + shift_other)) {
                 (Some(a), Some(b)) => a.saturating_add(b),
                 _ => u16::MAX,
             };
@@ -81,7 +82,7 @@ impl Curve {
     }
 
     fn combine(&self, other: &Self, operation: impl Fn(u16, u16) -> u16) -> Self {
-        let mut result = Self { costs: [0; MAX_DISPARITIES], len: self.len.min(other.len) };
+        let mut result = Self { first: self.first, len: self.len.min(other.len), ..Self::EMPTY };
         for ((cost, &a), &b) in result.costs.iter_mut().zip(self.costs()).zip(other.costs()) {
             *cost = operation(a, b);
         }
@@ -103,8 +104,8 @@ impl Curve {
 
     /// The first lowest entry.
     pub(crate) fn minimum(&self) -> Minimum {
-        let mut best = Minimum { at: 0, cost: u16::MAX };
-        for (&cost, at) in self.costs().iter().zip(0..) {
+        let mut best = Minimum { at: self.first, cost: u16::MAX };
+        for (&cost, at) in self.costs().iter().zip(self.first..) {
             if cost < best.cost {
                 best = Minimum { at, cost };
             }
@@ -115,7 +116,7 @@ impl Curve {
     /// Lowest cost outside the neighbourhood of `at`: the rival.
     pub(crate) fn rival(&self, at: i32) -> u16 {
         let outside = |(_, d): &(&u16, i32)| (d - at).abs() > NEIGHBOURHOOD;
-        self.costs().iter().zip(0..).filter(outside).map(|(&cost, _)| cost).min().unwrap_or(u16::MAX)
+        self.costs().iter().zip(self.first..).filter(outside).map(|(&cost, _)| cost).min().unwrap_or(u16::MAX)
     }
 
     /// Sub-pixel position of the minimum at `at`, 1/64 px.

@@ -83,6 +83,12 @@ impl Evidence {
         }
     }
 
+    /// The same evidence with one entry changed.
+    pub(crate) fn with(mut self, kind: Kind, value_q8: i32) -> Self {
+        self.set(kind, value_q8);
+        self
+    }
+
     pub(crate) fn get(&self, kind: Kind) -> i32 {
         self.0.get(kind as usize).copied().unwrap_or(0).into()
     }

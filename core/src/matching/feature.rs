@@ -3,6 +3,7 @@
 //! In: a left segment, the right segments sorted by their top row. Out: the disparity at the middle row by the line of each compatible one.
 //! A vote, not a requirement: only about 72 % of visible left segments have their partner among the right segments.
 
+use super::MatchContext;
 use crate::lines::{MAX_ROWS, Segment};
 use crate::units::quotient;
 
@@ -49,13 +50,12 @@ impl SteepLine {
 /// Calls `vote` with the disparity (1/64 px, at row `middle_q5`) of every right segment that could be the same edge.
 pub(crate) fn for_each_partner(
     segment: &Segment,
-    right: &[Segment],
-    row_offset_q5: i32,
-    max_disparity: i32,
+    context: &MatchContext<'_>,
     middle_q5: i32,
     mut vote: impl FnMut(i32),
 ) {
     let line = SteepLine::new(segment);
+    let right = context.right;
     let first = right.partition_point(|s| top(s) < line.y0 - ((MAX_ROWS + 2) << 5));
     for other in right.get(first..).unwrap_or(&[]) {
         if top(other) > line.y1 {
@@ -68,8 +68,8 @@ pub(crate) fn for_each_partner(
             continue;
         }
         let mut partner = SteepLine::new(other);
-        partner.y0 -= row_offset_q5;
-        partner.y1 -= row_offset_q5;
+        partner.y0 -= context.row_offset_q5;
+        partner.y1 -= context.row_offset_q5;
         let (from, to) = (line.y0.max(partner.y0), line.y1.min(partner.y1));
         let shorter = (line.y1 - line.y0).min(partner.y1 - partner.y0);
         if to - from < (shorter / 2).max(3 << 5) {
@@ -79,7 +79,7 @@ pub(crate) fn for_each_partner(
         let (a, b) = (d(from), d(to));
         let (low, high) = (a.min(b), a.max(b));
         let same_slope = high - low <= (to - from) / 2 + 64;
-        if low >= -32 && high < max_disparity << 6 && same_slope {
+        if same_slope && context.in_range(low, high) {
             vote(d(middle_q5));
         }
     }

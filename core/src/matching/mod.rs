@@ -50,6 +50,18 @@ pub struct Candidate {
     pub(crate) listed: Option<u16>,
 }
 
+impl Candidate {
+    fn new(
+        segment: Segment,
+        sides: [Option<Side>; 2],
+        window_q6: i32,
+        census_q6: i32,
+        feature_q6: Option<i32>,
+    ) -> Self {
+        Self { segment, sides, window_q6, census_q6, feature_q6, beaten: false, listed: None }
+    }
+}
+
 /// One side's claim.
 #[derive(Clone, Debug)]
 pub struct Side {
@@ -86,16 +98,15 @@ impl Side {
 const ONE_SURFACE_Q6: i32 = 64;
 
 /// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
-/// edge follows from their difference. `own_q6` is what each side's window says by itself, `offset_q1` its centre's distance from the
-/// edge in half pixels; `line_q6` the disparity along the edge by both.
-fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], offset_q1: i32, line_q6: [i32; 2]) {
+/// edge follows from their difference. `own_q6` is what each side's window says by itself, their centres `apart` px from each other;
+/// `line_q6` the disparity along the edge by both.
+fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
     let [Some(left), Some(right)] = sides else { return };
     let [own_left, own_right] = own_q6;
     if (own_right - own_left).abs() > ONE_SURFACE_Q6 {
         return;
     }
-    // Over twice the offset, that is offset_q1 pixels; 1/64 px to 1/1024 px.
-    let across_q10 = quotient((own_right - own_left) << 4, offset_q1);
+    let across_q10 = quotient((own_right - own_left) << 4, apart); // 1/64 px to 1/1024 px
     left.across_q10 = -across_q10;
     right.across_q10 = across_q10;
     left.disparity_q6 = line_q6;
@@ -104,8 +115,9 @@ fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], offset_q1: i32, l
 
 /// What is the same for every segment of a frame.
 pub(crate) struct MatchContext<'a> {
-    pub(crate) width: i32,
-    pub(crate) max_disparity: i32,
+    width: i32,
+    min_disparity: i32,
+    max_disparity: i32,
     pub(crate) right: &'a [Segment],
     pub(crate) row_offset_q5: i32,
     margin: Margin,
@@ -116,12 +128,29 @@ impl<'a> MatchContext<'a> {
     pub(crate) fn new(params: &Params, dims: Dims, right: &'a [Segment], row_offset_q5: i32) -> Self {
         Self {
             width: dims.width.into(),
+            min_disparity: params.min_disparity.into(),
             max_disparity: params.max_disparity.into(),
             right,
             row_offset_q5,
             margin: params.margin,
             rig: params.rig,
         }
+    }
+
+    /// First disparity and number of disparities that a left window at this column can have: the match lies in the right image.
+    pub(crate) fn range_before(&self, column: i32) -> Result<(i32, i32), Rejection> {
+        let len = self.max_disparity.min(column + 1) - self.min_disparity;
+        if len < MIN_RANGE { Err(Rejection::NearBorder) } else { Ok((self.min_disparity, len)) }
+    }
+
+    /// The same for a right window whose match is sought in the left image.
+    pub(crate) fn range_after(&self, column: i32) -> (i32, i32) {
+        (self.min_disparity, self.max_disparity.min(self.width - column) - self.min_disparity)
+    }
+
+    /// May a pair of lines have this disparity (1/64 px)?
+    pub(crate) fn in_range(&self, low_q6: i32, high_q6: i32) -> bool {
+        low_q6 >= (self.min_disparity << 6) - 32 && high_q6 < self.max_disparity << 6
     }
 
     /// Does `other` lie within the depth margin around `d` (Eq. 13)? In 1/64 px.

@@ -18,7 +18,7 @@ const LIMIT_Q5: i32 = 64;
 const MIN_VOTES: u32 = 8;
 
 /// Row offset of the right image against the left, 1/32 px; 0 when the segments do not say.
-pub(crate) fn estimate(left: &[Segment], right: &[Segment], max_disparity: i32) -> i32 {
+pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32)) -> i32 {
     let mut votes = [0_u32; BINS];
     for segment in left.iter().filter(|s| s.near_horizontal) {
         let (x0, y0, x1, y1) = segment.ends_q5();
@@ -33,7 +33,7 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], max_disparity: i32) 
                 && other.rising == segment.rising
                 && ((x1 - x0) - (u1 - u0)).abs() <= 64
                 && ((y1 - y0) - (v1 - v0)).abs() <= 16
-                && (-32..=max_disparity << 5).contains(&disparity)
+                && ((disparities.0 << 5) - 32..=disparities.1 << 5).contains(&disparity)
                 && other.contrast.abs_diff(segment.contrast) <= segment.contrast / 4;
             let bin = ((v0 + v1 - y0 - y1) / 2 + LIMIT_Q5 + 2) >> 2;
             if same && let Some(count) = usize::try_from(bin).ok().and_then(|b| votes.get_mut(b)) {
