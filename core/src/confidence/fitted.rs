@@ -6,167 +6,167 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     steep: Model {
-        bias_q12: 36707,
+        bias_q12: 34581,
         coefficients_q12: [
-            -18171, // this side's window: cost at the disparity / best cost elsewhere
-            2241, // log2(1 + that cost per pixel)
-            -1115, // log2(1 + how much worse elsewhere is, per pixel)
-            1761, // segment window: best cost / best elsewhere
-            -4245, // log2(1 + its cost per pixel)
-            -3388, // census: best cost / best elsewhere
-            3750, // log2(1 + its cost per point)
-            -13901, // this side's census: cost at the disparity / best elsewhere
-            -8393, // |window - census|, px
-            5715, // |searched back - window|, px
-            -266, // searching back: best cost / best elsewhere
-            -16523, // |difference of the halves' disparities| per row or column
-            1198, // log2(1 + rows or columns)
-            321, // the other side's window ratio
-            -338, // 1 if the other side prefers another disparity
-            -8686, // 1 if this side alone prefers another disparity
-            1868, // 1 if a right segment's line agrees
-            4361, // 1 if no right segment is compatible
-            318, // -1 left of or above the edge, +1 right or below
-            -2374, // slope against its direction, px per px
-            -312, // log2(1 + disparities compared)
-            -1113, // log2(1 + grey step)
-            146, // log2(1 + neighbours that agree)
-            -2054, // share of neighbours that contradict
-            4876, // the edge itself: cost at the disparity / best elsewhere
-            -978, // distance of the pixel from the edge, px
+            -17374, // this side's window: cost at the disparity / best cost elsewhere
+            2030, // log2(1 + that cost per pixel)
+            -880, // log2(1 + how much worse elsewhere is, per pixel)
+            1826, // segment window: best cost / best elsewhere
+            -4169, // log2(1 + its cost per pixel)
+            -2618, // census: best cost / best elsewhere
+            3744, // log2(1 + its cost per point)
+            -14247, // this side's census: cost at the disparity / best elsewhere
+            -8390, // |window - census|, px
+            5357, // |searched back - window|, px
+            329, // searching back: best cost / best elsewhere
+            -18042, // |difference of the halves' disparities| per row or column
+            1196, // log2(1 + rows or columns)
+            186, // the other side's window ratio
+            -739, // 1 if the other side prefers another disparity
+            -7946, // 1 if this side alone prefers another disparity
+            2328, // 1 if a right segment's line agrees
+            5584, // 1 if no right segment is compatible
+            434, // -1 left of or above the edge, +1 right or below
+            -2425, // slope against its direction, px per px
+            -286, // log2(1 + disparities compared)
+            -1141, // log2(1 + grey step)
+            323, // log2(1 + neighbours that agree)
+            -1545, // share of neighbours that contradict
+            5350, // the edge itself: cost at the disparity / best elsewhere
+            -859, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            539, 744, 1025, 1411, 1936, 2650, 3611, 4894, 6584, 8773, 11548,
-            14968, 19045, 23712, 28813, 34117, 39350, 44256, 48637, 52384, 56271, 59149,
-            61887, 63492, 64370, 64875, 65385, 65502, 65526, 65527, 65529, 65531, 65533,
+            477, 663, 920, 1276, 1765, 2435, 3345, 4571, 6202, 8335, 11064,
+            14461, 18546, 23260, 28446, 33863, 39220, 44241, 48715, 52525, 56450, 59331,
+            62019, 63580, 64328, 64793, 65376, 65502, 65526, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            164, 164, 164, 159, 118, 94, 76, 46, 31, 26, 21,
-            18, 15, 13, 12, 10, 9, 8, 8, 8, 8, 8,
+            163, 163, 163, 162, 109, 88, 74, 46, 30, 25, 21,
+            18, 15, 13, 12, 10, 9, 8, 8, 7, 7, 7,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 43736,
+        bias_q12: 42100,
         coefficients_q12: [
-            -10038, // this side's window: cost at the disparity / best cost elsewhere
-            -65, // log2(1 + that cost per pixel)
-            -1596, // log2(1 + how much worse elsewhere is, per pixel)
+            -9519, // this side's window: cost at the disparity / best cost elsewhere
+            -90, // log2(1 + that cost per pixel)
+            -1471, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -14308, // census: best cost / best elsewhere
-            3081, // log2(1 + its cost per point)
+            -14264, // census: best cost / best elsewhere
+            2943, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3104, // |window - census|, px
-            -1111, // |searched back - window|, px
-            -4261, // searching back: best cost / best elsewhere
-            -38174, // |difference of the halves' disparities| per row or column
-            -3173, // log2(1 + rows or columns)
-            -400, // the other side's window ratio
-            -471, // 1 if the other side prefers another disparity
+            -3021, // |window - census|, px
+            -946, // |searched back - window|, px
+            -3843, // searching back: best cost / best elsewhere
+            -38092, // |difference of the halves' disparities| per row or column
+            -3040, // log2(1 + rows or columns)
+            -633, // the other side's window ratio
+            -570, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            211, // -1 left of or above the edge, +1 right or below
-            -4434, // slope against its direction, px per px
-            667, // log2(1 + disparities compared)
-            -1337, // log2(1 + grey step)
-            1739, // log2(1 + neighbours that agree)
-            -422, // share of neighbours that contradict
+            150, // -1 left of or above the edge, +1 right or below
+            -4460, // slope against its direction, px per px
+            682, // log2(1 + disparities compared)
+            -1326, // log2(1 + grey step)
+            1814, // log2(1 + neighbours that agree)
+            -21, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
-            70, // distance of the pixel from the edge, px
+            82, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            1002, 1326, 1751, 2309, 3037, 3978, 5188, 6725, 8652, 11029, 13898,
-            17277, 21141, 25414, 29969, 34634, 39225, 43567, 47521, 51001, 56476, 60109,
-            62278, 63608, 64379, 64845, 65317, 65467, 65514, 65527, 65529, 65531, 65533,
+            847, 1132, 1512, 2014, 2677, 3546, 4676, 6130, 7977, 10284, 13106,
+            16473, 20367, 24719, 29396, 34215, 38973, 43474, 47564, 51146, 56652, 60269,
+            62347, 63631, 64344, 64793, 65301, 65462, 65513, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 120, 109, 109, 97, 72, 50, 36, 28, 22,
-            19, 17, 14, 12, 11, 10, 9, 9, 9, 9, 9,
+            512, 512, 115, 115, 115, 97, 72, 52, 35, 27, 22,
+            19, 16, 14, 12, 10, 10, 9, 9, 9, 9, 9,
         ],
     },
     steep_edge: Model {
-        bias_q12: 14069,
+        bias_q12: 14031,
         coefficients_q12: [
-            -1999, // this side's window: cost at the disparity / best cost elsewhere
-            -493, // log2(1 + that cost per pixel)
-            -114, // log2(1 + how much worse elsewhere is, per pixel)
-            -2622, // segment window: best cost / best elsewhere
-            -1883, // log2(1 + its cost per pixel)
-            -10204, // census: best cost / best elsewhere
-            1253, // log2(1 + its cost per point)
+            -1996, // this side's window: cost at the disparity / best cost elsewhere
+            -494, // log2(1 + that cost per pixel)
+            -115, // log2(1 + how much worse elsewhere is, per pixel)
+            -2624, // segment window: best cost / best elsewhere
+            -1882, // log2(1 + its cost per pixel)
+            -10203, // census: best cost / best elsewhere
+            1257, // log2(1 + its cost per point)
             -994, // this side's census: cost at the disparity / best elsewhere
-            -7004, // |window - census|, px
-            2687, // |searched back - window|, px
-            -4930, // searching back: best cost / best elsewhere
+            -7005, // |window - census|, px
+            2681, // |searched back - window|, px
+            -4922, // searching back: best cost / best elsewhere
             -23221, // |difference of the halves' disparities| per row or column
-            1102, // log2(1 + rows or columns)
-            -290, // the other side's window ratio
-            -2758, // 1 if the other side prefers another disparity
+            1103, // log2(1 + rows or columns)
+            -287, // the other side's window ratio
+            -2754, // 1 if the other side prefers another disparity
             -325, // 1 if this side alone prefers another disparity
-            3384, // 1 if a right segment's line agrees
-            2499, // 1 if no right segment is compatible
+            3383, // 1 if a right segment's line agrees
+            2494, // 1 if no right segment is compatible
             160, // -1 left of or above the edge, +1 right or below
-            -3093, // slope against its direction, px per px
-            1985, // log2(1 + disparities compared)
+            -3087, // slope against its direction, px per px
+            1990, // log2(1 + disparities compared)
             -522, // log2(1 + grey step)
-            1382, // log2(1 + neighbours that agree)
-            1937, // share of neighbours that contradict
-            1156, // the edge itself: cost at the disparity / best elsewhere
+            1385, // log2(1 + neighbours that agree)
+            1895, // share of neighbours that contradict
+            1158, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            909, 1237, 1680, 2277, 3076, 4137, 5532, 7340, 9644, 12516, 15999,
-            20083, 24690, 29665, 34788, 39814, 44515, 48720, 52333, 55332, 56952, 58348,
-            61924, 63775, 64197, 64519, 65107, 65356, 65460, 65504, 65523, 65530, 65533,
+            905, 1232, 1674, 2270, 3068, 4127, 5520, 7326, 9629, 12501, 15984,
+            20071, 24681, 29660, 34788, 39819, 44524, 48731, 52345, 55345, 56951, 58337,
+            61924, 63777, 64197, 64518, 65107, 65356, 65461, 65504, 65523, 65530, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 512, 512, 512, 45, 35, 28, 23, 20,
+            512, 512, 512, 512, 512, 512, 45, 35, 27, 23, 20,
             16, 14, 11, 11, 9, 8, 8, 8, 7, 6, 6,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 38183,
+        bias_q12: 36898,
         coefficients_q12: [
-            -6079, // this side's window: cost at the disparity / best cost elsewhere
-            -999, // log2(1 + that cost per pixel)
-            -50, // log2(1 + how much worse elsewhere is, per pixel)
+            -5741, // this side's window: cost at the disparity / best cost elsewhere
+            -915, // log2(1 + that cost per pixel)
+            37, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -8475, // census: best cost / best elsewhere
-            2208, // log2(1 + its cost per point)
+            -8717, // census: best cost / best elsewhere
+            1797, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -1283, // |window - census|, px
-            -760, // |searched back - window|, px
-            -3930, // searching back: best cost / best elsewhere
-            -21702, // |difference of the halves' disparities| per row or column
-            -1968, // log2(1 + rows or columns)
-            -403, // the other side's window ratio
-            -7571, // 1 if the other side prefers another disparity
+            -1275, // |window - census|, px
+            -882, // |searched back - window|, px
+            -3178, // searching back: best cost / best elsewhere
+            -20448, // |difference of the halves' disparities| per row or column
+            -1676, // log2(1 + rows or columns)
+            -1190, // the other side's window ratio
+            -7617, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            -995, // -1 left of or above the edge, +1 right or below
-            3460, // slope against its direction, px per px
-            -376, // log2(1 + disparities compared)
-            -493, // log2(1 + grey step)
-            144, // log2(1 + neighbours that agree)
-            -2491, // share of neighbours that contradict
+            -941, // -1 left of or above the edge, +1 right or below
+            4103, // slope against its direction, px per px
+            -175, // log2(1 + disparities compared)
+            -607, // log2(1 + grey step)
+            104, // log2(1 + neighbours that agree)
+            -3275, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            789, 1056, 1410, 1879, 2499, 3312, 4371, 5738, 7481, 9666, 12355,
-            15583, 19347, 23591, 28198, 32996, 37785, 42364, 46567, 50282, 55909, 59701,
-            62338, 63818, 64563, 64987, 65409, 65507, 65526, 65527, 65529, 65531, 65533,
+            737, 989, 1326, 1775, 2370, 3154, 4181, 5513, 7219, 9371, 12032,
+            15243, 19007, 23270, 27915, 32769, 37623, 42268, 46531, 50294, 56063, 59893,
+            62408, 63834, 64530, 64945, 65318, 65456, 65507, 65525, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 189, 180, 152, 95, 67, 53, 46, 36, 26,
-            20, 15, 13, 11, 9, 8, 7, 7, 7, 7, 7,
+            512, 512, 512, 209, 153, 101, 63, 53, 43, 32, 23,
+            18, 14, 12, 10, 8, 8, 7, 7, 6, 6, 6,
         ],
     },
 };

@@ -95,7 +95,7 @@ impl Side {
 }
 
 /// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.
-const ONE_SURFACE_Q6: i32 = 64;
+const ONE_SURFACE_Q6: i32 = 112;
 
 /// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
 /// edge follows from their difference. `own_q6` is what each side's window says by itself, their centres `apart` px from each other;

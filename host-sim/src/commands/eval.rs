@@ -1,6 +1,7 @@
 //! `linestereo eval`: scores on frames with ground truth.
 
-use super::{engine_for, print};
+use super::method::MethodArgs;
+use super::{engine_with, print};
 use crate::engine::{Engine, GrayImage};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::frames::{Perturbation, Scene, check_usable, find_scenes, load_scene};
@@ -52,6 +53,8 @@ pub struct Args {
     /// Search disparities 0 .. N in every scene, whatever its scene.json says.
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
+    #[command(flatten)]
+    method: MethodArgs,
     #[command(flatten)]
     perturbation: PerturbationArgs,
 }
@@ -140,7 +143,7 @@ pub fn run(args: &Args) -> Result<()> {
                 scene.name = below_root;
             }
             scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
-            scores.push(score(&scene, &perturbation)?);
+            scores.push(score(&scene, &args.method, &perturbation)?);
         }
         progress.inc(1);
     }
@@ -152,13 +155,13 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Runs one scene several times for its time and scores its result.
-fn score(scene: &Scene, perturbation: &Perturbation) -> Result<FrameScore> {
+fn score(scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<FrameScore> {
     let name = || scene.folder.display().to_string();
     let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", name()))?;
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
     check_usable(&scene.folder.join("left"), &left)?;
     check_usable(&scene.folder.join("right"), &right)?;
-    let mut engine = engine_for(scene.max_disparity, scene.rig, left.dims).with_context(name)?;
+    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, left.dims).with_context(name)?;
     let milliseconds = time(&mut engine, &left, &right)?;
     let result = engine.run(left.view()?, right.view()?)?;
     let truth = if perturbation.swap { &truth.swapped() } else { truth };

@@ -7,13 +7,14 @@
 pub mod demo;
 pub mod eval;
 pub mod fit_confidence;
+mod method;
 pub mod run;
 pub mod scene;
 
 use crate::engine::Engine;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, error::ErrorKind};
-use linestereo::{Dims, Params, Rig};
+use linestereo::{Dims, ParamError, Params, Rig};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -81,12 +82,22 @@ fn report(message: &str) {
 
 /// The core with default parameters for one disparity range, rig and image size.
 fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine> {
-    if max_disparity >= dims.width {
-        bail!("a disparity range of {max_disparity} does not fit an image of {dims}; give a smaller --max-disparity");
+    engine_with(&Params { max_disparity, rig, ..Params::default() }, dims)
+}
+
+/// The core with these parameters.
+fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
+    if params.max_disparity >= dims.width {
+        let range = params.max_disparity;
+        bail!("a disparity range of {range} does not fit an image of {dims}; give a smaller --max-disparity");
     }
-    // The range is the only parameter that comes from outside: no other one can be refused.
-    let params = Params { max_disparity, rig, ..Params::default() };
-    Engine::new(&params, dims).map_err(|error| anyhow::anyhow!("{error}; change --max-disparity"))
+    Engine::new(params, dims).map_err(|error| match error {
+        ParamError::OutOfRange { name, .. } => {
+            anyhow::anyhow!("{error}; change --{}", name.split(' ').next().unwrap_or(name).replace('_', "-"))
+        }
+        ParamError::MarginNeedsRig => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
+        ParamError::ScratchTooSmall { .. } => anyhow::anyhow!("{error}; reduce the images with --width"),
+    })
 }
 
 /// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.

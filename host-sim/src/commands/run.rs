@@ -1,6 +1,7 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
-use super::{engine_for, print};
+use super::method::MethodArgs;
+use super::{engine_with, print};
 use crate::draw;
 use crate::engine::{FrameResult, GrayImage};
 use crate::frames::{
@@ -77,6 +78,8 @@ pub struct Args {
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
+    #[command(flatten)]
+    method: MethodArgs,
 }
 
 /// Runs the command.
@@ -90,7 +93,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let scale = f64::from(left.dims.width) / f64::from(full.width);
     let (max_disparity, rig) = range_and_rig(args, scale)?;
-    let mut engine = engine_for(max_disparity, rig, left.dims)?;
+    let mut engine = engine_with(&args.method.params(max_disparity, rig)?, left.dims)?;
     let start = Instant::now();
     let result = engine.run(left.view()?, right.view()?)?;
     let elapsed = start.elapsed();
