@@ -1,5 +1,48 @@
-//! Sparse stereo depth from line segments.
+//! Sparse stereo depth from line segments, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
+//!
+//! Dense stereo spends its work on pixels nobody asks for and is wrong at many of them. Line segments are few, prominent and credible: here
+//! they are found in both rectified images, matched by three techniques that have to agree, and reported with a probability each. What is
+//! not credible is not reported.
+//!
+//! ```text
+//! Params -> plan -> Plan            once: every check, every float
+//!
+//! left, right                       per pair: integers only, memory is the caller's
+//!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square
+//!   matching    row offset of the pair; per segment: window, census, search back, halves, votes of right segments,
+//!               ownership of each side; margin between the techniques (Eq. 13)
+//!   consistency what neighbours say of each other; one right position explains one left position
+//!   confidence  evidence -> probability of being within 1 px
+//!   report      matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
+//! ```
+//!
+//! ```
+//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, row_bytes};
+//!
+//! const DIMS: Dims = Dims { width: 64, height: 48 };
+//! let mut scratch: Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64> = Scratch::new(); // in a static on a board
+//! let mut output: Output<64, 1024> = Output::new();
+//! let plan = Params { max_disparity: 32, ..Params::default() }.plan(DIMS)?;
+//!
+//! let (left, right) = ([128_u8; 64 * 48], [128_u8; 64 * 48]);
+//! let (left, right) = (Gray::new(&left, DIMS, 64)?, Gray::new(&right, DIMS, 64)?);
+//! plan.run(left, right, &mut scratch, &mut output)?;
+//! assert!(output.matches.is_empty()); // a blank wall has no credible depth
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//! Left is the reference image; disparity is `x_left - x_right`, 0 or more in front of the rig; x grows right, y down, z forward; whole
+//! positions are pixel centres. A plain integer that carries a fraction says so: `cost_q8`, `slope_q12`, `d_q6` (1/64 px).
+//!
+//! # Same bits everywhere
+//! The result depends on the pixels, the parameters and the capacities of the lists alone: not on the machine, the profile, the stride, or
+//! what the memory held before.
 #![no_std]
+#![deny(unsafe_code)]
+#![deny(missing_debug_implementations)]
+#![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may fail"))]
 
 mod claims;
 mod confidence;

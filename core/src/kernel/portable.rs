@@ -75,11 +75,10 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
             let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<{ LANES + STRIP - 1 }>()) else {
                 continue;
             };
-            for k in (0..STRIP).step_by(2) {
+            for (k, &[r0, r1]) in (0..).step_by(2).zip(strip.reference.as_chunks::<2>().0) {
                 let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else {
                     continue;
                 };
-                let (r0, r1) = (strip.reference[k], strip.reference[k + 1]);
                 for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
                     // max - min vectorises where `abs_diff` widens to 32 bits; two differences fit in eight bits.
                     let (a, b) = (p.max(r0) - p.min(r0), q.max(r1) - q.min(r1));

@@ -1,35 +1,62 @@
 //! The evidence of a claim: plain numbers in Q8 that a linear model weighs.
+//!
+//! In: sums, counts and disparities of the matching. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
 /// What is known about a claim, in the order of the model's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
-#[allow(missing_docs, reason = "names() explains each")]
 pub enum Kind {
+    /// This side's window: cost at the disparity / best cost elsewhere.
     SideRatio,
+    /// log2(1 + that cost per pixel).
     SideCost,
+    /// log2(1 + how much worse elsewhere is, per pixel).
     SideMargin,
+    /// Segment window: best cost / best elsewhere.
     WindowRatio,
+    /// log2(1 + its cost per pixel).
     WindowCost,
+    /// Census: best cost / best elsewhere.
     CensusRatio,
+    /// log2(1 + its cost per point).
     CensusCost,
+    /// This side's census: cost at the disparity / best elsewhere.
     CensusSideRatio,
+    /// |window - census|, px.
     CensusGap,
+    /// |searched back - window|, px.
     BackGap,
+    /// Searching back: best cost / best elsewhere.
     BackRatio,
+    /// |difference of the halves' disparities| per row or column.
     Slant,
+    /// log2(1 + rows or columns).
     Length,
+    /// The other side's window ratio.
     OtherRatio,
+    /// 1 if the other side prefers another disparity.
     OtherDiffers,
+    /// 1 if this side alone prefers another disparity.
     SideDiffers,
+    /// 1 if a right segment's line agrees.
     RightAgrees,
+    /// 1 if no right segment is compatible.
     NoRight,
+    /// -1 left of or above the edge, +1 right or below.
     WhichSide,
+    /// Slope against its direction, px per px.
     Lean,
+    /// log2(1 + disparities compared).
     Range,
+    /// log2(1 + grey step).
     Contrast,
+    /// log2(1 + neighbours that agree).
     Support,
+    /// Share of neighbours that contradict.
     Conflict,
+    /// The edge itself: cost at the disparity / best elsewhere.
     EdgeRatio,
+    /// Distance of the pixel from the edge, px.
     Distance,
 }
 
