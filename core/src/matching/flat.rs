@@ -14,10 +14,11 @@
 //! # Bounds
 //! At most 4 blocks of 4 rows of 8 pixels, 126 each: 16 128. Census: at most 12 points a row, 3 rows, 8 bits each.
 
+use super::aggregate::join_sides;
 use super::band::{Band, Search};
 use super::curve::{Curve, Minimum, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Side, join_sides};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Side};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
@@ -223,7 +224,7 @@ fn place(
         return Err(Rejection::CensusNotUnique);
     }
     let window_q6 = own.whole.subpixel_q6(at);
-    if !context.margin_holds(window_q6, census.subpixel_q6(census.minimum().at)) {
+    if !context.agreement.holds(window_q6, census.subpixel_q6(census.minimum().at)) {
         return Err(Rejection::TechniquesDisagree);
     }
     let census_q6 = census.subpixel_q6(census_near.at);

@@ -1,5 +1,12 @@
-//! Left segments -> disparities with evidence.
+//! Left segments -> candidates: disparities with the evidence for and against them.
+//!
+//! In: the prominent segments of the left image, those of the right one as votes, a moving band of rows of both images. Out: per segment a
+//! [`Candidate`], or the name of the test it failed.
+//!
+//! A segment that runs down the rows is placed as a whole (`steep`), a near-horizontal one by what lies above and below it (`flat`); both
+//! use the same curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
 
+pub(crate) mod aggregate;
 pub(crate) mod band;
 pub(crate) mod consistency;
 pub(crate) mod curve;
@@ -11,10 +18,9 @@ pub(crate) mod steep;
 
 use crate::image::Dims;
 use crate::lines::Segment;
-use crate::params::{Margin, Params};
+use crate::params::Params;
 use crate::result::Rejection;
-use crate::rig::Rig;
-use crate::units::{Disparity, quotient};
+use aggregate::Agreement;
 use band::Band;
 use evidence::Evidence;
 
@@ -94,25 +100,6 @@ impl Side {
     }
 }
 
-/// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.
-const ONE_SURFACE_Q6: i32 = 112;
-
-/// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
-/// edge follows from their difference. `own_q6` is what each side's window says by itself, their centres `apart` px from each other;
-/// `line_q6` the disparity along the edge by both.
-fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
-    let [Some(left), Some(right)] = sides else { return };
-    let [own_left, own_right] = own_q6;
-    if (own_right - own_left).abs() > ONE_SURFACE_Q6 {
-        return;
-    }
-    let across_q10 = quotient((own_right - own_left) << 4, apart); // 1/64 px to 1/1024 px
-    left.across_q10 = -across_q10;
-    right.across_q10 = across_q10;
-    left.disparity_q6 = line_q6;
-    right.disparity_q6 = line_q6;
-}
-
 /// What is the same for every segment of a frame.
 pub(crate) struct MatchContext<'a> {
     width: i32,
@@ -120,8 +107,7 @@ pub(crate) struct MatchContext<'a> {
     max_disparity: i32,
     pub(crate) right: &'a [Segment],
     pub(crate) row_offset_q5: i32,
-    margin: Margin,
-    rig: Option<Rig>,
+    pub(crate) agreement: Agreement,
 }
 
 impl<'a> MatchContext<'a> {
@@ -132,8 +118,7 @@ impl<'a> MatchContext<'a> {
             max_disparity: params.max_disparity.into(),
             right,
             row_offset_q5,
-            margin: params.margin,
-            rig: params.rig,
+            agreement: Agreement::new(params),
         }
     }
 
@@ -151,19 +136,6 @@ impl<'a> MatchContext<'a> {
     /// May a pair of lines have this disparity (1/64 px)?
     pub(crate) fn in_range(&self, low_q6: i32, high_q6: i32) -> bool {
         low_q6 >= (self.min_disparity << 6) - 32 && high_q6 < self.max_disparity << 6
-    }
-
-    /// Does `other` lie within the depth margin around `d` (Eq. 13)? In 1/64 px.
-    pub(crate) fn margin_holds(&self, d_q6: i32, other_q6: i32) -> bool {
-        match (self.margin, self.rig) {
-            (Margin::Metres { nearer, farther }, Some(rig)) => {
-                let d = Disparity::from_bits(i16::try_from(d_q6).unwrap_or(i16::MAX));
-                let (low, high) = rig.disparity_interval(d, nearer, farther);
-                (i32::from(low.to_bits())..=i32::from(high.to_bits())).contains(&other_q6)
-            }
-            (Margin::Pixels(margin), _) => (d_q6 - other_q6).abs() <= i32::from(margin.to_bits()),
-            (Margin::Metres { .. }, None) => false, // refused by `Params::check`
-        }
     }
 }
 

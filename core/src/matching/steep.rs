@@ -16,14 +16,12 @@
 //! A strip costs at most 8 * 126 a row; 33 rows of two strips: 66 528, so sums saturate at `u16::MAX` only on windows that match nowhere.
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
 
+use super::aggregate::join_sides;
 use super::band::{Band, Search};
 use super::curve::{Curve, Minimum, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::feature::{SteepLine, for_each_partner};
-use super::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Side,
-    join_sides,
-};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Side};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::{MAX_ROWS, Segment};
 use crate::result::Rejection;
@@ -96,7 +94,7 @@ pub(crate) fn match_steep(
     let windows = Windows::new(&extent, context, band)?;
     let window = windows.place()?;
     let census = place_by_census(&extent, context, band)?;
-    if !context.margin_holds(window.disparity_q6, census.disparity_q6) {
+    if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
     let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band)?;

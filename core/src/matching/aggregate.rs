@@ -1,0 +1,55 @@
+//! Aggregation: do the techniques agree, and what do two sides say together?
+//!
+//! In: disparities by different techniques or from different sides. Out: accepted or not; one line of disparity with its slant.
+//!
+//! # Source
+//! The chapter's disparity aggregation, Eq. 13: a margin in metres is a disparity interval that is not symmetric.
+
+use super::Side;
+use crate::params::{Margin, Params};
+use crate::rig::Rig;
+use crate::units::{Disparity, quotient};
+
+/// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.
+const ONE_SURFACE_Q6: i32 = 112;
+
+/// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
+/// edge follows from their difference. `own_q6` is what each side's window says by itself, their centres `apart` px from each other;
+/// `line_q6` the disparity along the edge by both.
+pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
+    let [Some(left), Some(right)] = sides else { return };
+    let [own_left, own_right] = own_q6;
+    if (own_right - own_left).abs() > ONE_SURFACE_Q6 {
+        return;
+    }
+    let across_q10 = quotient((own_right - own_left) << 4, apart); // 1/64 px to 1/1024 px
+    left.across_q10 = -across_q10;
+    right.across_q10 = across_q10;
+    left.disparity_q6 = line_q6;
+    right.disparity_q6 = line_q6;
+}
+
+/// The margin within which techniques have to agree.
+pub(crate) struct Agreement {
+    margin: Margin,
+    rig: Option<Rig>,
+}
+
+impl Agreement {
+    pub(crate) fn new(params: &Params) -> Self {
+        Self { margin: params.margin, rig: params.rig }
+    }
+
+    /// Does `other` lie within the margin around `d` (Eq. 13)? In 1/64 px.
+    pub(crate) fn holds(&self, d_q6: i32, other_q6: i32) -> bool {
+        match (self.margin, self.rig) {
+            (Margin::Metres { nearer, farther }, Some(rig)) => {
+                let d = Disparity::from_bits(i16::try_from(d_q6).unwrap_or(i16::MAX));
+                let (low, high) = rig.disparity_interval(d, nearer, farther);
+                (i32::from(low.to_bits())..=i32::from(high.to_bits())).contains(&other_q6)
+            }
+            (Margin::Pixels(margin), _) => (d_q6 - other_q6).abs() <= i32::from(margin.to_bits()),
+            (Margin::Metres { .. }, None) => false, // refused by `Params::check`
+        }
+    }
+}
