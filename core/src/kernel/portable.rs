@@ -68,10 +68,11 @@ fn from(row: &[u8], start: usize) -> &[u8] {
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (a multiple of [`LANES`] long; every strip's `other` holds
 /// `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
+    let needed = curve.len() + STRIP - 1;
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
         let mut sums = [0_u16; LANES];
-        for strip in strips {
+        for strip in strips.iter().filter(|strip| strip.other.len() >= needed) {
             let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<{ LANES + STRIP - 1 }>()) else {
                 continue;
             };
