@@ -49,10 +49,10 @@ pub(crate) struct Edges<'a> {
     marks: &'a mut [u32],
 }
 
-/// Seven pixels across an edge: smoothed along it, and the difference of the rows after and before.
+/// Five pixels across an edge: smoothed along it, and the difference of the rows after and before.
 struct Patch {
-    smoothed: [i32; 7],
-    lengthwise: [i32; 7],
+    smoothed: [i32; 5],
+    lengthwise: [i32; 5],
 }
 
 /// Where the ridge is on one row.
@@ -166,16 +166,15 @@ impl<'a> Edges<'a> {
             return None;
         }
         let patch = self.patch(axis, t, u)?;
-        let [a, b, c, d, e, f, g] = patch.smoothed;
-        let gradients = [(c - a) * sign, (d - b) * sign, (e - c) * sign, (f - d) * sign, (g - e) * sign];
-        let [g0, g1, g2, g3, g4] = gradients;
-        let [_, d1, d2, d3, d4, d5, _] = patch.lengthwise;
+        let [b, c, d, e, f] = patch.smoothed;
+        let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];
+        let [d1, d2, d3, d4, d5] = patch.lengthwise;
         let (shift, low, mid, high, lengthwise) = if g2 >= g1 && g2 >= g3 {
             (0, g1, g2, g3, d2 + 2 * d3 + d4)
         } else if g1 >= g3 {
-            (-1, g0, g1, g2, d1 + 2 * d2 + d3)
+            (-1, (c - self.smoothed(axis, t, u - 3)) * sign, g1, g2, d1 + 2 * d2 + d3)
         } else {
-            (1, g2, g3, g4, d3 + 2 * d4 + d5)
+            (1, g2, g3, (self.smoothed(axis, t, u + 3) - e) * sign, d3 + 2 * d4 + d5)
         };
         let u = u + shift;
         if mid < self.edge || lengthwise.abs() > 2 * mid || self.marked(axis, t, u) {
@@ -216,18 +215,18 @@ impl<'a> Edges<'a> {
         pixel(index.wrapping_sub(axis.along)) + 2 * pixel(index) + pixel(index.wrapping_add(axis.along))
     }
 
-    /// Three rows by seven pixels around `(t, u)`.
+    /// Three rows by five pixels around `(t, u)`.
     #[inline]
     fn patch(&self, axis: Axis, t: i32, u: i32) -> Option<Patch> {
-        let first = self.index(axis, t - 1, u - 3);
-        let mut patch = Patch { smoothed: [0; 7], lengthwise: [0; 7] };
+        let first = self.index(axis, t - 1, u - 2);
+        let mut patch = Patch { smoothed: [0; 5], lengthwise: [0; 5] };
         let out = patch.smoothed.iter_mut().zip(&mut patch.lengthwise);
         let both = |a: u8, b: u8, c: u8| {
             let (a, b, c) = (i32::from(a), i32::from(b), i32::from(c));
             (a + 2 * b + c, c - a)
         };
         if axis.across == 1 {
-            let row = |start: usize| self.pixels.get(start..).and_then(|row| row.first_chunk::<7>());
+            let row = |start: usize| self.pixels.get(start..).and_then(|row| row.first_chunk::<5>());
             let second = first.wrapping_add(axis.along);
             let (above, here, below) = (row(first)?, row(second)?, row(second.wrapping_add(axis.along))?);
             for ((((s, l), &a), &b), &c) in out.zip(above).zip(here).zip(below) {
