@@ -62,7 +62,7 @@ fn errors(case: &EdgeCase, found: &Match) -> Option<Vec<f64>> {
     if [start, end].iter().any(|[x, y]| case.side(*x, *y).abs() > ON_EDGE) {
         return None;
     }
-    let flat = (end[0] - start[0]).abs() > (end[1] - start[1]).abs();
+    let flat = (end[0] - start[0]).abs() > 4.0 * (end[1] - start[1]).abs();
     let [x, y] = [0, 1].map(|axis| 0.5 * (start[axis] + end[axis]));
     let disparity = 0.5 * found.disparity.iter().map(|d| d.to_num::<f64>()).sum::<f64>();
     let error = |beside: f64| {

@@ -1,0 +1,181 @@
+//! Sizes, contents, capacities and parameters at their limits. The test profile checks every integer overflow.
+
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, Gray, Margin, Output, ParamError, Params, Rejection, Rig, Scratch,
+    SizeMismatch, mark_words, row_bytes,
+};
+use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
+use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_tests::drawn::{Random, painted};
+use std::collections::HashSet;
+
+/// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in range and credible enough.
+fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
+    let counts = result.counts;
+    let rejected: u32 = Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
+    let accounted = u32::from(counts.matched) + u32::from(counts.matches_dropped) + rejected;
+    assert_eq!(u32::from(counts.segments_left), accounted, "{name}: {counts:?}");
+    assert_eq!(usize::from(counts.matched), result.matches.len(), "{name}");
+    assert_eq!(counts.points as usize, result.points.len(), "{name}");
+    let mut seen = HashSet::new();
+    for point in &result.points {
+        assert!(point.x < dims.width && point.y < dims.height, "{name}: {point:?}");
+        assert!(seen.insert((point.x, point.y)), "{name}: {point:?} is claimed twice");
+        assert!(point.confidence >= params.min_confidence, "{name}: {point:?}");
+    }
+    for found in &result.matches {
+        assert!(found.confidence >= params.min_confidence, "{name}: {found:?}");
+        for d in found.disparity {
+            // The line through two halves reaches at most the allowed slant beyond the range.
+            assert!(d >= -6 && d < i32::from(params.max_disparity) + 6, "{name}: {found:?}");
+        }
+    }
+    assert!(result.matches.is_sorted_by(|a, b| a.confidence >= b.confidence), "{name}");
+}
+
+fn contents(width: u16, height: u16) -> Vec<(&'static str, GrayImage)> {
+    let mut random = Random(6);
+    vec![
+        ("noise", painted(width, height, |_, _| random.grey())),
+        ("checkerboard", painted(width, height, |x, y| if (x / 4 + y / 4) % 2 == 0 { 0 } else { 255 })),
+        ("columns", painted(width, height, |x, _| if (x / 3) % 2 == 0 { 0 } else { 255 })),
+        ("rows", painted(width, height, |_, y| if (y / 5) % 2 == 0 { 0 } else { 255 })),
+        ("diagonals", painted(width, height, |x, y| ((x + y) * 9 % 256) as u8)),
+        ("white", painted(width, height, |_, _| 255)),
+    ]
+}
+
+#[test]
+fn any_size_and_any_content() {
+    for (width, height) in [(16, 16), (17, 16), (31, 47), (1280, 16), (16, 1280), (321, 243), (1280, 1280)] {
+        let dims = Dims { width, height };
+        let largest = 256.min(width - 1);
+        for (min_disparity, max_disparity) in [(0, 8), (0, largest), (-32, 8.min(largest)), (-32, largest.min(224))] {
+            let params = Params {
+                min_disparity,
+                max_disparity,
+                min_confidence: Confidence::from_num(0.1),
+                reach: 6,
+                cell: 8,
+                ..Params::default()
+            };
+            if u32::from(width) * u32::from(height) > 500_000 && max_disparity < largest {
+                continue; // the widest range says it all, and takes a second
+            }
+            let mut engine = Engine::new(&params, dims).unwrap();
+            for (left_name, left) in contents(width, height) {
+                for (right_name, right) in contents(width, height).into_iter().take(2) {
+                    let name = format!("{dims}, {min_disparity}..{max_disparity}, {left_name} against {right_name}");
+                    let same = engine.run(left.view().unwrap(), left.view().unwrap()).unwrap();
+                    check(&name, &params, dims, &same);
+                    let other = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+                    check(&name, &params, dims, &other);
+                    if width > 1000 && height > 1000 {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
+
+const DIMS: Dims = Dims { width: 160, height: 120 };
+
+fn boxes() -> scene::Rendering {
+    scene::render(&scene::build(Kind::Boxes, DIMS, 3), DIMS, &Sensor { noise: 1.0, seed: 3, ..Sensor::default() })
+}
+
+#[test]
+fn full_lists_keep_the_most_confident_and_count_the_rest() {
+    let rendering = boxes();
+    let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
+    let mut memory = Box::new(Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512>::new());
+    let (mut all, mut few) = (Box::new(Output::<512, 16384>::new()), Box::new(Output::<5, 100>::new()));
+    plan.run(left, right, &mut memory, &mut all).unwrap();
+    plan.run(left, right, &mut memory, &mut few).unwrap();
+    assert!(all.matches.len() > 10 && all.points.len() > 200, "{:?}", all.counts);
+    assert_eq!(few.matches[..], all.matches[..5]);
+    assert_eq!(usize::from(few.counts.matches_dropped), all.matches.len() - 5);
+    assert_eq!(few.points.len() as u32 + few.counts.points_dropped, all.points.len() as u32);
+    let value = |p: &linestereo::PointClaim| (p.x, p.y, p.disparity, p.confidence);
+    assert_eq!(
+        few.points.iter().map(value).collect::<Vec<_>>(),
+        all.points[..100].iter().map(value).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn every_parameter_out_of_range_is_named() {
+    let base = Params::default();
+    let cases = [
+        ("min_disparity", Params { min_disparity: 1, ..base }),
+        ("min_disparity", Params { min_disparity: -33, ..base }),
+        ("max_disparity", Params { max_disparity: 7, ..base }),
+        ("max_disparity", Params { max_disparity: 160, ..base }),
+        ("max_disparity", Params { max_disparity: 257, ..base }),
+        ("anchor_gradient", Params { anchor_gradient: 3, ..base }),
+        ("anchor_gradient", Params { anchor_gradient: 1021, ..base }),
+        ("edge_gradient", Params { edge_gradient: 3, ..base }),
+        ("edge_gradient", Params { edge_gradient: 41, ..base }),
+        ("min_extent", Params { min_extent: 3, ..base }),
+        ("min_extent", Params { min_extent: 33, ..base }),
+        ("cell", Params { cell: 7, ..base }),
+        ("cell", Params { cell: 257, ..base }),
+        ("reach", Params { reach: 0, ..base }),
+        ("reach", Params { reach: 7, ..base }),
+        ("min_confidence", Params { min_confidence: Confidence::ZERO, ..base }),
+        ("margin", Params { margin: Margin::Pixels(Disparity::ZERO), ..base }),
+    ];
+    for (field, params) in cases {
+        match params.plan(DIMS) {
+            Err(ParamError::OutOfRange { name, value, low, high }) => {
+                assert!(name.starts_with(field), "{name} is not {field}");
+                assert!(!(low..=high).contains(&value), "{field}: {value} is inside {low} to {high}");
+            }
+            other => panic!("{field}: {other:?}"),
+        }
+    }
+    let metres = Margin::Metres { nearer: Depth::from_num(0.1), farther: Depth::from_num(0.1) };
+    assert_eq!(Params { margin: metres, ..base }.plan(DIMS).err(), Some(ParamError::MarginNeedsRig));
+    let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
+    assert!(Params { margin: metres, rig, ..base }.plan(DIMS).is_ok());
+}
+
+#[test]
+fn a_narrow_margin_in_metres_rejects_what_a_wide_one_accepts() {
+    let rendering = boxes();
+    let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
+    let disagreeing = |metres: f64| {
+        let metres = Depth::from_num(metres);
+        let margin = Margin::Metres { nearer: metres, farther: metres };
+        let params = Params { max_disparity: 48, rig, margin, ..Params::default() };
+        let mut engine = Engine::new(&params, DIMS).unwrap();
+        let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+        check(&format!("{metres} m"), &params, DIMS, &result);
+        result.counts.rejected(Rejection::TechniquesDisagree)
+    };
+    let (narrow, wide) = (disagreeing(0.005), disagreeing(1000.0));
+    assert!(narrow > wide + 10, "{narrow} disagree by 5 mm, {wide} by 1 km");
+}
+
+#[test]
+fn wrong_sizes_are_refused_and_too_little_memory_is_no_crash() {
+    let rendering = boxes();
+    let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let plan = Params::default().plan(DIMS).unwrap();
+    let mut memory = Box::new(Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64>::new());
+    let mut output = Box::new(Output::<64, 1024>::new());
+    assert_eq!(plan.check_scratch(&memory), Ok(()));
+    let other = Dims { width: 160, height: 119 };
+    let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
+    let refused = Err(SizeMismatch { planned: DIMS, given: other });
+    assert_eq!(plan.run(small, right, &mut memory, &mut output), refused);
+    assert_eq!(plan.run(left, small, &mut memory, &mut output), refused);
+    assert_eq!(plan.run(left, right, &mut memory, &mut output), Ok(()));
+
+    let mut tiny = Box::new(Scratch::<64, 16, 4>::new());
+    assert!(matches!(plan.check_scratch(&tiny), Err(ParamError::ScratchTooSmall { name: "ROW", .. })));
+    assert_eq!(plan.run(left, right, &mut tiny, &mut output), Ok(()));
+    assert!(output.matches.is_empty());
+}

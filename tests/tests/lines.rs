@@ -1,0 +1,146 @@
+//! The detector on drawn images: single edges of every direction, and images made to hurt it.
+
+use linestereo::lines::{LineParams, LineScratch, Segment, detect};
+use linestereo::{Dims, Gray, mark_words};
+use linestereo_tests::drawn::{Random, painted, with_padding};
+
+const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6 };
+
+fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
+    let mut marks = vec![fill; mark_words(image.dims())];
+    let mut chain = vec![fill as u16; 1280];
+    let mut list = heapless::Vec::<Segment, N>::new();
+    let scratch = LineScratch { marks: &mut marks, chain: &mut chain };
+    let dropped = detect(image, &PARAMS, scratch, &mut list);
+    (list.to_vec(), dropped)
+}
+
+/// A straight edge through the middle (plus `shift`), anti-aliased over one pixel; `theta` in degrees, clockwise from +x.
+fn edge(theta: f64, shift: f64, dark: f64, bright: f64) -> linestereo_sim::engine::GrayImage {
+    let normal = normal(theta);
+    painted(64, 64, |x, y| {
+        let distance = (f64::from(x) - 31.5) * normal[0] + (f64::from(y) - 31.5) * normal[1] - shift;
+        (dark + (bright - dark) * (distance + 0.5).clamp(0.0, 1.0)).round() as u8
+    })
+}
+
+fn normal(theta: f64) -> [f64; 2] {
+    let (sin, cos) = theta.to_radians().sin_cos();
+    [-sin, cos]
+}
+
+fn ends(segment: &Segment) -> [[f64; 2]; 2] {
+    segment.ends.map(|end| [end.x.to_num(), end.y.to_num()])
+}
+
+#[test]
+fn one_edge_of_any_direction_is_found_where_it_is() {
+    for theta in (0..360).step_by(5).map(f64::from) {
+        for shift in [-0.4, -0.1, 0.25, 0.5] {
+            let image = edge(theta, shift, 60.0, 180.0);
+            let (found, _) = segments::<64>(image.view().unwrap(), 0);
+            let normal = normal(theta);
+            let mut covered = 0.0;
+            for segment in &found {
+                let [start, end] = ends(segment);
+                for at in [start, end] {
+                    let off = (at[0] - 31.5) * normal[0] + (at[1] - 31.5) * normal[1] - shift;
+                    // The ridge of a one-pixel ramp under a 3x3 Sobel, in steps of 1/32 px.
+                    assert!(off.abs() <= 0.15, "{theta} degrees, shift {shift}: {segment:?} is {off:.3} px off");
+                }
+                let along = if segment.near_horizontal { normal[1] } else { normal[0] };
+                assert_eq!(segment.rising, along > 0.0, "{theta} degrees: polarity of {segment:?}");
+                assert!(segment.contrast.abs_diff(90) <= 45, "{theta} degrees: contrast of {segment:?}");
+                covered += (end[0] - start[0]).hypot(end[1] - start[1]);
+            }
+            // The border of 4 px holds no edge; 56 px at least lie inside it. More than the chord would be a duplicate.
+            let chord = 56.0 / normal[0].abs().max(normal[1].abs());
+            assert!(
+                (0.75..=1.05).contains(&(covered / chord)),
+                "{theta} degrees, {shift}: {covered:.1} of {chord:.1} px"
+            );
+        }
+    }
+}
+
+/// Name and image of what is hard on a detector.
+fn hard_images() -> Vec<(String, linestereo_sim::engine::GrayImage)> {
+    let mut random = Random(4);
+    let mut images = vec![
+        ("noise".to_owned(), painted(160, 120, |_, _| random.grey())),
+        ("grey".to_owned(), painted(160, 120, |_, _| 128)),
+        ("white".to_owned(), painted(160, 120, |_, _| 255)),
+    ];
+    for period in [1, 2, 3, 4, 8] {
+        images.push((
+            format!("checkerboard {period}"),
+            painted(160, 120, |x, y| if (x / period + y / period) % 2 == 0 { 0 } else { 255 }),
+        ));
+        images
+            .push((format!("columns {period}"), painted(160, 120, |x, _| if (x / period) % 2 == 0 { 0 } else { 255 })));
+        images.push((format!("rows {period}"), painted(160, 120, |_, y| if (y / period) % 2 == 0 { 0 } else { 255 })));
+    }
+    images
+}
+
+#[test]
+fn hard_images_give_sorted_segments_inside_the_image() {
+    for (name, image) in hard_images() {
+        let (found, dropped) = segments::<4096>(image.view().unwrap(), 0);
+        assert_eq!(dropped, 0, "{name}");
+        let tops: Vec<_> = found.iter().map(|s| s.ends[0].y.min(s.ends[1].y)).collect();
+        assert!(tops.is_sorted(), "{name}: {tops:?}");
+        for segment in &found {
+            let [[x0, y0], [x1, y1]] = ends(segment);
+            assert!(x0.max(x1) < 160.0 && y0.max(y1) < 120.0, "{name}: {segment:?}");
+            assert!((x1 - x0).abs().max((y1 - y0).abs()) >= 2.9, "{name}: {segment:?} is short");
+        }
+        if name == "grey" || name == "white" {
+            assert!(found.is_empty(), "{name}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn stride_padding_and_memory_do_not_matter() {
+    for (name, image) in hard_images() {
+        let expected = segments::<4096>(image.view().unwrap(), 0);
+        for (padding, fill) in [(1, 0), (7, 255), (64, 90)] {
+            let (pixels, stride) = with_padding(&image, padding, fill);
+            let view = Gray::new(&pixels, image.dims, stride).unwrap();
+            assert_eq!(
+                segments::<4096>(view, 0xdead_beef),
+                expected,
+                "{name}, {padding} bytes of {fill} after each row"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_full_list_keeps_the_longest_and_counts_the_others() {
+    let mut random = Random(5);
+    let image = painted(160, 120, |_, _| random.grey());
+    let extent = |s: &Segment| {
+        let [a, b] = s.ends;
+        let span = |a: linestereo::Position, b: linestereo::Position| a.max(b) - a.min(b);
+        if s.near_horizontal { span(a.x, b.x) } else { span(a.y, b.y) }
+    };
+    let (all, _) = segments::<4096>(image.view().unwrap(), 0);
+    let (kept, dropped) = segments::<16>(image.view().unwrap(), 0);
+    assert!(all.len() > 40, "too few to test with: {}", all.len());
+    assert_eq!((kept.len(), usize::from(dropped)), (16, all.len() - 16));
+    let mut longest: Vec<_> = all.iter().map(extent).collect();
+    longest.sort();
+    let mut of_kept: Vec<_> = kept.iter().map(extent).collect();
+    of_kept.sort();
+    assert_eq!(of_kept, longest[longest.len() - 16..]);
+}
+
+#[test]
+fn the_smallest_image_is_no_problem() {
+    let dims = Dims { width: 16, height: 16 };
+    let pixels: Vec<u8> = (0..256).map(|i| if i % 16 < 8 { 20 } else { 200 }).collect();
+    let (found, _) = segments::<8>(Gray::new(&pixels, dims, 16).unwrap(), 0);
+    assert_eq!(found.len(), 1, "{found:?}");
+}
