@@ -27,7 +27,7 @@ fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
         assert!(found.confidence >= params.min_confidence, "{name}: {found:?}");
         for d in found.disparity {
             // The line through two halves reaches at most the allowed slant beyond the range.
-            assert!(d >= -6 && d < i32::from(params.max_disparity) + 6, "{name}: {found:?}");
+            assert!(d >= params.min_disparity - 6 && d < i32::from(params.max_disparity) + 6, "{name}: {found:?}");
         }
     }
     assert!(result.matches.is_sorted_by(|a, b| a.confidence >= b.confidence), "{name}");

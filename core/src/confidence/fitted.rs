@@ -6,166 +6,166 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     steep: Model {
-        bias_q12: 34581,
+        bias_q12: 35143,
         coefficients_q12: [
-            -17374, // this side's window: cost at the disparity / best cost elsewhere
-            2030, // log2(1 + that cost per pixel)
-            -880, // log2(1 + how much worse elsewhere is, per pixel)
-            1826, // segment window: best cost / best elsewhere
-            -4169, // log2(1 + its cost per pixel)
-            -2618, // census: best cost / best elsewhere
-            3744, // log2(1 + its cost per point)
-            -14247, // this side's census: cost at the disparity / best elsewhere
-            -8390, // |window - census|, px
-            5357, // |searched back - window|, px
-            329, // searching back: best cost / best elsewhere
-            -18042, // |difference of the halves' disparities| per row or column
-            1196, // log2(1 + rows or columns)
-            186, // the other side's window ratio
-            -739, // 1 if the other side prefers another disparity
-            -7946, // 1 if this side alone prefers another disparity
-            2328, // 1 if a right segment's line agrees
-            5584, // 1 if no right segment is compatible
-            434, // -1 left of or above the edge, +1 right or below
-            -2425, // slope against its direction, px per px
-            -286, // log2(1 + disparities compared)
+            -17578, // this side's window: cost at the disparity / best cost elsewhere
+            2049, // log2(1 + that cost per pixel)
+            -918, // log2(1 + how much worse elsewhere is, per pixel)
+            1926, // segment window: best cost / best elsewhere
+            -4175, // log2(1 + its cost per pixel)
+            -2612, // census: best cost / best elsewhere
+            3670, // log2(1 + its cost per point)
+            -14397, // this side's census: cost at the disparity / best elsewhere
+            -8362, // |window - census|, px
+            5343, // |searched back - window|, px
+            261, // searching back: best cost / best elsewhere
+            -17967, // |difference of the halves' disparities| per row or column
+            1166, // log2(1 + rows or columns)
+            181, // the other side's window ratio
+            -743, // 1 if the other side prefers another disparity
+            -7936, // 1 if this side alone prefers another disparity
+            2342, // 1 if a right segment's line agrees
+            5589, // 1 if no right segment is compatible
+            435, // -1 left of or above the edge, +1 right or below
+            -2431, // slope against its direction, px per px
+            -296, // log2(1 + disparities compared)
             -1141, // log2(1 + grey step)
-            323, // log2(1 + neighbours that agree)
-            -1545, // share of neighbours that contradict
-            5350, // the edge itself: cost at the disparity / best elsewhere
+            322, // log2(1 + neighbours that agree)
+            -1520, // share of neighbours that contradict
+            5390, // the edge itself: cost at the disparity / best elsewhere
             -859, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            477, 663, 920, 1276, 1765, 2435, 3345, 4571, 6202, 8335, 11064,
-            14461, 18546, 23260, 28446, 33863, 39220, 44241, 48715, 52525, 56450, 59331,
-            62019, 63580, 64328, 64793, 65376, 65502, 65526, 65527, 65529, 65531, 65533,
+            477, 663, 921, 1276, 1765, 2434, 3344, 4569, 6197, 8327, 11053,
+            14446, 18526, 23234, 28416, 33829, 39185, 44206, 48682, 52496, 56467, 59370,
+            62028, 63579, 64324, 64789, 65373, 65501, 65526, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            163, 163, 163, 162, 109, 88, 74, 46, 30, 25, 21,
+            164, 164, 164, 162, 109, 87, 72, 46, 30, 25, 21,
             18, 15, 13, 12, 10, 9, 8, 8, 7, 7, 7,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 42100,
+        bias_q12: 43037,
         coefficients_q12: [
-            -9519, // this side's window: cost at the disparity / best cost elsewhere
-            -90, // log2(1 + that cost per pixel)
-            -1471, // log2(1 + how much worse elsewhere is, per pixel)
+            -9683, // this side's window: cost at the disparity / best cost elsewhere
+            -56, // log2(1 + that cost per pixel)
+            -1536, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -14264, // census: best cost / best elsewhere
-            2943, // log2(1 + its cost per point)
+            -14530, // census: best cost / best elsewhere
+            2783, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3021, // |window - census|, px
-            -946, // |searched back - window|, px
-            -3843, // searching back: best cost / best elsewhere
-            -38092, // |difference of the halves' disparities| per row or column
-            -3040, // log2(1 + rows or columns)
-            -633, // the other side's window ratio
-            -570, // 1 if the other side prefers another disparity
+            -2964, // |window - census|, px
+            -954, // |searched back - window|, px
+            -3891, // searching back: best cost / best elsewhere
+            -37974, // |difference of the halves' disparities| per row or column
+            -3154, // log2(1 + rows or columns)
+            -646, // the other side's window ratio
+            -565, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            150, // -1 left of or above the edge, +1 right or below
-            -4460, // slope against its direction, px per px
-            682, // log2(1 + disparities compared)
-            -1326, // log2(1 + grey step)
-            1814, // log2(1 + neighbours that agree)
-            -21, // share of neighbours that contradict
+            146, // -1 left of or above the edge, +1 right or below
+            -4501, // slope against its direction, px per px
+            691, // log2(1 + disparities compared)
+            -1311, // log2(1 + grey step)
+            1817, // log2(1 + neighbours that agree)
+            3, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
             82, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            847, 1132, 1512, 2014, 2677, 3546, 4676, 6130, 7977, 10284, 13106,
-            16473, 20367, 24719, 29396, 34215, 38973, 43474, 47564, 51146, 56652, 60269,
-            62347, 63631, 64344, 64793, 65301, 65462, 65513, 65527, 65529, 65531, 65533,
+            826, 1106, 1479, 1974, 2627, 3485, 4603, 6044, 7878, 10173, 12986,
+            16348, 20245, 24605, 29298, 34139, 38920, 43445, 47556, 51155, 56632, 60239,
+            62348, 63644, 64343, 64787, 65301, 65462, 65513, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 115, 115, 115, 97, 72, 52, 35, 27, 22,
+            512, 512, 117, 114, 114, 97, 72, 53, 35, 27, 22,
             19, 16, 14, 12, 10, 10, 9, 9, 9, 9, 9,
         ],
     },
     steep_edge: Model {
-        bias_q12: 14031,
+        bias_q12: 14374,
         coefficients_q12: [
-            -1996, // this side's window: cost at the disparity / best cost elsewhere
-            -494, // log2(1 + that cost per pixel)
-            -115, // log2(1 + how much worse elsewhere is, per pixel)
-            -2624, // segment window: best cost / best elsewhere
-            -1882, // log2(1 + its cost per pixel)
-            -10203, // census: best cost / best elsewhere
-            1257, // log2(1 + its cost per point)
-            -994, // this side's census: cost at the disparity / best elsewhere
-            -7005, // |window - census|, px
-            2681, // |searched back - window|, px
-            -4922, // searching back: best cost / best elsewhere
-            -23221, // |difference of the halves' disparities| per row or column
-            1103, // log2(1 + rows or columns)
-            -287, // the other side's window ratio
-            -2754, // 1 if the other side prefers another disparity
-            -325, // 1 if this side alone prefers another disparity
-            3383, // 1 if a right segment's line agrees
-            2494, // 1 if no right segment is compatible
-            160, // -1 left of or above the edge, +1 right or below
-            -3087, // slope against its direction, px per px
-            1990, // log2(1 + disparities compared)
-            -522, // log2(1 + grey step)
-            1385, // log2(1 + neighbours that agree)
-            1895, // share of neighbours that contradict
-            1158, // the edge itself: cost at the disparity / best elsewhere
+            -2027, // this side's window: cost at the disparity / best cost elsewhere
+            -490, // log2(1 + that cost per pixel)
+            -125, // log2(1 + how much worse elsewhere is, per pixel)
+            -2571, // segment window: best cost / best elsewhere
+            -1886, // log2(1 + its cost per pixel)
+            -10309, // census: best cost / best elsewhere
+            1215, // log2(1 + its cost per point)
+            -1036, // this side's census: cost at the disparity / best elsewhere
+            -6974, // |window - census|, px
+            2669, // |searched back - window|, px
+            -4942, // searching back: best cost / best elsewhere
+            -23195, // |difference of the halves' disparities| per row or column
+            1084, // log2(1 + rows or columns)
+            -288, // the other side's window ratio
+            -2759, // 1 if the other side prefers another disparity
+            -315, // 1 if this side alone prefers another disparity
+            3385, // 1 if a right segment's line agrees
+            2499, // 1 if no right segment is compatible
+            157, // -1 left of or above the edge, +1 right or below
+            -3096, // slope against its direction, px per px
+            1983, // log2(1 + disparities compared)
+            -524, // log2(1 + grey step)
+            1386, // log2(1 + neighbours that agree)
+            1909, // share of neighbours that contradict
+            1164, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            905, 1232, 1674, 2270, 3068, 4127, 5520, 7326, 9629, 12501, 15984,
-            20071, 24681, 29660, 34788, 39819, 44524, 48731, 52345, 55345, 56951, 58337,
-            61924, 63777, 64197, 64518, 65107, 65356, 65461, 65504, 65523, 65530, 65533,
+            944, 1282, 1738, 2350, 3166, 4247, 5664, 7495, 9821, 12710, 16203,
+            20287, 24881, 29830, 34917, 39903, 44564, 48735, 52322, 55304, 56940, 58348,
+            61932, 63783, 64198, 64517, 65106, 65355, 65460, 65504, 65523, 65530, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 512, 512, 512, 45, 35, 27, 23, 20,
-            16, 14, 11, 11, 9, 8, 8, 8, 7, 6, 6,
+            512, 512, 512, 512, 512, 512, 44, 35, 28, 24, 20,
+            16, 14, 12, 11, 9, 8, 8, 7, 7, 6, 6,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 36898,
+        bias_q12: 37336,
         coefficients_q12: [
-            -5741, // this side's window: cost at the disparity / best cost elsewhere
-            -915, // log2(1 + that cost per pixel)
-            37, // log2(1 + how much worse elsewhere is, per pixel)
+            -5701, // this side's window: cost at the disparity / best cost elsewhere
+            -923, // log2(1 + that cost per pixel)
+            25, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -8717, // census: best cost / best elsewhere
-            1797, // log2(1 + its cost per point)
+            -8890, // census: best cost / best elsewhere
+            1707, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -1275, // |window - census|, px
-            -882, // |searched back - window|, px
-            -3178, // searching back: best cost / best elsewhere
-            -20448, // |difference of the halves' disparities| per row or column
-            -1676, // log2(1 + rows or columns)
-            -1190, // the other side's window ratio
+            -1240, // |window - census|, px
+            -887, // |searched back - window|, px
+            -3169, // searching back: best cost / best elsewhere
+            -20392, // |difference of the halves' disparities| per row or column
+            -1746, // log2(1 + rows or columns)
+            -1189, // the other side's window ratio
             -7617, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            -941, // -1 left of or above the edge, +1 right or below
-            4103, // slope against its direction, px per px
-            -175, // log2(1 + disparities compared)
-            -607, // log2(1 + grey step)
-            104, // log2(1 + neighbours that agree)
-            -3275, // share of neighbours that contradict
+            -944, // -1 left of or above the edge, +1 right or below
+            4081, // slope against its direction, px per px
+            -167, // log2(1 + disparities compared)
+            -600, // log2(1 + grey step)
+            116, // log2(1 + neighbours that agree)
+            -3239, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            737, 989, 1326, 1775, 2370, 3154, 4181, 5513, 7219, 9371, 12032,
-            15243, 19007, 23270, 27915, 32769, 37623, 42268, 46531, 50294, 56063, 59893,
-            62408, 63834, 64530, 64945, 65318, 65456, 65507, 65525, 65529, 65531, 65533,
+            722, 971, 1304, 1747, 2335, 3113, 4131, 5455, 7152, 9296, 11952,
+            15162, 18929, 23200, 27860, 32732, 37605, 42270, 46548, 50323, 56046, 59859,
+            62402, 63838, 64532, 64946, 65316, 65455, 65506, 65525, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 209, 153, 101, 63, 53, 43, 32, 23,
+            512, 512, 512, 209, 157, 102, 63, 53, 43, 32, 23,
             18, 14, 12, 10, 8, 8, 7, 7, 6, 6, 6,
         ],
     },

@@ -133,7 +133,7 @@ impl Curve {
     }
 }
 
-/// `256 * cost / rival`, at most 3 * 256: below 256 the minimum is better than its rival.
+/// `256 * (cost + 1) / (rival + 1)`, at most 3 * 256: below 256 the minimum is better than its rival. The ones make two perfect matches a tie.
 pub(crate) fn ratio_q8(cost: u16, rival: u16) -> i32 {
-    quotient(i32::from(cost) << 8, i32::from(rival).max(1)).min(768)
+    quotient((i32::from(cost) + 1) << 8, i32::from(rival) + 1).min(768)
 }
