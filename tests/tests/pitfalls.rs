@@ -43,7 +43,9 @@ fn repeated_structure_is_not_placed() {
         for (name, image) in [("columns", columns), ("checkerboard", board)] {
             let result = run(&image, &image);
             assert!(result.points.is_empty(), "{name} of {period} px: {} points", result.points.len());
-            assert!(result.counts.segments_left > 0, "{name} of {period} px: nothing was tested");
+            // Squares smaller than a segment hold none.
+            let testable = name == "columns" || period >= 8;
+            assert!(!testable || result.counts.segments_left > 0, "{name} of {period} px: nothing was tested");
         }
     }
 }

@@ -1,0 +1,133 @@
+//! `linestereo run` as a user types it: its files, and every kind of bad input.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// A folder with the scene `cards` in it.
+fn cards() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    succeed(folder.path(), &["scene", "--kind", "cards", "--size", "160x120", "cards"]);
+    let scene = folder.path().join("cards");
+    assert!(scene.is_dir(), "the scene has a folder of its own");
+    folder
+}
+
+const PAIR: [&str; 5] = ["run", "cards/left.png", "cards/right.png", "--scene", "cards/scene.json"];
+
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
+}
+
+#[test]
+fn json_has_the_promised_keys_and_shapes() {
+    let folder = cards();
+    let text = succeed(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
+    let json: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(keys(&json), ["counts", "points", "segments", "size"]);
+    assert_eq!(json["size"], serde_json::json!([160, 120]));
+    let segments = json["segments"].as_array().unwrap();
+    assert!(!segments.is_empty());
+    for (id, segment) in segments.iter().enumerate() {
+        let expected = ["confidence", "depth_m", "disparity_px", "id", "left", "owner", "sigma_px", "techniques"];
+        assert_eq!(keys(segment), expected);
+        assert_eq!(segment["id"], id);
+        assert_eq!(keys(&segment["techniques"]), ["census", "feature", "window"]);
+        assert!(["left", "right", "both"].contains(&segment["owner"].as_str().unwrap()));
+        for end in [0, 1] {
+            assert!(segment["left"][end][0].is_f64() && segment["left"][end][1].is_f64(), "{segment}");
+            assert!(segment["disparity_px"][end].is_f64() && segment["depth_m"][end].is_f64(), "{segment}");
+        }
+        assert!((0.0..=1.0).contains(&segment["confidence"].as_f64().unwrap()));
+    }
+    for point in json["points"].as_array().unwrap() {
+        assert!(point[0].is_u64() && point[1].is_u64() && point[2].is_f64() && point[3].is_f64(), "{point}");
+    }
+    let count = |name: &str| json["counts"][name].as_u64().unwrap_or_else(|| panic!("{name} is not counted"));
+    let rejected: u64 = linestereo::Rejection::ALL.iter().map(|reason| count(reason.name())).sum();
+    assert_eq!(count("segments_left"), count("matched") + rejected);
+    assert_eq!(count("matched") as usize, segments.len());
+    assert!(count("segments_right") > 0);
+}
+
+#[test]
+fn without_a_rig_there_are_no_metres() {
+    let folder = cards();
+    let text = succeed(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
+    let json: Value = serde_json::from_str(&text).unwrap();
+    assert!(json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null()));
+}
+
+#[test]
+fn files_are_written_and_named() {
+    let folder = cards();
+    let files = ["--json", "a.json", "--csv", "a.csv", "--overlay", "a.png"];
+    let text = succeed(folder.path(), &[&PAIR[..], &files].concat());
+    for file in ["a.json", "a.csv", "a.png"] {
+        assert!(text.contains(&format!("wrote {file}")), "{text}");
+        assert!(fs::metadata(folder.path().join(file)).unwrap().len() > 100, "{file}");
+    }
+    assert!(image::open(folder.path().join("a.png")).unwrap().width() >= 160);
+}
+
+#[test]
+fn every_help_is_an_answer() {
+    let folder = TempDir::new().unwrap();
+    for command in ["demo", "run", "eval", "fit-confidence", "scene"] {
+        assert!(succeed(folder.path(), &[command, "--help"]).lines().count() > 8, "{command}");
+    }
+}
+
+#[test]
+fn bad_input_gets_one_line_and_leaves_no_file() {
+    let folder = cards();
+    let write = |name: &str, width: u32, height: u32, grey: u8| {
+        image::GrayImage::from_pixel(width, height, image::Luma([grey])).save(folder.path().join(name)).unwrap();
+    };
+    write("tiny.png", 1, 1, 9);
+    write("flat.png", 160, 120, 90);
+    write("white.png", 160, 120, 255);
+    write("other.png", 100, 120, 90);
+    fs::write(folder.path().join("text.png"), "no image").unwrap();
+    let before = fs::read_dir(folder.path()).unwrap().count();
+    let left = "cards/left.png";
+    let cases: [(&[&str], &str); 12] = [
+        (&["run", left, "missing.png"], "missing.png"),
+        (&["run", left, "other.png"], "size"),
+        (&["run", left, "text.png"], "text.png"),
+        (&["run", "tiny.png", "tiny.png"], "tiny.png"),
+        (&["run", "flat.png", "flat.png"], "flat.png"),
+        (&["run", "white.png", "white.png"], "white.png"),
+        (&["run", left, left, "--max-disparity", "160"], "--max-disparity"),
+        (&["run", left, left, "--max-disparity", "3"], "--max-disparity"),
+        (&["run", left, left, "--min-disparity", "5"], "--min-disparity"),
+        (&["run", left, left, "--min-confidence", "2"], "--min-confidence"),
+        (&["run", left, left, "--margin-m", "0.1", "0.1"], "--focal-px"),
+        (&["run", left, left, "--focal-px", "0", "--baseline-m", "0.1"], "focal"),
+    ];
+    for (args, says) in cases {
+        let output = linestereo(folder.path(), &[args, &["--json", "out.json", "--overlay", "out.png"]].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
+        assert!(error.contains(says), "{args:?} does not say {says}: {error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} left a file");
+    }
+    let output =
+        linestereo(folder.path(), &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
+}
