@@ -2,7 +2,7 @@
 //!
 //! Convention: every command is a `pub struct Args` (`clap::Args`) and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
-//! [`print`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
+//! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
 pub mod demo;
 pub mod eval;
