@@ -8,7 +8,7 @@ use crate::matching::consistency::{self, Place};
 use crate::matching::{self, Candidate, MatchContext, row_offset};
 use crate::params::{ParamError, Params};
 use crate::report::{Ranked, Report};
-use crate::result::{Counts, Match, PointClaim};
+use crate::result::{Counts, Match, PointClaim, Rejection};
 use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
@@ -58,6 +58,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
     /// Cleared memory.
     #[must_use]
     pub const fn new() -> Self {
+        const { assert!(SEGMENTS <= lines::MAX_SEGMENTS, "a scratch memory lists at most 4096 segments") };
         Self {
             marks: [0; MARKS],
             chain: [0; 1280],
@@ -215,7 +216,7 @@ impl Plan {
         let row_offset_q5 =
             row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
         let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
-        out.counts.reject_many(crate::result::Rejection::LessProminent, lost);
+        out.counts.reject_many(Rejection::LessProminent, lost);
 
         // Three matchings of each, aggregation, ownership.
         m.candidates.clear();

@@ -22,8 +22,8 @@ pub struct Strip<'a> {
     pub other: &'a [u8],
 }
 
-/// Sobel x of the middle of three rows, halved, clipped to +-63 and shifted by [`FLAT`]: 1 ..= 127. Only order-free differences of it
-/// are used, so a brightness offset between the cameras cancels. The first and last pixel are flat.
+/// Sobel x of the middle of three rows, halved, clipped to +-63 and shifted by [`FLAT`]: 1 ..= 127. A
+/// brightness offset between the cameras cancels. The first and last pixel are flat.
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     out.fill(FLAT);

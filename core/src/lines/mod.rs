@@ -37,6 +37,9 @@ pub(crate) const MAX_ROWS: i32 = 32;
 /// Longest piece of a near-horizontal segment, in columns.
 pub(crate) const MAX_COLUMNS: i32 = 24;
 
+/// Most segments of a list: their positions in it take twelve bits where prominence is compared.
+pub const MAX_SEGMENTS: usize = 4096;
+
 /// A straight edge, as detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Segment {

@@ -1,6 +1,7 @@
 //! `linestereo fit-confidence`: the confidence model's constants from frames with truth.
 
-use super::{engine_for, print};
+use super::method::MethodArgs;
+use super::{engine_with, print};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::fitting::{SceneSamples, fit, scene_samples, source_text};
 use crate::frames::{Scene, find_scenes, has_truth, load_scene};
@@ -14,7 +15,8 @@ const EXAMPLES: &str = "\
 Examples:
   linestereo fit-confidence frames/qvga --out core/src/confidence/fitted.rs    write the constants that the core uses
   linestereo fit-confidence frames/qvga --check core/src/confidence/fitted.rs  fail if they are not what the frames give
-  linestereo fit-confidence frames/qvga                                        only print the leave-one-scene-out scores";
+  linestereo fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
+  linestereo fit-confidence frames/qvga --min-confidence 0.5                   the same with the less probable claims";
 
 /// Fit the confidence model on frames with truth, and score it on scenes that it has not seen.
 ///
@@ -35,14 +37,16 @@ pub struct Args {
     /// Do not score: only fit.
     #[arg(long)]
     no_scores: bool,
+    #[command(flatten)]
+    method: MethodArgs,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
-    let samples = scenes.iter().map(sample).collect::<Result<Vec<_>>>()?;
+    let samples = scenes.iter().map(|scene| sample(scene, &args.method)).collect::<Result<Vec<_>>>()?;
     if !args.no_scores {
-        leave_one_out(&scenes, &samples)?;
+        leave_one_out(&scenes, &samples, &args.method)?;
     }
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     let text = source_text(
@@ -82,22 +86,22 @@ fn load(roots: &[PathBuf]) -> Result<Vec<Scene>> {
 }
 
 /// The claims of one scene, whatever their confidence.
-fn sample(scene: &Scene) -> Result<SceneSamples> {
+fn sample(scene: &Scene, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
-    let mut engine = engine_for(scene.max_disparity, scene.rig, scene.left.dims)?;
+    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
     engine.run(scene.left.view()?, scene.right.view()?)?;
     Ok(scene_samples(engine.candidates(), truth, scene.left.dims))
 }
 
 /// Scores every scene by models that were fitted without it.
-fn leave_one_out(scenes: &[Scene], samples: &[SceneSamples]) -> Result<()> {
+fn leave_one_out(scenes: &[Scene], samples: &[SceneSamples], method: &MethodArgs) -> Result<()> {
     let bar = ProgressBar::new(scenes.len() as u64);
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} leaving out {msg}")?);
     let mut scores = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         bar.set_message(scene.name.clone());
         let others: Vec<&SceneSamples> = samples.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, s)| s).collect();
-        scores.push(score(scene, &fit(&others))?);
+        scores.push(score(scene, &fit(&others), method)?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -108,9 +112,10 @@ fn leave_one_out(scenes: &[Scene], samples: &[SceneSamples]) -> Result<()> {
     ))
 }
 
-fn score(scene: &Scene, models: &Models) -> Result<FrameScore> {
+fn score(scene: &Scene, models: &Models, method: &MethodArgs) -> Result<FrameScore> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
-    let mut engine = engine_for(scene.max_disparity, scene.rig, scene.left.dims)?.with_models(*models);
+    let mut engine =
+        engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?.with_models(*models);
     let result = engine.run(scene.left.view()?, scene.right.view()?)?;
     Ok(FrameScore::new(&scene.name, truth, &result))
 }
