@@ -1,6 +1,5 @@
 //! Naive oracles: as short as possible, nothing shared with the core. Outside an image its nearest pixel counts.
 
-use core::ops::RangeInclusive;
 use linestereo_sim::engine::GrayImage;
 
 /// The pixel, or the nearest one of the image.
@@ -31,19 +30,6 @@ pub fn census(image: &GrayImage, x: i32, y: i32) -> u32 {
     let offsets = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy))).filter(|&offset| offset != (0, 0));
     let darker = offsets.map(|(dx, dy)| at(image, x + dx, y + dy) < at(image, x, y));
     darker.enumerate().map(|(k, darker)| u32::from(darker) << k).sum()
-}
-
-/// Sum of absolute differences between the left window and the right one `d` px further left, for every `d` asked for.
-#[must_use]
-pub fn sad_curve(
-    left: &GrayImage,
-    right: &GrayImage,
-    columns: RangeInclusive<i32>,
-    rows: RangeInclusive<i32>,
-    disparities: RangeInclusive<i32>,
-) -> Vec<u32> {
-    let window = || rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y)));
-    disparities.map(|d| window().map(|(x, y)| at(left, x, y).abs_diff(at(right, x - d, y))).sum()).collect()
 }
 
 /// A straight line through points.
@@ -104,14 +90,6 @@ mod tests {
         assert_eq!(census(&darker, 2, 2), 1 << 12 | 1 << 13 | 1 << 23); // the centre has no bit, equal is not darker
         let bright = image(&["08888", "88888", "88987", "88888", "98880"]);
         assert_eq!(census(&bright, 2, 2), 0xff_ffff & !(1 << 19));
-    }
-
-    #[test]
-    fn sad_is_zero_at_the_shift() {
-        let left = image(&["0012345600"; 3]);
-        let right = image(&["1234560000"; 3]);
-        assert_eq!(sad_curve(&left, &right, 4..=6, 0..=2, 1..=3)[1], 0);
-        assert_eq!(sad_curve(&left, &right, 4..=6, 0..=2, 1..=3)[0], 9 * 17);
     }
 
     #[test]
