@@ -6,6 +6,7 @@ use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, row_bytes};
 use crate::matching::consistency::{self, Place};
 use crate::matching::{self, Candidate, MatchContext, row_offset};
+use crate::observe::{Observer, Step};
 use crate::params::{ParamError, Params};
 use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim, Rejection};
@@ -161,6 +162,18 @@ impl Plan {
         scratch: &mut Scratch<R, M, S>,
         out: &mut Output<OS, OP>,
     ) -> Result<(), SizeMismatch> {
+        self.run_observed(left, right, scratch, out, &mut ())
+    }
+
+    /// [`Plan::run`], telling `observer` of every step.
+    pub fn run_observed<const R: usize, const M: usize, const S: usize, const OS: usize, const OP: usize>(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        scratch: &mut Scratch<R, M, S>,
+        out: &mut Output<OS, OP>,
+        observer: &mut impl Observer,
+    ) -> Result<(), SizeMismatch> {
         let memory = Memory {
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
             chain: &mut scratch.chain,
@@ -172,7 +185,7 @@ impl Plan {
             order: &mut scratch.order,
         };
         let lists = Lists { matches: &mut out.matches, points: &mut out.points, counts: &mut out.counts };
-        self.run_stages(left, right, memory, lists)
+        self.run_stages(left, right, memory, lists, observer)
     }
 
     /// Says whether this scratch memory is large enough for the planned size.
@@ -191,7 +204,14 @@ impl Plan {
     }
 
     #[inline(never)]
-    fn run_stages(&self, left: Gray<'_>, right: Gray<'_>, m: Memory<'_>, out: Lists<'_>) -> Result<(), SizeMismatch> {
+    fn run_stages(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        m: Memory<'_>,
+        out: Lists<'_>,
+        observer: &mut impl Observer,
+    ) -> Result<(), SizeMismatch> {
         for image in [left, right] {
             if image.dims() != self.dims {
                 return Err(SizeMismatch { planned: self.dims, given: image.dims() });
@@ -209,21 +229,28 @@ impl Plan {
         };
         out.counts.segments_left_dropped =
             lines::detect(left, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.left);
+        observer.ended(Step::LinesLeft(m.left));
         out.counts.segments_right_dropped =
             lines::detect(right, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
+        observer.ended(Step::LinesRight(m.right));
         out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);
         out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 =
             row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
         let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
         out.counts.reject_many(Rejection::LessProminent, lost);
+        observer.ended(Step::Selection(row_offset_q5, m.left));
 
         // Three matchings of each, aggregation, ownership.
         m.candidates.clear();
         let context = MatchContext::new(&self.params, self.dims, m.right, row_offset_q5);
         let Some(mut band) = Band::new(left, right, (row_offset_q5 + 16) >> 5, m.rows) else { return Ok(()) };
         for segment in m.left.iter() {
-            match matching::match_segment(segment, &context, &mut band) {
+            band.advance_for(segment);
+            observer.ended(Step::Rows);
+            let matched = matching::match_segment(segment, &context, &band);
+            observer.ended(Step::Segment(matched.as_ref().map_err(|&reason| reason)));
+            match matched {
                 Ok(candidate) => {
                     let _ = m.candidates.push(candidate); // as many places as segments
                 }
@@ -233,6 +260,7 @@ impl Plan {
 
         // What the claims say of each other, probability, lists.
         consistency::weigh_neighbours(m.candidates, m.places);
+        observer.ended(Step::Consistency(m.candidates));
         let report = Report {
             params: &self.params,
             models: &self.models,
@@ -243,6 +271,7 @@ impl Plan {
             marks: m.marks,
         };
         report.run(out.matches, out.points, out.counts);
+        observer.ended(Step::Report(out.matches, out.points));
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use crate::units::{Confidence, Depth, Disparity, Position};
 
 /// A sub-pixel image point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Point {
     /// Pixels right of the first column's centre.
     pub x: Position,
@@ -12,7 +12,7 @@ pub struct Point {
 }
 
 /// The side or sides of a segment that carry its disparity. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// Smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
     Left,
@@ -23,7 +23,7 @@ pub enum Owner {
 }
 
 /// What each of the three techniques says, at the segment's middle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Techniques {
     /// Fitted line of a right segment that is structurally the same; `None` when there is none.
     pub feature: Option<Disparity>,
@@ -34,7 +34,7 @@ pub struct Techniques {
 }
 
 /// A segment of the left image with its disparity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Match {
     /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
     pub ends: [Point; 2],
@@ -55,7 +55,7 @@ pub struct Match {
 }
 
 /// One pixel of the left image with a disparity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PointClaim {
     /// Column.
     pub x: u16,

@@ -41,7 +41,7 @@ pub(crate) const MAX_COLUMNS: i32 = 24;
 pub const MAX_SEGMENTS: usize = 4096;
 
 /// A straight edge, as detected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Segment {
     /// Ends: top first; left first when [`Segment::near_horizontal`].
     pub ends: [Point; 2],

@@ -96,7 +96,7 @@ impl Kind {
 pub const EVIDENCE: usize = Kind::Distance as usize + 1;
 
 /// One number per [`Kind`], Q8.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Evidence(pub [i16; EVIDENCE]);
 
 impl Evidence {

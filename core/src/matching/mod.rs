@@ -38,7 +38,7 @@ const MAX_SIDE_RATIO_Q8: i32 = 230;
 const MAX_SLANT_Q6: i32 = 6 << 6;
 
 /// A segment that passed every hard test, with what speaks for and against each side's disparity.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub struct Candidate {
     /// The left segment.
     pub segment: Segment,
@@ -69,7 +69,7 @@ impl Candidate {
 }
 
 /// One side's claim.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Hash)]
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
     pub disparity_q6: [i32; 2],
@@ -139,13 +139,12 @@ impl<'a> MatchContext<'a> {
     }
 }
 
-/// Matches one segment, or names the test it fails. Segments come in the order of their top rows.
+/// Matches one segment in a band that reaches as far as it does, or names the test it fails.
 pub(crate) fn match_segment(
     segment: &Segment,
     context: &MatchContext<'_>,
-    band: &mut Band<'_>,
+    band: &Band<'_>,
 ) -> Result<Candidate, Rejection> {
-    band.advance_for(segment);
     if segment.near_horizontal {
         flat::match_flat(segment, context, band)
     } else {

@@ -1,0 +1,200 @@
+//! Watching a run from outside: for clocks, digests and pictures of what happens inside. A run that nobody watches costs nothing.
+//!
+//! In: what each stage gives, at the moment it ends. Out: whatever the observer makes of it; the result of the run does not depend on it.
+
+use crate::lines::Segment;
+use crate::matching::Candidate;
+use crate::result::{Match, PointClaim, Rejection};
+use core::hash::{Hash, Hasher};
+
+/// What a stage gave. [`Step::Rows`] and [`Step::Segment`] come once per left segment, in turns; the others once per pair.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// Segments of the left image.
+    LinesLeft(&'a [Segment]),
+    /// Segments of the right image.
+    LinesRight(&'a [Segment]),
+    /// The row offset of the pair (1/32 px) and the prominent ones of the left segments.
+    Selection(i32, &'a [Segment]),
+    /// Gradients and census of the rows that the next segment needs.
+    Rows,
+    /// One segment matched, or the test that it failed.
+    Segment(Result<&'a Candidate, Rejection>),
+    /// All candidates, with what they say of each other.
+    Consistency(&'a [Candidate]),
+    /// The lists.
+    Report(&'a [Match], &'a [PointClaim]),
+}
+
+/// The stages in the order of their first steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Stage {
+    /// Segments of the left image.
+    LinesLeft,
+    /// Segments of the right image.
+    LinesRight,
+    /// Row offset and the most prominent left segments.
+    Selection,
+    /// Gradients and census of both images.
+    Rows,
+    /// Three matchings of each segment, ownership.
+    Matching,
+    /// What the claims say of each other.
+    Consistency,
+    /// Probability, exclusion, lists.
+    Report,
+}
+
+impl Stage {
+    /// Every stage.
+    pub const ALL: [Self; 7] = [
+        Self::LinesLeft,
+        Self::LinesRight,
+        Self::Selection,
+        Self::Rows,
+        Self::Matching,
+        Self::Consistency,
+        Self::Report,
+    ];
+
+    /// In snake case, as it stands in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LinesLeft => "lines_left",
+            Self::LinesRight => "lines_right",
+            Self::Selection => "selection",
+            Self::Rows => "rows",
+            Self::Matching => "matching",
+            Self::Consistency => "consistency",
+            Self::Report => "report",
+        }
+    }
+}
+
+impl Step<'_> {
+    /// The stage it belongs to.
+    #[must_use]
+    pub const fn stage(&self) -> Stage {
+        match self {
+            Self::LinesLeft(_) => Stage::LinesLeft,
+            Self::LinesRight(_) => Stage::LinesRight,
+            Self::Selection(..) => Stage::Selection,
+            Self::Rows => Stage::Rows,
+            Self::Segment(_) => Stage::Matching,
+            Self::Consistency(_) => Stage::Consistency,
+            Self::Report(..) => Stage::Report,
+        }
+    }
+}
+
+/// Is told of every step of a run.
+pub trait Observer {
+    /// A step has just ended.
+    fn ended(&mut self, step: Step<'_>);
+}
+
+/// Watches nothing.
+impl Observer for () {
+    #[inline]
+    fn ended(&mut self, _: Step<'_>) {}
+}
+
+/// One digest per stage: tells in which stage two machines part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StageDigests([u32; Stage::ALL.len()]);
+
+impl StageDigests {
+    /// Nothing seen.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self([FNV_OFFSET; Stage::ALL.len()])
+    }
+
+    /// The digest of one stage.
+    #[must_use]
+    pub fn of(&self, stage: Stage) -> u32 {
+        self.0.get(stage as usize).copied().unwrap_or(0)
+    }
+}
+
+impl Default for StageDigests {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Observer for StageDigests {
+    fn ended(&mut self, step: Step<'_>) {
+        let Some(slot) = self.0.get_mut(step.stage() as usize) else { return };
+        let mut hash = Fnv(*slot);
+        match step {
+            Step::LinesLeft(segments) | Step::LinesRight(segments) => each(segments, &mut hash),
+            Step::Selection(offset, segments) => {
+                hash.write_i32(offset);
+                each(segments, &mut hash);
+            }
+            Step::Rows => {}
+            Step::Segment(Ok(candidate)) => candidate.hash(&mut hash),
+            Step::Segment(Err(reason)) => hash.write_u8(reason as u8),
+            Step::Consistency(candidates) => each(candidates, &mut hash),
+            Step::Report(matches, points) => {
+                each(matches, &mut hash);
+                each(points, &mut hash);
+            }
+        }
+        *slot = hash.0;
+    }
+}
+
+/// Without the length, whose width depends on the machine.
+fn each<T: Hash>(items: &[T], hash: &mut Fnv) {
+    for item in items {
+        item.hash(hash);
+    }
+}
+
+const FNV_OFFSET: u32 = 0x811c_9dc5;
+const FNV_PRIME: u32 = 0x0100_0193;
+
+/// FNV-1a, 32 bits (Fowler, Noll, Vo): for telling results apart, not for protecting them.
+struct Fnv(u32);
+
+impl Hasher for Fnv {
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(FNV_PRIME);
+        }
+    }
+
+    /// The same whatever the machine's byte order.
+    fn write_i32(&mut self, i: i32) {
+        self.write(&i.to_le_bytes());
+    }
+
+    fn write_u32(&mut self, i: u32) {
+        self.write(&i.to_le_bytes());
+    }
+
+    fn write_u16(&mut self, i: u16) {
+        self.write(&i.to_le_bytes());
+    }
+
+    fn write_i16(&mut self, i: i16) {
+        self.write(&i.to_le_bytes());
+    }
+
+    /// Enum variants are hashed as `isize`, whose width depends on the machine.
+    fn write_isize(&mut self, i: isize) {
+        self.write_i32(i as i32);
+    }
+
+    fn write_usize(&mut self, i: usize) {
+        self.write_u32(i as u32);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0.into()
+    }
+}
