@@ -1,0 +1,222 @@
+//! What a host asks for, and why a board refuses.
+//!
+//! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
+//! range of the one that is wrong. Bytes that were damaged never get here: see [`Decoder`](crate::Decoder).
+
+use core::fmt;
+use heapless::String;
+use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Plan, Rig, RigError};
+use serde::{Deserialize, Serialize};
+
+/// The name of a parameter in a refusal.
+pub type Name = String<32>;
+
+/// One record from the host to the board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// Chosen by the host; the answer carries it. The same command with the same id may come again, when the answer was lost.
+    pub id: u16,
+    /// What is asked for.
+    pub request: Request,
+}
+
+/// What is asked for. Each is answered, and doing it twice is the same as doing it once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Request {
+    /// Say what you are: a [`Hello`](crate::Hello) and the answer.
+    Describe,
+    /// Match pairs and send results.
+    Start,
+    /// Send no more results.
+    Stop,
+    /// Change parameters.
+    SetParams(ParamUpdate),
+}
+
+/// Parameters to change; `None` leaves one as it is. Meanings and ranges are those of [`Params`].
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct ParamUpdate {
+    /// [`Params::min_disparity`], px.
+    pub min_disparity: Option<i16>,
+    /// [`Params::max_disparity`], px.
+    pub max_disparity: Option<u16>,
+    /// [`Params::anchor_gradient`].
+    pub anchor_gradient: Option<u16>,
+    /// [`Params::edge_gradient`].
+    pub edge_gradient: Option<u16>,
+    /// [`Params::min_extent`], px.
+    pub min_extent: Option<u16>,
+    /// [`Params::cell`], px.
+    pub cell: Option<u16>,
+    /// [`Params::margin`].
+    pub margin: Option<MarginUpdate>,
+    /// [`Params::min_confidence`], 1/65536.
+    pub min_confidence_q16: Option<u16>,
+    /// [`Params::reach`], px.
+    pub reach: Option<u16>,
+    /// [`Params::rig`].
+    pub rig: Option<RigUpdate>,
+}
+
+/// A [`Margin`] in plain numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MarginUpdate {
+    /// [`Margin::Pixels`], 1/64 px.
+    PixelsQ6(i16),
+    /// [`Margin::Metres`], 1/65536 m.
+    MetresQ16 {
+        /// Towards the cameras.
+        nearer: i32,
+        /// Away from them.
+        farther: i32,
+    },
+}
+
+/// What a [`Rig`] is made from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RigUpdate {
+    /// Focal length, px.
+    pub focal_px: f64,
+    /// Distance between the cameras, m.
+    pub baseline_m: f64,
+    /// Added to every disparity, px.
+    pub offset_px: f64,
+}
+
+impl ParamUpdate {
+    /// `params` with these put in. Only the rig is checked here, because it cannot be made otherwise; the rest is for [`Params::plan`].
+    pub fn apply(&self, params: Params) -> Result<Params, Refusal> {
+        let rig = match self.rig {
+            Some(rig) => Some(Rig::new(rig.focal_px, rig.baseline_m, rig.offset_px)?),
+            None => params.rig,
+        };
+        let margin = match self.margin {
+            Some(MarginUpdate::PixelsQ6(bits)) => Margin::Pixels(Disparity::from_bits(bits)),
+            Some(MarginUpdate::MetresQ16 { nearer, farther }) => {
+                Margin::Metres { nearer: Depth::from_bits(nearer), farther: Depth::from_bits(farther) }
+            }
+            None => params.margin,
+        };
+        Ok(Params {
+            min_disparity: self.min_disparity.unwrap_or(params.min_disparity),
+            max_disparity: self.max_disparity.unwrap_or(params.max_disparity),
+            rig,
+            anchor_gradient: self.anchor_gradient.unwrap_or(params.anchor_gradient),
+            edge_gradient: self.edge_gradient.unwrap_or(params.edge_gradient),
+            min_extent: self.min_extent.unwrap_or(params.min_extent),
+            cell: self.cell.unwrap_or(params.cell),
+            margin,
+            min_confidence: self.min_confidence_q16.map_or(params.min_confidence, Confidence::from_bits),
+            reach: self.reach.unwrap_or(params.reach),
+        })
+    }
+
+    /// `params` with these put in, and their plan for images of this size: both take the place of the old ones, or neither does.
+    ///
+    /// ```
+    /// use linestereo::{Dims, Params};
+    /// use linestereo_wire::ParamUpdate;
+    /// let dims = Dims { width: 320, height: 240 };
+    /// let update = ParamUpdate { max_disparity: Some(96), ..ParamUpdate::default() };
+    /// assert_eq!(update.plan(Params::default(), dims).unwrap().0.max_disparity, 96);
+    /// let refusal = ParamUpdate { cell: Some(7), ..update }.plan(Params::default(), dims).unwrap_err();
+    /// assert_eq!(refusal.to_string(), "cell is 7, allowed are 8 to 256");
+    /// ```
+    pub fn plan(&self, params: Params, dims: Dims) -> Result<(Params, Plan), Refusal> {
+        let params = self.apply(params)?;
+        Ok((params, params.plan(dims)?))
+    }
+}
+
+/// Why a command was not done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// [`ParamError::OutOfRange`].
+    OutOfRange {
+        /// Name of the parameter.
+        name: Name,
+        /// Its value.
+        value: i64,
+        /// Least allowed value.
+        low: i64,
+        /// Largest allowed value.
+        high: i64,
+    },
+    /// [`ParamError::MarginNeedsRig`].
+    MarginNeedsRig,
+    /// [`ParamError::ScratchTooSmall`].
+    MemoryTooSmall {
+        /// What is too small.
+        name: Name,
+        /// Size needed.
+        needed: u32,
+        /// Size there.
+        given: u32,
+    },
+    /// [`RigError::Focal`].
+    Focal(f64),
+    /// [`RigError::Baseline`].
+    Baseline(f64),
+    /// [`RigError::Offset`].
+    Offset(f64),
+    /// This board cannot do that.
+    Unsupported,
+}
+
+impl From<ParamError> for Refusal {
+    fn from(error: ParamError) -> Self {
+        match error {
+            ParamError::OutOfRange { name, value, low, high } => {
+                Self::OutOfRange { name: shortened(name), value, low, high }
+            }
+            ParamError::MarginNeedsRig => Self::MarginNeedsRig,
+            ParamError::ScratchTooSmall { name, needed, given } => Self::MemoryTooSmall {
+                name: shortened(name),
+                needed: u32::try_from(needed).unwrap_or(u32::MAX),
+                given: u32::try_from(given).unwrap_or(u32::MAX),
+            },
+        }
+    }
+}
+
+impl From<RigError> for Refusal {
+    fn from(error: RigError) -> Self {
+        match error {
+            RigError::Focal(value) => Self::Focal(value),
+            RigError::Baseline(value) => Self::Baseline(value),
+            RigError::Offset(value) => Self::Offset(value),
+        }
+    }
+}
+
+/// As much of a name as there is room for.
+fn shortened(name: &str) -> Name {
+    let mut short = Name::new();
+    for character in name.chars() {
+        if short.push(character).is_err() {
+            break;
+        }
+    }
+    short
+}
+
+/// The core's own words where it has them.
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutOfRange { ref name, value, low, high } => {
+                write!(f, "{name} is {value}, allowed are {low} to {high}")
+            }
+            Self::MarginNeedsRig => ParamError::MarginNeedsRig.fmt(f),
+            Self::MemoryTooSmall { ref name, needed, given } => {
+                write!(f, "{name} of the board's memory holds {given}, these images need {needed}")
+            }
+            Self::Focal(value) => RigError::Focal(value).fmt(f),
+            Self::Baseline(value) => RigError::Baseline(value).fmt(f),
+            Self::Offset(value) => RigError::Offset(value).fmt(f),
+            Self::Unsupported => write!(f, "this board cannot do that"),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}

@@ -1,0 +1,179 @@
+//! One frame's result: a head, and its segments in pieces.
+//!
+//! In: the core's counts and matches. Out: records of the same bits (a [`Match`] that went over the wire comes back equal), in the core's
+//! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
+
+use crate::SEGMENTS_PER_PACKET;
+use crate::health::Health;
+use heapless::Vec;
+use linestereo::{Confidence, Depth, Dims, Disparity, Match, Owner, Point, Position, Rejection, Techniques};
+use serde::{Deserialize, Serialize};
+
+/// What a frame gave, without its segments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameHead {
+    /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
+    pub sequence: u32,
+    /// When the pair was captured: microseconds since the board started.
+    pub capture_time_us: u64,
+    /// Width of the images in px.
+    pub width: u16,
+    /// Height of the images in px.
+    pub height: u16,
+    /// What the frame suffered.
+    pub health: Health,
+    /// What was found and lost.
+    pub counts: Counts,
+    /// Segments that follow.
+    pub segments: u16,
+}
+
+impl FrameHead {
+    /// The head of a result of the core; what its counts say about full lists is added to `health`, and [`send_frame`](crate::send_frame)
+    /// fills in the number of segments.
+    #[must_use]
+    pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
+        let Dims { width, height } = dims;
+        let health = health | Health::of(counts);
+        Self { sequence, capture_time_us, width, height, health, counts: counts.into(), segments: 0 }
+    }
+}
+
+/// The core's [`Counts`](linestereo::Counts), number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Counts {
+    /// Segments detected in the left image.
+    pub segments_left: u16,
+    /// Segments detected in the right image.
+    pub segments_right: u16,
+    /// Left segments beyond the detector's capacity.
+    pub segments_left_dropped: u16,
+    /// Right segments beyond the detector's capacity.
+    pub segments_right_dropped: u16,
+    /// Segments in the list of matches.
+    pub matched: u16,
+    /// Matches beyond the list's capacity.
+    pub matches_dropped: u16,
+    /// Points in the list of points (they stay on the board).
+    pub points: u32,
+    /// Points beyond the list's capacity.
+    pub points_dropped: u32,
+    /// Left segments lost, in the order of [`Rejection::ALL`].
+    pub rejected: [u16; Rejection::ALL.len()],
+}
+
+impl Counts {
+    /// Left segments lost for this reason.
+    #[must_use]
+    pub fn rejected(&self, reason: Rejection) -> u16 {
+        Rejection::ALL.iter().zip(self.rejected).find(|&(&of, _)| of == reason).map_or(0, |(_, count)| count)
+    }
+}
+
+impl From<&linestereo::Counts> for Counts {
+    fn from(counts: &linestereo::Counts) -> Self {
+        Self {
+            segments_left: counts.segments_left,
+            segments_right: counts.segments_right,
+            segments_left_dropped: counts.segments_left_dropped,
+            segments_right_dropped: counts.segments_right_dropped,
+            matched: counts.matched,
+            matches_dropped: counts.matches_dropped,
+            points: counts.points,
+            points_dropped: counts.points_dropped,
+            rejected: Rejection::ALL.map(|reason| counts.rejected(reason)),
+        }
+    }
+}
+
+/// Some of a frame's segments.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Segments {
+    /// The frame they belong to.
+    pub sequence: u32,
+    /// Position of the first of them in the frame's list.
+    pub first: u16,
+    /// The segments.
+    pub list: Vec<Segment, SEGMENTS_PER_PACKET>,
+}
+
+/// A [`Match`] in plain numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Segment {
+    /// x and y of both ends, 1/32 px.
+    pub ends_q5: [[u16; 2]; 2],
+    /// Disparity at each end, 1/64 px.
+    pub disparity_q6: [i16; 2],
+    /// Standard deviation of the disparity, 1/64 px.
+    pub sigma_q6: i16,
+    /// Probability that the disparity is within 1 px, 1/65536.
+    pub confidence_q16: u16,
+    /// Which sides carry the disparity.
+    pub owner: SegmentOwner,
+    /// Depth at each end, 1/65536 m; `i32::MAX` is infinite.
+    pub depth_q16: Option<[i32; 2]>,
+    /// Standard deviation of depth at each end, 1/65536 m.
+    pub depth_sigma_q16: Option<[i32; 2]>,
+    /// Disparity by feature matching, 1/64 px.
+    pub feature_q6: Option<i16>,
+    /// Disparity of the window, 1/64 px.
+    pub window_q6: i16,
+    /// Disparity by census, 1/64 px.
+    pub census_q6: i16,
+}
+
+/// The core's [`Owner`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SegmentOwner {
+    /// [`Owner::Left`].
+    Left,
+    /// [`Owner::Right`].
+    Right,
+    /// [`Owner::Both`].
+    Both,
+}
+
+impl From<&Match> for Segment {
+    fn from(found: &Match) -> Self {
+        Self {
+            ends_q5: found.ends.map(|end| [end.x.to_bits(), end.y.to_bits()]),
+            disparity_q6: found.disparity.map(Disparity::to_bits),
+            sigma_q6: found.sigma.to_bits(),
+            confidence_q16: found.confidence.to_bits(),
+            owner: match found.owner {
+                Owner::Left => SegmentOwner::Left,
+                Owner::Right => SegmentOwner::Right,
+                Owner::Both => SegmentOwner::Both,
+            },
+            depth_q16: found.depth.map(|ends| ends.map(Depth::to_bits)),
+            depth_sigma_q16: found.depth_sigma.map(|ends| ends.map(Depth::to_bits)),
+            feature_q6: found.techniques.feature.map(Disparity::to_bits),
+            window_q6: found.techniques.window.to_bits(),
+            census_q6: found.techniques.census.to_bits(),
+        }
+    }
+}
+
+impl From<&Segment> for Match {
+    fn from(segment: &Segment) -> Self {
+        let point = |[x, y]: [u16; 2]| Point { x: Position::from_bits(x), y: Position::from_bits(y) };
+        Self {
+            ends: segment.ends_q5.map(point),
+            disparity: segment.disparity_q6.map(Disparity::from_bits),
+            sigma: Disparity::from_bits(segment.sigma_q6),
+            confidence: Confidence::from_bits(segment.confidence_q16),
+            owner: match segment.owner {
+                SegmentOwner::Left => Owner::Left,
+                SegmentOwner::Right => Owner::Right,
+                SegmentOwner::Both => Owner::Both,
+            },
+            depth: segment.depth_q16.map(|ends| ends.map(Depth::from_bits)),
+            depth_sigma: segment.depth_sigma_q16.map(|ends| ends.map(Depth::from_bits)),
+            techniques: Techniques {
+                feature: segment.feature_q6.map(Disparity::from_bits),
+                window: Disparity::from_bits(segment.window_q6),
+                census: Disparity::from_bits(segment.census_q6),
+            },
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! What a board says.
+
+use crate::command::Refusal;
+use crate::frame::{FrameHead, Segments};
+use heapless::String;
+use serde::{Deserialize, Serialize};
+
+/// The name of a board.
+pub type BoardName = String<32>;
+
+/// One record from the board to the host.
+#[expect(clippy::large_enum_variant, reason = "there is no heap to put the large one on")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Message {
+    /// What the board is: sent when it starts, and for [`Request::Describe`](crate::Request::Describe) before the answer.
+    Hello(Hello),
+    /// A frame begins.
+    Frame(FrameHead),
+    /// Segments of the frame that began last.
+    Segments(Segments),
+    /// What became of a command.
+    Answer(Answer),
+}
+
+/// What a board is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hello {
+    /// Its name.
+    pub board: BoardName,
+    /// Widest image it has memory for, px.
+    pub largest_width: u16,
+    /// Highest image it has memory for, px.
+    pub largest_height: u16,
+    /// Segments it can detect per image, and match.
+    pub segments: u16,
+}
+
+/// What became of a command.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// The id of the command.
+    pub command: u16,
+    /// Its outcome.
+    pub outcome: Outcome,
+}
+
+/// Accepted, or refused for a reason; what is refused has changed nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// Done.
+    Accepted,
+    /// Not done.
+    Refused(Refusal),
+}
+
+impl From<Result<(), Refusal>> for Outcome {
+    fn from(result: Result<(), Refusal>) -> Self {
+        match result {
+            Ok(()) => Self::Accepted,
+            Err(refusal) => Self::Refused(refusal),
+        }
+    }
+}

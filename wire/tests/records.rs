@@ -1,0 +1,288 @@
+//! Undamaged records: what is sent is what arrives, in packets of the promised size and these very bytes.
+
+mod support;
+
+use linestereo::{Dims, Margin, Params, Rejection, Rig};
+use linestereo_wire::*;
+use support::*;
+
+#[test]
+fn every_record_comes_back() {
+    for message in messages() {
+        let (results, counters) = decode(&packet(&message));
+        assert_eq!(results, [Ok(message)]);
+        assert_eq!((counters.good, counters.bad(), counters.skipped_bytes), (1, 0, 0));
+    }
+    for command in commands() {
+        assert_eq!(decode(&packet(&command)).0, [Ok(command)]);
+    }
+}
+
+#[test]
+fn matches_of_any_bits_come_back_equal() {
+    let mut random = Random(1);
+    for length in [0, 1, SEGMENTS_PER_PACKET - 1, SEGMENTS_PER_PACKET, SEGMENTS_PER_PACKET + 1, 174] {
+        let matches: Vec<_> = (0..length).map(|_| any_match(&mut random)).collect();
+        let mut wire = Vec::new();
+        let mut packets = 0;
+        let sent = send_frame(&head(8, 0), &matches, &mut |packet| {
+            assert!(packet.len() <= MAX_PACKET);
+            packets += 1;
+            wire.extend_from_slice(packet);
+            Ok::<(), ()>(())
+        });
+        assert_eq!((sent, packets), (Ok(()), 1 + length.div_ceil(SEGMENTS_PER_PACKET)));
+
+        let mut results = decode::<Message>(&wire).0.into_iter();
+        assert_eq!(results.next(), Some(Ok(Message::Frame(head(8, length as u16)))));
+        let mut received = Vec::new();
+        for result in results {
+            let Ok(Message::Segments(segments)) = result else { panic!("no segments: {result:?}") };
+            assert_eq!((segments.sequence, usize::from(segments.first)), (8, received.len()));
+            received.extend(segments.list.iter().map(linestereo::Match::from));
+        }
+        assert_eq!(received, matches);
+    }
+}
+
+#[test]
+fn a_port_that_fails_ends_the_frame() {
+    let matches = [any_match(&mut Random(2)); 25];
+    let mut calls = 0;
+    let sent = send_frame(&head(1, 0), &matches, &mut |_| {
+        calls += 1;
+        if calls == 3 { Err("full") } else { Ok(()) }
+    });
+    assert_eq!((sent, calls), (Err(SendError::Port("full")), 3));
+}
+
+/// A pair of vertical bars that are nearer than the wall behind them: enough for the core to count something of most kinds.
+fn bars() -> (linestereo::Output<64, 512>, Dims) {
+    let dims = Dims { width: 96, height: 64 };
+    let mut random = Random(3);
+    let wall: Vec<u8> = (0..200 * 64).map(|_| 90 + random.byte() / 8).collect();
+    let image = |shift: usize| -> Vec<u8> {
+        let pixel = |x: usize, y: usize| match x + shift {
+            at if at % 24 < 8 => 200 + (wall[y * 200 + at] % 32),
+            _ => wall[y * 200 + x + shift / 2],
+        };
+        (0..64 * 96).map(|i| pixel(i % 96, i / 96)).collect()
+    };
+    let (left, right) = (image(0), image(12));
+    let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
+    let mut scratch: Box<
+        linestereo::Scratch<
+            { linestereo::row_bytes(96) },
+            { linestereo::mark_words(Dims { width: 96, height: 64 }) },
+            64,
+        >,
+    > = Box::default();
+    let mut output = linestereo::Output::new();
+    let params = Params { max_disparity: 32, ..Params::default() };
+    params.plan(dims).unwrap().run(view(&left), view(&right), &mut scratch, &mut output).unwrap();
+    (output, dims)
+}
+
+#[test]
+fn counts_are_the_cores() {
+    let (output, dims) = bars();
+    let counts = &output.counts;
+    let sent = FrameHead::new(1, 2, dims, Health::RESULTS_SKIPPED, counts);
+    let Ok(Message::Frame(head)) = decode(&packet(&Message::Frame(sent))).0.remove(0) else { panic!("no frame") };
+    let wire = head.counts;
+    assert!(counts.segments_left > 0 && counts.segments_right > 0, "the bars are found: {counts:?}");
+    assert!(Rejection::ALL.iter().any(|&reason| counts.rejected(reason) > 0), "something is rejected: {counts:?}");
+    for reason in Rejection::ALL {
+        assert_eq!(wire.rejected(reason), counts.rejected(reason), "{}", reason.name());
+    }
+    assert_eq!(
+        (wire.segments_left, wire.segments_right, wire.matched, wire.matches_dropped),
+        (counts.segments_left, counts.segments_right, counts.matched, counts.matches_dropped)
+    );
+    assert_eq!(
+        (wire.segments_left_dropped, wire.segments_right_dropped, wire.points, wire.points_dropped),
+        (counts.segments_left_dropped, counts.segments_right_dropped, counts.points, counts.points_dropped)
+    );
+    assert_eq!((head.width, head.height, head.health), (96, 64, Health::RESULTS_SKIPPED | Health::of(counts)));
+}
+
+#[test]
+fn each_rejection_has_its_own_place() {
+    let counts = counts(100);
+    for (place, reason) in Rejection::ALL.into_iter().enumerate() {
+        assert_eq!(counts.rejected(reason), 106 + place as u16);
+    }
+}
+
+#[test]
+fn health_follows_full_lists() {
+    assert_eq!(Health::of(&linestereo::Counts::default()), Health::GOOD);
+    for (list, flag) in
+        [Health::SEGMENTS_DROPPED, Health::SEGMENTS_DROPPED, Health::MATCHES_DROPPED, Health::POINTS_DROPPED]
+            .into_iter()
+            .enumerate()
+    {
+        let mut counts = linestereo::Counts::default();
+        match list {
+            0 => counts.segments_left_dropped = 1,
+            1 => counts.segments_right_dropped = 1,
+            2 => counts.matches_dropped = 1,
+            _ => counts.points_dropped = 1,
+        }
+        assert_eq!(Health::of(&counts), flag, "list {list}");
+    }
+    let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
+    assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
+    assert_eq!(Health::GOOD.to_string(), "good");
+    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(0x8000)).to_string(), "size_mismatch+0x8000");
+}
+
+#[test]
+fn the_largest_packets_are_exactly_as_large_as_promised() {
+    let largest = |lengths: Vec<usize>| lengths.into_iter().max().unwrap();
+    assert_eq!(largest(messages().iter().map(|message| packet(message).len()).collect()), MAX_PACKET);
+    assert_eq!(largest(commands().iter().map(|command| packet(command).len()).collect()), MAX_COMMAND);
+    const { assert!(MAX_PACKET < 600) };
+}
+
+#[test]
+fn a_buffer_needs_every_byte_of_the_packet() {
+    for message in messages() {
+        let whole = packet(&message);
+        for length in 0..whole.len() {
+            assert_eq!(encode(&message, &mut vec![0x55; length]), Err(EncodeError::BufferTooSmall), "{length}");
+        }
+        assert_eq!(encode(&message, &mut vec![0x55; whole.len()]), Ok(&whole[..]));
+        assert_eq!(whole.iter().position(|&byte| byte == DELIMITER), Some(whole.len() - 1));
+    }
+}
+
+/// The bytes of version 1. When this fails, the records changed: give them another [`VERSION`].
+#[test]
+fn the_layout_of_this_version_is_exactly_this() {
+    /// What is under the byte stuffing and before the checksum.
+    fn payload<T: Record>(record: &T) -> Vec<u8> {
+        let mut bytes = packet(record);
+        let length = cobs::decode_in_place(&mut bytes).unwrap();
+        let (payload, crc) = bytes[..length].split_last_chunk().unwrap();
+        assert_eq!(u32::from_le_bytes(*crc), crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload));
+        payload.to_vec()
+    }
+    assert_eq!(VERSION, 1);
+    let hello = Hello { board: "qemu".try_into().unwrap(), largest_width: 320, largest_height: 240, segments: 512 };
+    assert_eq!(payload(&Message::Hello(hello)), [1, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4]);
+    let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
+    let expected = [
+        1, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+        17, 3,
+    ];
+    assert_eq!(payload(&Message::Frame(head)), expected);
+    let segment = Segment {
+        ends_q5: [[1, 2], [3, 4]],
+        disparity_q6: [5, -6],
+        sigma_q6: 7,
+        confidence_q16: 8,
+        owner: SegmentOwner::Right,
+        depth_q16: Some([9, 10]),
+        depth_sigma_q16: None,
+        feature_q6: Some(11),
+        window_q6: 12,
+        census_q6: 13,
+    };
+    let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
+    let expected = [1, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
+    assert_eq!(payload(&Message::Segments(segments)), expected);
+    let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
+    let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
+    let expected = [1, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
+    assert_eq!(payload(&Message::Answer(answer)), expected);
+    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x81, 4, 2]);
+    let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
+    let expected = [0x81, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
+    assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
+}
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+#[test]
+fn an_update_changes_what_it_names_and_nothing_else() {
+    let before = Params { max_disparity: 48, reach: 3, ..Params::default() };
+    assert_eq!(ParamUpdate::default().apply(before), Ok(before));
+    let none = ParamUpdate::default();
+    let rig = RigUpdate { focal_px: 400.0, baseline_m: 0.1, offset_px: -0.5 };
+    let cases = [
+        (ParamUpdate { min_disparity: Some(-4), ..none }, Params { min_disparity: -4, ..before }),
+        (ParamUpdate { max_disparity: Some(99), ..none }, Params { max_disparity: 99, ..before }),
+        (ParamUpdate { anchor_gradient: Some(50), ..none }, Params { anchor_gradient: 50, ..before }),
+        (ParamUpdate { edge_gradient: Some(30), ..none }, Params { edge_gradient: 30, ..before }),
+        (ParamUpdate { min_extent: Some(8), ..none }, Params { min_extent: 8, ..before }),
+        (ParamUpdate { cell: Some(32), ..none }, Params { cell: 32, ..before }),
+        (ParamUpdate { reach: Some(5), ..none }, Params { reach: 5, ..before }),
+        (
+            ParamUpdate { min_confidence_q16: Some(0x8000), ..none },
+            Params { min_confidence: linestereo::Confidence::from_num(0.5), ..before },
+        ),
+        (
+            ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(128)), ..none },
+            Params { margin: Margin::Pixels(linestereo::Disparity::from_num(2)), ..before },
+        ),
+        (ParamUpdate { rig: Some(rig), ..none }, Params { rig: Some(Rig::new(400.0, 0.1, -0.5).unwrap()), ..before }),
+    ];
+    for (update, expected) in cases {
+        assert_eq!(update.apply(before), Ok(expected));
+        assert_eq!(update.plan(before, DIMS).map(|(params, _)| params), Ok(expected));
+    }
+    let metres = ParamUpdate {
+        margin: Some(MarginUpdate::MetresQ16 { nearer: 1 << 15, farther: 1 << 16 }),
+        rig: Some(rig),
+        ..none
+    };
+    let margin = Margin::Metres { nearer: linestereo::Depth::from_num(0.5), farther: linestereo::Depth::ONE };
+    assert_eq!(metres.plan(before, DIMS).unwrap().0.margin, margin);
+}
+
+#[test]
+fn what_the_core_refuses_is_refused_by_name() {
+    let none = ParamUpdate::default();
+    let rig = |focal_px, baseline_m, offset_px| ParamUpdate {
+        rig: Some(RigUpdate { focal_px, baseline_m, offset_px }),
+        ..none
+    };
+    let cases = [
+        (ParamUpdate { max_disparity: Some(320), ..none }, "max_disparity is 320, allowed are 8 to 256"),
+        (ParamUpdate { min_disparity: Some(1), ..none }, "min_disparity is 1, allowed are -32 to 0"),
+        (ParamUpdate { edge_gradient: Some(41), ..none }, "edge_gradient is 41, allowed are 4 to 40"),
+        (ParamUpdate { min_confidence_q16: Some(0), ..none }, "min_confidence (percent) is 0, allowed are 10 to 99"),
+        (
+            ParamUpdate { margin: Some(MarginUpdate::MetresQ16 { nearer: 1, farther: 1 }), ..none },
+            "a margin in metres needs a rig (focal length and baseline)",
+        ),
+        (rig(0.5, 0.1, 0.0), "focal length 0.5 px is outside 1 to 100000"),
+        (rig(400.0, f64::NAN, 0.0), "baseline NaN m is outside 0.0001 to 100"),
+        (rig(400.0, 0.1, -1e9), "disparity offset -1000000000 px is outside -4096 to 4096"),
+        (full_update(), "baseline"),
+    ];
+    for (update, says) in cases {
+        let Err(refusal) = update.plan(Params::default(), DIMS) else { panic!("{update:?} is accepted") };
+        let outcome = Outcome::from(Err(refusal.clone()));
+        let text = refusal.to_string();
+        if update == full_update() {
+            assert!(text.starts_with("focal length"), "{text}");
+        } else {
+            assert_eq!(text, says);
+        }
+        let answer = Message::Answer(Answer { command: 1, outcome });
+        let Ok(Message::Answer(answer)) = decode(&packet(&answer)).0.remove(0) else { panic!("no answer") };
+        let Outcome::Refused(received) = answer.outcome else { panic!("accepted") };
+        assert_eq!(received.to_string(), text);
+    }
+    let too_small = linestereo::ParamError::ScratchTooSmall {
+        name: "a name that is longer than any of them is",
+        needed: 9,
+        given: 8,
+    };
+    let Refusal::MemoryTooSmall { name, needed: 9, given: 8 } = Refusal::from(too_small) else {
+        panic!("another refusal")
+    };
+    assert_eq!(name, "a name that is longer than any o");
+}

@@ -1,0 +1,174 @@
+//! Records with ordinary and with extreme numbers, and a seeded source of bytes.
+#![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its part")]
+
+use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, Match, Owner, Point, Position, Techniques};
+use linestereo_wire::*;
+
+/// xorshift64*: enough for garbage, the same on every machine.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    pub(crate) fn byte(&mut self) -> u8 {
+        (self.next() >> 56) as u8
+    }
+
+    pub(crate) fn below(&mut self, end: usize) -> usize {
+        (self.next() >> 32) as usize % end
+    }
+}
+
+/// A match of arbitrary bits.
+pub(crate) fn any_match(random: &mut Random) -> Match {
+    let mut disparity = || Disparity::from_bits(random.next() as i16);
+    let (disparities, sigma, window, census) = ([disparity(), disparity()], disparity(), disparity(), disparity());
+    let feature = random.next().is_multiple_of(2).then(|| Disparity::from_bits(random.next() as i16));
+    let mut depths = || {
+        let depth = |bits: u64| if bits.is_multiple_of(5) { INFINITE_DEPTH } else { Depth::from_bits(bits as i32) };
+        random.next().is_multiple_of(2).then(|| [depth(random.next()), depth(random.next())])
+    };
+    let (depth, depth_sigma) = (depths(), depths());
+    let mut point =
+        || Point { x: Position::from_bits(random.next() as u16), y: Position::from_bits(random.next() as u16) };
+    Match {
+        ends: [point(), point()],
+        disparity: disparities,
+        sigma,
+        confidence: Confidence::from_bits(random.next() as u16),
+        owner: [Owner::Left, Owner::Right, Owner::Both][random.below(3)],
+        depth,
+        depth_sigma,
+        techniques: Techniques { feature, window, census },
+    }
+}
+
+/// A segment whose numbers all take their longest form.
+pub(crate) fn longest_segment() -> Segment {
+    Segment {
+        ends_q5: [[u16::MAX; 2]; 2],
+        disparity_q6: [i16::MIN; 2],
+        sigma_q6: i16::MIN,
+        confidence_q16: u16::MAX,
+        owner: SegmentOwner::Both,
+        depth_q16: Some([i32::MIN; 2]),
+        depth_sigma_q16: Some([i32::MIN; 2]),
+        feature_q6: Some(i16::MIN),
+        window_q6: i16::MIN,
+        census_q6: i16::MIN,
+    }
+}
+
+pub(crate) fn counts(value: u16) -> Counts {
+    Counts {
+        segments_left: value,
+        segments_right: value.wrapping_add(1),
+        segments_left_dropped: value.wrapping_add(2),
+        segments_right_dropped: value.wrapping_add(3),
+        matched: value.wrapping_add(4),
+        matches_dropped: value.wrapping_add(5),
+        points: u32::from(value) << 16,
+        points_dropped: u32::from(value).wrapping_sub(1),
+        rejected: core::array::from_fn(|reason| value.wrapping_add(6 + reason as u16)),
+    }
+}
+
+pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
+    FrameHead {
+        sequence,
+        capture_time_us: 33_333 * u64::from(sequence),
+        width: 320,
+        height: 240,
+        health: Health::POINTS_DROPPED,
+        counts: counts(9),
+        segments,
+    }
+}
+
+pub(crate) fn full_update() -> ParamUpdate {
+    ParamUpdate {
+        min_disparity: Some(i16::MIN),
+        max_disparity: Some(u16::MAX),
+        anchor_gradient: Some(u16::MAX),
+        edge_gradient: Some(u16::MAX),
+        min_extent: Some(u16::MAX),
+        cell: Some(u16::MAX),
+        margin: Some(MarginUpdate::MetresQ16 { nearer: i32::MIN, farther: i32::MIN }),
+        min_confidence_q16: Some(u16::MAX),
+        reach: Some(u16::MAX),
+        rig: Some(RigUpdate { focal_px: f64::MAX, baseline_m: -1e-300, offset_px: f64::INFINITY }),
+    }
+}
+
+/// Every kind of message, with ordinary and extreme numbers.
+pub(crate) fn messages() -> Vec<Message> {
+    let mut random = Random(7);
+    let name: Name = "min_confidence (percent)".try_into().unwrap();
+    let longest_name: Name = "x".repeat(32).as_str().try_into().unwrap();
+    let refusals = [
+        Refusal::OutOfRange { name: name.clone(), value: 7, low: 10, high: 99 },
+        Refusal::OutOfRange { name: longest_name.clone(), value: i64::MIN, low: i64::MIN, high: i64::MAX },
+        Refusal::MarginNeedsRig,
+        Refusal::MemoryTooSmall { name: longest_name.clone(), needed: u32::MAX, given: 0 },
+        Refusal::Focal(f64::MIN),
+        Refusal::Baseline(0.0),
+        Refusal::Offset(-4096.5),
+        Refusal::Unsupported,
+    ];
+    let mut list = vec![
+        Message::Hello(Hello { board: "".try_into().unwrap(), largest_width: 0, largest_height: 0, segments: 0 }),
+        Message::Hello(Hello {
+            board: longest_name,
+            largest_width: u16::MAX,
+            largest_height: u16::MAX,
+            segments: u16::MAX,
+        }),
+        Message::Frame(head(5, 20)),
+        Message::Frame(FrameHead {
+            sequence: u32::MAX,
+            capture_time_us: u64::MAX,
+            width: u16::MAX,
+            height: u16::MAX,
+            health: Health::from_bits(u16::MAX),
+            counts: counts(u16::MAX - 20),
+            segments: u16::MAX,
+        }),
+        Message::Segments(Segments { sequence: 0, first: 0, list: heapless::Vec::new() }),
+        Message::Segments(Segments {
+            sequence: u32::MAX,
+            first: u16::MAX,
+            list: [longest_segment(); SEGMENTS_PER_PACKET].into(),
+        }),
+        Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
+    ];
+    list.extend(refusals.map(|why| Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })));
+    list.extend((0..20_u16).map(|first| {
+        let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
+        Message::Segments(Segments { sequence: 3, first, list: list.collect() })
+    }));
+    list
+}
+
+/// Every kind of command.
+pub(crate) fn commands() -> Vec<Command> {
+    let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(-64)), ..ParamUpdate::default() };
+    let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
+    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates);
+    requests.zip([0, 1, 127, 128, 255, u16::MAX]).map(|(request, id)| Command { id, request }).collect()
+}
+
+pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
+    encode(record, &mut [0xaa; MAX_PACKET]).unwrap().to_vec()
+}
+
+/// Everything a fresh decoder says about these bytes, and its counters.
+pub(crate) fn decode<T: Record>(bytes: &[u8]) -> (Vec<Result<T, DecodeError>>, Counters) {
+    let mut decoder: Decoder<T, MAX_PACKET> = Decoder::new();
+    let results = bytes.iter().filter_map(|&byte| decoder.push(byte)).collect();
+    (results, decoder.counters())
+}
