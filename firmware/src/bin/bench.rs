@@ -1,0 +1,27 @@
+//! What each stage costs on the built-in frames. Argument: the file for the table.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn bench() -> linestereo_firmware::startup::Exit {
+    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::cases::Case;
+    use linestereo_firmware::memory::{self, Memory as _};
+    use linestereo_firmware::programs::bench;
+    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::{stack, startup::Exit};
+
+    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let Some(memory) = memory::take() else { return Exit::Usage };
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    for case in Case::all(&SELECTED) {
+        let [left, right] = memory.frames();
+        case.scene.paint(case.dims, left, right);
+        if let Ok(costs) = bench::measure(memory, &clock, &case.params(), case.dims) {
+            bench::line(&mut table, case, &costs, memory.results());
+        }
+    }
+    let _ = core::fmt::Write::write_fmt(&mut table, format_args!("stack\t{}\n", stack::depth()));
+    Exit::Success
+}
+
+linestereo_firmware::program!(bench);

@@ -1,0 +1,45 @@
+//! Every fault on purpose. Argument: its name. The tests look at the exit codes.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn faults() -> linestereo_firmware::startup::Exit {
+    use core::hint::black_box;
+    use linestereo_firmware::semihosting::Arguments;
+    use linestereo_firmware::startup::Exit;
+
+    /// Calls itself until the stack is full, in steps of `BYTES`.
+    #[inline(never)]
+    fn fill<const BYTES: usize>(depth: u32) -> u32 {
+        let memory = black_box([depth as u8; BYTES]);
+        if depth == 0 { 0 } else { fill::<BYTES>(depth - 1).wrapping_add(memory[depth as usize % BYTES].into()) }
+    }
+
+    let arguments = Arguments::ask();
+    match arguments.get(0) {
+        None => return Exit::Success,
+        Some("panic") => panic!("as asked"),
+        Some("stack") => {
+            black_box(fill::<64>(black_box(1_000_000)));
+        }
+        // Steps over any guard of a few kilobytes.
+        Some("large-stack") => {
+            black_box(fill::<100_000>(black_box(10)));
+        }
+        // SAFETY: not safe: nothing lies there, which is the point.
+        Some("bus") => unsafe {
+            black_box(core::ptr::with_exposed_provenance::<u32>(0xb000_0000).read_volatile());
+        },
+        // SAFETY: not safe: below the RAM, as a lost pointer might point.
+        Some("guard") => unsafe {
+            core::ptr::with_exposed_provenance_mut::<u32>(0x1fff_fff0).write_volatile(1);
+        },
+        // SAFETY: not safe: no instruction, which is the point.
+        Some("undefined") => unsafe {
+            core::arch::asm!("udf #0");
+        },
+        Some(_) => return Exit::Usage,
+    }
+    Exit::Success
+}
+
+linestereo_firmware::program!(faults);

@@ -1,0 +1,25 @@
+//! Does this board compute what the PC computed? Exit code 0 if so.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn selftest() -> linestereo_firmware::startup::Exit {
+    use linestereo_firmware::boards::SELECTED;
+    use linestereo_firmware::programs::{expected, selftest};
+    use linestereo_firmware::{error, info, memory, startup::Exit};
+
+    let Some(memory) = memory::take() else { return Exit::Usage };
+    let expected = if SELECTED.name == "mps2-an386" { &expected::MPS2_AN386 } else { &expected::MPS2_AN500 };
+    let all_equal = selftest::run(memory, &SELECTED, expected, |outcome| {
+        let (scene, width, height) = (outcome.case.scene.name(), outcome.case.dims.width, outcome.case.dims.height);
+        let kind = if outcome.case.dearest { ", dearest parameters" } else { "" };
+        match outcome.differs_in() {
+            None => info!("{=str} {=u16}x{=u16}{=str}: equal", scene, width, height, kind),
+            Some(stage) => {
+                error!("{=str} {=u16}x{=u16}{=str}: {=str} differs", scene, width, height, kind, stage.name())
+            }
+        }
+    });
+    if all_equal { Exit::Success } else { Exit::Difference }
+}
+
+linestereo_firmware::program!(selftest);

@@ -1,0 +1,31 @@
+//! QEMU's mps2-an386: Arm Cortex-M4, held to 1 MiB of flash and 192 KiB of RAM by `memory.x`.
+
+use super::{Board, pixels};
+use crate::memory;
+use linestereo::{Dims, mark_words, row_bytes};
+
+const LARGEST: Dims = Dims { width: 160, height: 120 };
+const SEGMENTS: usize = 256;
+const MATCHES: usize = 128;
+const POINTS: usize = 512;
+
+/// Its description.
+pub const BOARD: Board = Board {
+    name: "mps2-an386",
+    processor: "Cortex-M4",
+    largest: LARGEST,
+    segments: SEGMENTS,
+    matches: MATCHES,
+    points: POINTS,
+    sizes: &[Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }],
+};
+
+/// Its memory.
+pub type Workspace = memory::Workspace<
+    { pixels(LARGEST) },
+    { row_bytes(LARGEST.width) },
+    { mark_words(LARGEST) },
+    SEGMENTS,
+    MATCHES,
+    POINTS,
+>;

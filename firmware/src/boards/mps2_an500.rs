@@ -1,0 +1,31 @@
+//! QEMU's mps2-an500: Arm Cortex-M7, held to 1 MiB of flash and 512 KiB of RAM by `memory.x`.
+
+use super::{Board, pixels};
+use crate::memory;
+use linestereo::{Dims, mark_words, row_bytes};
+
+const LARGEST: Dims = Dims { width: 320, height: 240 };
+const SEGMENTS: usize = 768;
+const MATCHES: usize = 256;
+const POINTS: usize = 1024;
+
+/// Its description.
+pub const BOARD: Board = Board {
+    name: "mps2-an500",
+    processor: "Cortex-M7",
+    largest: LARGEST,
+    segments: SEGMENTS,
+    matches: MATCHES,
+    points: POINTS,
+    sizes: &[Dims { width: 320, height: 240 }, Dims { width: 128, height: 96 }],
+};
+
+/// Its memory.
+pub type Workspace = memory::Workspace<
+    { pixels(LARGEST) },
+    { row_bytes(LARGEST.width) },
+    { mark_words(LARGEST) },
+    SEGMENTS,
+    MATCHES,
+    POINTS,
+>;

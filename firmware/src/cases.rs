@@ -1,0 +1,54 @@
+//! What `selftest` and `bench` run: every scene in the board's sizes, with the default parameters, and once with the dearest ones.
+
+use crate::boards::Board;
+use crate::painter::Scene;
+use core::fmt;
+use linestereo::{Confidence, Dims, Params};
+
+/// A built-in pair and how to match it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// What is painted.
+    pub scene: Scene,
+    /// Size of both images.
+    pub dims: Dims,
+    /// Are all parameters such that they cost most?
+    pub dearest: bool,
+}
+
+/// Parameters that find, try and report as much as any can, at 64 disparities.
+const DEAREST: Params = Params {
+    anchor_gradient: 4,
+    edge_gradient: 4,
+    min_extent: 4,
+    cell: 8,
+    min_confidence: Confidence::from_bits(0x1a00),
+    reach: 6,
+    ..Params::DEFAULT
+};
+
+impl Case {
+    /// The cases of a board, in a fixed order.
+    pub fn all(board: &Board) -> impl Iterator<Item = Self> {
+        let of = move |dims| {
+            let usual = Scene::ALL.map(|scene| Self { scene, dims, dearest: false });
+            let dearest = [Scene::Bricks, Scene::Noise].map(|scene| Self { scene, dims, dearest: true });
+            usual.into_iter().chain(dearest)
+        };
+        board.sizes.iter().copied().flat_map(of)
+    }
+
+    /// How it is matched.
+    #[must_use]
+    pub const fn params(&self) -> Params {
+        if self.dearest { DEAREST } else { Params::DEFAULT }
+    }
+}
+
+/// Such as `bricks_160x120` and `bricks_160x120_dearest`.
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let dearest = if self.dearest { "_dearest" } else { "" };
+        write!(f, "{}_{}x{}{dearest}", self.scene.name(), self.dims.width, self.dims.height)
+    }
+}

@@ -1,0 +1,31 @@
+//! linestereo on a microcontroller board.
+//!
+//! ```text
+//! bin/            one line each: a program on the chosen board
+//! programs/       selftest, bench, ...: generic over the ports, tested on a PC with fakes
+//! ports           what a program needs from a board: pairs, a clock, a place for results
+//! painter, cases  built-in frames, drawn by integers alone: no file, no camera
+//! boards/         one file per board: name, capacities, what its peripherals are
+//! memory          frames, scratch memory and output, in one static
+//! startup, fault, stack, semihosting    only on a board: the only unsafe code
+//! ```
+//!
+//! Everything but the last line also compiles on a PC, where the tests and the simulator use it.
+#![cfg_attr(not(test), no_std)]
+#![deny(missing_debug_implementations)]
+
+pub mod boards;
+pub mod cases;
+pub mod log;
+pub mod memory;
+pub mod painter;
+pub mod ports;
+pub mod programs;
+
+#[cfg(target_os = "none")]
+pub mod fault;
+#[cfg(target_os = "none")]
+pub mod semihosting;
+#[cfg(target_os = "none")]
+pub mod stack;
+pub mod startup;

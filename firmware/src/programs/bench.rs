@@ -1,0 +1,86 @@
+//! What a pair costs, by stage.
+
+use crate::memory::{Memory, RunError};
+use crate::ports::{Clock, Results};
+use linestereo::{Dims, Observer, Params, Stage, Step};
+
+/// What the stages of one pair cost, in the unit of the clock.
+pub type Costs = [u64; Stage::ALL.len()];
+
+/// Runs the pair that lies in the frames and gives the cost of each stage.
+pub fn measure(memory: &mut impl Memory, clock: &impl Clock, params: &Params, dims: Dims) -> Result<Costs, RunError> {
+    let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
+    memory.run(params, dims, &mut observer)?;
+    Ok(observer.costs)
+}
+
+/// Adds what passes between the ends of steps to their stages; what it costs itself (a few instructions per step) is left out.
+struct StageClock<'a, C> {
+    clock: &'a C,
+    last: u32,
+    costs: Costs,
+}
+
+impl<C: Clock> Observer for StageClock<'_, C> {
+    fn ended(&mut self, step: Step<'_>) {
+        let now = self.clock.now();
+        if let Some(cost) = self.costs.get_mut(step.stage() as usize) {
+            *cost += self.clock.elapsed(self.last, now);
+        }
+        self.last = self.clock.now();
+    }
+}
+
+/// One line of the table that the PC reads: what, a name, numbers; separated by tabs.
+pub fn line(out: &mut impl core::fmt::Write, name: impl core::fmt::Display, costs: &Costs, results: Results<'_>) {
+    let counts = results.counts;
+    let _ = write!(out, "pair\t{name}\t{}\t{}", counts.segments_left, counts.points);
+    for cost in costs {
+        let _ = write!(out, "\t{cost}");
+    }
+    let _ = writeln!(out);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boards::mps2_an386::{BOARD, Workspace};
+    use crate::painter::Scene;
+    use core::cell::Cell;
+
+    /// Counts how often it was asked.
+    struct Asked(Cell<u32>);
+
+    impl Clock for Asked {
+        const UNIT: &'static str = "questions";
+
+        fn now(&self) -> u32 {
+            self.0.set(self.0.get().wrapping_add(1));
+            self.0.get()
+        }
+
+        fn elapsed(&self, from: u32, to: u32) -> u64 {
+            u64::from(to.wrapping_sub(from))
+        }
+    }
+
+    #[test]
+    fn a_stage_costs_what_passes_before_its_steps_end() {
+        let mut memory = Box::new(Workspace::new());
+        let [left, right] = memory.frames();
+        Scene::Blocks.paint(BOARD.largest, left, right);
+        let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
+        let costs = measure(&mut *memory, &clock, &Params::DEFAULT, BOARD.largest).unwrap();
+        assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
+        assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
+        assert!(costs[Stage::Matching as usize] > 20);
+    }
+
+    #[test]
+    fn a_pair_that_does_not_fit_is_refused() {
+        let mut memory = Box::new(Workspace::new());
+        let dims = Dims { width: 320, height: 240 };
+        let clock = Asked(Cell::new(0));
+        assert_eq!(measure(&mut *memory, &clock, &Params::DEFAULT, dims), Err(RunError::TooLarge(dims)));
+    }
+}

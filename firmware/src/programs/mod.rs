@@ -1,0 +1,5 @@
+//! The programs, over any board.
+
+pub mod bench;
+pub mod expected;
+pub mod selftest;

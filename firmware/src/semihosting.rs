@@ -1,0 +1,153 @@
+//! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0): files, command line and exit code of the PC that runs QEMU or a probe.
+
+use core::arch::asm;
+use core::fmt;
+
+/// Operation numbers.
+mod operation {
+    pub(super) const OPEN: u32 = 0x01;
+    pub(super) const CLOSE: u32 = 0x02;
+    pub(super) const WRITE0: u32 = 0x04;
+    pub(super) const WRITE: u32 = 0x05;
+    pub(super) const READ: u32 = 0x06;
+    pub(super) const GET_CMDLINE: u32 = 0x15;
+    pub(super) const EXIT_EXTENDED: u32 = 0x20;
+}
+
+/// How the PC is to open a file.
+#[derive(Clone, Copy, Debug)]
+#[repr(u32)]
+pub enum Mode {
+    /// An existing file, from its start.
+    Read = 1,
+    /// A new file, in place of an old one.
+    Write = 5,
+}
+
+/// The file cannot be opened.
+#[derive(Clone, Copy, Debug)]
+pub struct CannotOpen;
+
+/// Longest name of a file, and longest command line.
+const LONGEST: usize = 256;
+
+/// One operation.
+///
+/// # Safety
+/// `argument` is what the operation expects, and memory it points to may be read or written as the operation does.
+unsafe fn call(operation: u32, argument: *const u32) -> u32 {
+    let result;
+    // SAFETY: the breakpoint is answered by the PC, which changes r0 and the memory that the caller vouches for.
+    unsafe {
+        asm!("bkpt #0xab", inout("r0") operation => result, in("r1") argument, options(nostack, preserves_flags));
+    }
+    result
+}
+
+/// A file of the PC.
+#[derive(Debug)]
+pub struct File(u32);
+
+impl File {
+    /// Opens a file by its name, relative to the folder that the PC's side runs in.
+    pub fn open(name: &str, mode: Mode) -> Result<Self, CannotOpen> {
+        let mut text = [0_u8; LONGEST];
+        text.get_mut(..name.len())
+            .filter(|place| place.len() < LONGEST)
+            .ok_or(CannotOpen)?
+            .copy_from_slice(name.as_bytes());
+        let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
+        // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the answer.
+        let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
+        if handle == u32::MAX { Err(CannotOpen) } else { Ok(Self(handle)) }
+    }
+
+    /// Reads until `bytes` is full or the file ends, and says how many bytes came.
+    pub fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let block = [self.0, bytes.as_mut_ptr().addr() as u32, bytes.len() as u32];
+        // SAFETY: handle, memory, length; the memory is borrowed until the answer. The answer is what was not read.
+        let missing = unsafe { call(operation::READ, block.as_ptr()) };
+        bytes.len().saturating_sub(missing as usize)
+    }
+
+    /// Writes all of `bytes`; what the PC cannot write (a full disk) is lost.
+    pub fn write(&mut self, bytes: &[u8]) {
+        let block = [self.0, bytes.as_ptr().addr() as u32, bytes.len() as u32];
+        // SAFETY: handle, memory, length; the memory is borrowed until the answer.
+        unsafe { call(operation::WRITE, block.as_ptr()) };
+    }
+}
+
+impl fmt::Write for File {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.write(text.as_bytes());
+        Ok(())
+    }
+}
+
+impl Drop for File {
+    fn drop(&mut self) {
+        // SAFETY: a handle of an open file.
+        unsafe { call(operation::CLOSE, [self.0].as_ptr()) };
+    }
+}
+
+/// The words after the program's name on the command line.
+#[derive(Debug)]
+pub struct Arguments {
+    text: [u8; LONGEST],
+    length: usize,
+}
+
+impl Arguments {
+    /// Asks the PC; no words when it has none or more than fit.
+    #[must_use]
+    pub fn ask() -> Self {
+        let mut text = [0_u8; LONGEST];
+        let mut block = [text.as_mut_ptr().addr() as u32, text.len() as u32];
+        // SAFETY: memory and its length; the PC writes the text there and its length into the block.
+        let failed = unsafe { call(operation::GET_CMDLINE, block.as_mut_ptr()) } != 0;
+        Self { text, length: if failed { 0 } else { block[1] as usize } }
+    }
+
+    /// Word number `n`, counted from 0.
+    #[must_use]
+    pub fn get(&self, n: usize) -> Option<&str> {
+        let text = self.text.get(..self.length).unwrap_or(&[]);
+        let words = text.split(|&byte| byte == b' ' || byte == 0).filter(|word| !word.is_empty());
+        words.skip(1).nth(n).and_then(|word| core::str::from_utf8(word).ok())
+    }
+}
+
+/// Writes text to the PC's error output.
+pub fn report(text: &str) {
+    let mut buffer = [0_u8; 64];
+    for chunk in text.as_bytes().chunks(buffer.len() - 1) {
+        buffer.fill(0);
+        for (place, &byte) in buffer.iter_mut().zip(chunk) {
+            *place = byte;
+        }
+        // SAFETY: text that ends in 0; `chunks` leaves at least one byte of the buffer.
+        unsafe { call(operation::WRITE0, buffer.as_ptr().cast()) };
+    }
+}
+
+/// Writes a number in hexadecimal to the PC's error output: without the formatting machinery, which needs stack and flash.
+pub fn report_hex(number: u32) {
+    let mut digits = [0_u8; 8];
+    for (place, shift) in digits.iter_mut().zip((0..8).rev()) {
+        let digit = (number >> (4 * shift) & 15) as u8;
+        *place = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
+    }
+    report(core::str::from_utf8(&digits).unwrap_or("?"));
+}
+
+/// Ends the program with this exit code.
+pub fn exit(code: u32) -> ! {
+    /// `ADP_Stopped_ApplicationExit`: the second word is an exit code.
+    const APPLICATION_EXIT: u32 = 0x2_0026;
+    loop {
+        // SAFETY: reason and exit code. Should the PC let the program go on, it asks again.
+        unsafe { call(operation::EXIT_EXTENDED, [APPLICATION_EXIT, code].as_ptr()) };
+    }
+}

@@ -1,0 +1,40 @@
+//! `cargo xtask bless`: the digests that the boards are compared with, computed on this machine.
+
+use anyhow::{Context, Result};
+use core::fmt::Write;
+use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
+use linestereo_firmware::cases::Case;
+use linestereo_firmware::memory::Memory;
+use linestereo_firmware::programs::selftest;
+use std::path::Path;
+
+/// Writes `firmware/src/programs/expected.rs`.
+pub(crate) fn run(top: &Path) -> Result<()> {
+    let mut text = String::from(
+        "//! Digests of the built-in frames, one per stage. Generated on a PC by `cargo xtask bless`.\n\n\
+         use linestereo::Stage;\n\n\
+         /// One digest per stage.\npub type Digests = [u32; Stage::ALL.len()];\n",
+    );
+    write(&mut text, &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
+    write(&mut text, &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
+    let path = top.join("firmware/src/programs/expected.rs");
+    let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    println!("{}: {}", path.display(), if same { "unchanged" } else { "blessed; commit it" });
+    Ok(())
+}
+
+fn write(text: &mut String, board: &Board, memory: &mut impl Memory) -> Result<()> {
+    let constant = board.name.to_uppercase().replace('-', "_");
+    let cases: Vec<Case> = Case::all(board).collect();
+    let (name, count) = (board.name, cases.len());
+    writeln!(text, "\n/// Of the cases of {name}, in their order.\npub const {constant}: [Digests; {count}] = [")?;
+    for case in cases {
+        let digests = selftest::digests(memory, &case).with_context(|| format!("{case} does not run on {name}"))?;
+        let digests: Vec<String> =
+            digests.iter().map(|digest| format!("0x{:04x}_{:04x}", digest >> 16, digest & 0xffff)).collect();
+        writeln!(text, "    [{}], // {case}", digests.join(", "))?;
+    }
+    writeln!(text, "];")?;
+    Ok(())
+}
