@@ -7,5 +7,6 @@ pub mod evaluate;
 pub mod fitting;
 pub mod frames;
 pub mod listing;
+pub mod monitor;
 pub mod output;
 pub mod scene;

@@ -8,6 +8,7 @@ pub mod demo;
 pub mod eval;
 pub mod fit_confidence;
 mod method;
+pub mod monitor;
 pub mod run;
 pub mod scene;
 
@@ -36,6 +37,7 @@ enum Command {
     Eval(eval::Args),
     FitConfidence(fit_confidence::Args),
     Scene(scene::Args),
+    Monitor(monitor::Args),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
@@ -51,6 +53,7 @@ pub fn main() -> ExitCode {
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::Scene(args)) => scene::run(args),
+        Some(Command::Monitor(args)) => monitor::run(args),
         None => demo::run(&demo::Args::default()),
     };
     match outcome {

@@ -1,0 +1,369 @@
+//! `linestereo monitor`: a board's results as they arrive, and commands to it.
+
+use crate::monitor::frames::{Assembler, Frame};
+use crate::monitor::port::{Port, Received};
+use crate::monitor::requests::{self, Wanted};
+use crate::monitor::text;
+use anyhow::{Result, anyhow, bail};
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use linestereo_wire::{
+    Command, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, encode,
+};
+use std::fs::File;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A command is sent again after this long without an answer,
+const ANSWER_WITHIN: Duration = Duration::from_secs(1);
+/// this many times in all.
+const ATTEMPTS: u32 = 5;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo monitor --serial /dev/ttyACM0 --baud 921600
+      a table of the frames as they come, until Ctrl-C
+  linestereo monitor --tcp localhost:4444 --send max_disparity=96 --send start --count 100
+      a board in QEMU: set a parameter, start, show 100 frames
+  linestereo monitor --tcp localhost:4444 --record run.bin --json > run.jsonl
+      everything as JSON, and the bytes as they came
+  linestereo monitor run.bin
+      the same bytes again
+
+Commands are sent first, one after the other, each answered before the next. Neighbouring NAME=VALUE
+go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
+NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach,
+min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
+(and offset_px).
+
+Columns:
+  frame, time    number and capture time of the pair, since ms after the one before
+  segments       matched; 12/20 when 8 of 20 were lost on the way
+  nearest, farthest   - without a rig
+  health         what the frame suffered: full lists, results skipped because the port is slow, ...
+
+At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
+With --json that summary goes to stderr, and each complete frame is one line on stdout:
+  {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":[\"...\"],
+   \"segments\":[as in linestereo run --json], \"counts\":{...}}";
+
+/// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
+///
+/// Damaged and lost records are counted and skipped.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+#[command(group(clap::ArgGroup::new("source").required(true).args(["file", "tcp", "serial"])))]
+pub struct Args {
+    /// Read recorded bytes; "-" is stdin.
+    file: Option<PathBuf>,
+    /// Connect to a port, such as QEMU's UART.
+    #[arg(long, value_name = "HOST:PORT")]
+    tcp: Option<String>,
+    /// Open a serial port: 8 data bits, no parity, 1 stop bit.
+    #[arg(long, value_name = "PORT")]
+    serial: Option<String>,
+    /// Speed of the serial port.
+    #[arg(long, value_name = "N", default_value_t = 115_200, conflicts_with_all = ["file", "tcp"])]
+    baud: u32,
+    /// Save the bytes as they come.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Print each complete frame as one line of JSON in place of the table.
+    #[arg(long)]
+    json: bool,
+    /// Stop after N complete frames; 0 only sends the commands.
+    #[arg(long, value_name = "N")]
+    count: Option<u64>,
+    /// Send start, stop, describe or NAME=VALUE, and wait for the answer; may be given several times.
+    #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
+    send: Vec<String>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let wanted = requests::parse(&args.send)?;
+    let mut record = match &args.record {
+        Some(path) => Some(create_record(path, args.file.as_deref())?),
+        None => None,
+    };
+    let mut port = match (&args.file, &args.tcp, &args.serial) {
+        (Some(path), ..) => Port::file(path)?,
+        (_, Some(address), _) => Port::tcp(address)?,
+        (.., Some(name)) => Port::serial(name, args.baud)?,
+        _ => bail!("nothing to monitor; give FILE, --tcp or --serial"),
+    };
+    let mut monitor = Monitor::new(args, wanted);
+    let outcome = monitor.follow(&mut port, &mut record);
+    let summary = monitor.end();
+    match outcome.and_then(|()| summary.map_err(Stop::from)) {
+        Err(Stop::ClosedPipe) | Ok(()) => Ok(()), // who closed it has seen enough
+        Err(Stop::Failed(error)) => Err(error),
+    }
+}
+
+/// Why following ends early.
+enum Stop {
+    /// Nobody reads stdout any more.
+    ClosedPipe,
+    Failed(anyhow::Error),
+}
+
+impl From<anyhow::Error> for Stop {
+    fn from(error: anyhow::Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == ErrorKind::BrokenPipe { Self::ClosedPipe } else { Self::Failed(error.into()) }
+    }
+}
+
+fn create_record(path: &Path, source: Option<&Path>) -> Result<(PathBuf, File)> {
+    let same =
+        source.is_some_and(|source| source.canonicalize().is_ok_and(|it| path.canonicalize().is_ok_and(|to| it == to)));
+    if same {
+        bail!("--record {} would overwrite what is read; choose another file", path.display());
+    }
+    let file = File::create(path).map_err(|error| cannot_record(path, &error))?;
+    Ok((path.to_path_buf(), file))
+}
+
+fn cannot_record(path: &Path, error: &io::Error) -> anyhow::Error {
+    anyhow!("cannot write {}: {error}; choose a file in a folder that exists and is writable", path.display())
+}
+
+/// A command that was sent, and has no answer yet.
+struct Waiting {
+    command: Command,
+    words: String,
+    since: Instant,
+    attempts: u32,
+}
+
+/// What is known of the board so far.
+struct Monitor {
+    decoder: Decoder<Message, MAX_PACKET>,
+    frames: Assembler,
+    bytes: u64,
+    other_version: Option<u8>,
+    /// Complete frames still to come.
+    left: Option<u64>,
+    wanted: std::vec::IntoIter<Wanted>,
+    waiting: Option<Waiting>,
+    next_id: u16,
+    last_capture: Option<u64>,
+    has_summary: bool,
+    screen: Screen,
+}
+
+impl Monitor {
+    fn new(args: &Args, wanted: Vec<Wanted>) -> Self {
+        Self {
+            decoder: Decoder::new(),
+            frames: Assembler::default(),
+            bytes: 0,
+            other_version: None,
+            left: args.count,
+            wanted: wanted.into_iter(),
+            waiting: None,
+            next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
+            last_capture: None,
+            has_summary: args.count != Some(0),
+            screen: Screen::new(args.json, args.count != Some(0)),
+        }
+    }
+
+    /// Until the file ends, all frames are there, the user interrupts or the port fails.
+    fn follow(&mut self, port: &mut Port, record: &mut Option<(PathBuf, File)>) -> Result<(), Stop> {
+        let interrupted = interruption();
+        let mut buffer = [0; 4096];
+        loop {
+            self.command(port)?;
+            if self.is_done() || interrupted.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            match port.read(&mut buffer)? {
+                Received::Silence => {}
+                Received::End => return Ok(()),
+                Received::Bytes(length) => {
+                    let received = &buffer[..length];
+                    if let Some((path, file)) = record {
+                        file.write_all(received).map_err(|error| cannot_record(path, &error))?;
+                    }
+                    for &byte in received {
+                        self.push(byte)?;
+                        if self.is_done() {
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        self.left == Some(0) && self.waiting.is_none() && self.wanted.len() == 0
+    }
+
+    /// Sends the next command, or the last one again.
+    fn command(&mut self, port: &mut Port) -> Result<()> {
+        match &mut self.waiting {
+            None => {
+                let Some(Wanted { request, words }) = self.wanted.next() else { return Ok(()) };
+                self.next_id = self.next_id.wrapping_add(1);
+                let command = Command { id: self.next_id, request };
+                self.waiting = Some(Waiting { command, words, since: Instant::now(), attempts: 0 });
+            }
+            Some(waiting) if waiting.since.elapsed() < ANSWER_WITHIN => return Ok(()),
+            Some(waiting) if waiting.attempts == ATTEMPTS => {
+                bail!("no answer to {} in {ATTEMPTS} s; does the board run, and is the speed right?", waiting.words)
+            }
+            Some(_) => {}
+        }
+        let Some(waiting) = &mut self.waiting else { return Ok(()) };
+        waiting.attempts += 1;
+        waiting.since = Instant::now();
+        // The delimiter ends whatever noise stands before the command.
+        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
+        let length = encode(&waiting.command, &mut packet[1..])?.len();
+        port.write(&packet[..=length])
+    }
+
+    fn push(&mut self, byte: u8) -> Result<(), Stop> {
+        self.bytes += 1;
+        match self.decoder.push(byte) {
+            None => Ok(()),
+            Some(Ok(Message::Frame(head))) => self.frames.begin(head).try_for_each(|frame| self.show(&frame)),
+            Some(Ok(Message::Segments(segments))) => match self.frames.add(&segments) {
+                Some(frame) => self.show(&frame),
+                None => Ok(()),
+            },
+            Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
+            Some(Ok(Message::Answer(answer))) => {
+                let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
+                    return Ok(()); // answered twice
+                };
+                match answer.outcome {
+                    Outcome::Accepted => Ok(self.screen.note(&format!("accepted: {}", waiting.words))?),
+                    Outcome::Refused(refusal) => Err(anyhow!("the board refused {}: {refusal}", waiting.words).into()),
+                }
+            }
+            Some(Err(DecodeError::Version { found })) => {
+                self.other_version = Some(found);
+                Ok(())
+            }
+            Some(Err(_)) => Ok(()), // counted
+        }
+    }
+
+    fn show(&mut self, frame: &Frame) -> Result<(), Stop> {
+        if self.left == Some(0) {
+            return Ok(()); // came while a command is waited for
+        }
+        if frame.missing() == 0 {
+            self.left = self.left.map(|left| left - 1);
+        }
+        self.screen.frame(frame, self.last_capture)?;
+        self.last_capture = Some(frame.head.capture_time_us);
+        Ok(())
+    }
+
+    /// Counts what is left unfinished, and says what arrived.
+    fn end(&mut self) -> io::Result<()> {
+        let mut outcome = Ok(());
+        if self.left != Some(0) {
+            self.decoder.finish();
+            if let Some(frame) = self.frames.finish() {
+                outcome = self.screen.frame(&frame, self.last_capture);
+            }
+        }
+        if !self.has_summary {
+            return outcome;
+        }
+        let summary = text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version);
+        outcome.and(self.screen.close(&summary))
+    }
+}
+
+fn introduction(hello: &Hello) -> String {
+    let Hello { board, largest_width, largest_height, segments } = hello;
+    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments")
+}
+
+/// Set by the first Ctrl-C, so that the summary is still printed; the second one ends the program at once.
+fn interruption() -> &'static AtomicBool {
+    static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    // Where no handler can be set, Ctrl-C ends the program, which is all that is lost.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    &INTERRUPTED
+}
+
+/// Where the frames are shown.
+enum Screen {
+    /// One line that changes, on a terminal.
+    Live(ProgressBar),
+    /// A line per frame.
+    Lines,
+    /// A line of JSON per frame.
+    Json,
+}
+
+impl Screen {
+    fn new(json: bool, has_table: bool) -> Self {
+        if json {
+            return Self::Json;
+        }
+        let screen = if io::stdout().is_terminal() {
+            let style = ProgressStyle::with_template("{msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+            Self::Live(ProgressBar::with_draw_target(None, ProgressDrawTarget::stdout()).with_style(style))
+        } else {
+            Self::Lines
+        };
+        if has_table {
+            let _ = screen.note(text::HEAD); // a closed pipe shows at the first frame
+        }
+        screen
+    }
+
+    fn frame(&self, frame: &Frame, last: Option<u64>) -> io::Result<()> {
+        match self {
+            Self::Live(bar) => {
+                bar.set_message(text::line(frame, last));
+                Ok(())
+            }
+            Self::Lines => writeln!(io::stdout(), "{}", text::line(frame, last)),
+            Self::Json if frame.missing() > 0 => Ok(()),
+            Self::Json => writeln!(io::stdout(), "{}", text::json(frame)?),
+        }
+    }
+
+    fn note(&self, note: &str) -> io::Result<()> {
+        match self {
+            Self::Live(bar) => {
+                bar.println(note);
+                Ok(())
+            }
+            Self::Lines => writeln!(io::stdout(), "{note}"),
+            Self::Json => writeln!(io::stderr(), "{note}"),
+        }
+    }
+
+    fn close(&self, summary: &str) -> io::Result<()> {
+        match self {
+            Self::Live(bar) => {
+                bar.abandon(); // leaves the last line where it is
+                write!(io::stdout(), "{summary}")
+            }
+            Self::Lines => write!(io::stdout(), "{summary}"),
+            Self::Json => write!(io::stderr(), "{summary}"),
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! A board's results as they arrive: bytes from a file, a connection or a serial port, to frames, lines of a table and counts.
+//!
+//! ```text
+//! port      bytes, or silence, or the end
+//! (wire)    bytes -> messages, and counts of what is damaged
+//! frames    messages -> frames; which are incomplete, which are lost
+//! requests  words of the command line -> commands
+//! text      frames and counts -> lines, JSON, summary
+//! ```
+
+pub mod frames;
+pub mod port;
+pub mod requests;
+pub mod text;

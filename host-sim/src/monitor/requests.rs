@@ -1,0 +1,205 @@
+//! Words of the command line to requests.
+//!
+//! In: `start`, `stop`, `describe`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go together, so that two which
+//! only fit together can be changed. Ranges are the board's to check; here a value only has to be one that can be sent.
+
+use anyhow::{Result, anyhow, bail};
+use core::str::FromStr;
+use linestereo::{Confidence, Depth, Disparity};
+use linestereo_wire::{MarginUpdate, ParamUpdate, Request, RigUpdate};
+
+/// Every name that can stand before `=`.
+pub const NAMES: [&str; 14] = [
+    "min_disparity",
+    "max_disparity",
+    "anchor_gradient",
+    "edge_gradient",
+    "min_extent",
+    "cell",
+    "reach",
+    "min_confidence",
+    "margin_px",
+    "margin_nearer_m",
+    "margin_farther_m",
+    "focal_px",
+    "baseline_m",
+    "offset_px",
+];
+
+/// A request and how it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// What to send.
+    pub request: Request,
+    /// What the user wrote.
+    pub words: String,
+}
+
+/// The requests of these words.
+pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
+    let mut list = Vec::new();
+    for group in words.chunk_by(|before, after| before.contains('=') && after.contains('=')) {
+        let request = match group {
+            [word] if !word.contains('=') => match word.as_str() {
+                "start" => Request::Start,
+                "stop" => Request::Stop,
+                "describe" => Request::Describe,
+                _ => bail!("--send {word} is unknown; give start, stop, describe or NAME=VALUE"),
+            },
+            parameters => Request::SetParams(update(parameters)?),
+        };
+        list.push(Wanted { request, words: group.join(" ") });
+    }
+    Ok(list)
+}
+
+fn update(words: &[String]) -> Result<ParamUpdate> {
+    let mut update = ParamUpdate::default();
+    let [mut nearer, mut farther, mut focal, mut baseline, mut offset] = [None; 5];
+    for word in words {
+        let (name, text) = word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
+        let value = Value { word, text };
+        match name.replace('-', "_").as_str() {
+            "min_disparity" => update.min_disparity = Some(value.whole()?),
+            "max_disparity" => update.max_disparity = Some(value.whole()?),
+            "anchor_gradient" => update.anchor_gradient = Some(value.whole()?),
+            "edge_gradient" => update.edge_gradient = Some(value.whole()?),
+            "min_extent" => update.min_extent = Some(value.whole()?),
+            "cell" => update.cell = Some(value.whole()?),
+            "reach" => update.reach = Some(value.whole()?),
+            "min_confidence" => {
+                let probability = value.checked("0 to 0.9999", Confidence::checked_from_num)?;
+                update.min_confidence_q16 = Some(probability.to_bits());
+            }
+            "margin_px" => {
+                let margin = value.checked("-512 to 511", Disparity::checked_from_num)?;
+                update.margin = Some(MarginUpdate::PixelsQ6(margin.to_bits()));
+            }
+            "margin_nearer_m" => nearer = Some(value.metres()?),
+            "margin_farther_m" => farther = Some(value.metres()?),
+            "focal_px" => focal = Some(value.number()?),
+            "baseline_m" => baseline = Some(value.number()?),
+            "offset_px" => offset = Some(value.number()?),
+            _ => bail!("--send {word}: {name} is no parameter; there are {}", NAMES.join(", ")),
+        }
+    }
+    match (nearer, farther) {
+        (None, None) => {}
+        (Some(_), Some(_)) if update.margin.is_some() => {
+            bail!(
+                "--send sets the margin in pixels and in metres; give margin_px, or margin_nearer_m and margin_farther_m"
+            )
+        }
+        (Some(nearer), Some(farther)) => {
+            let [nearer, farther] = [nearer, farther].map(|metres| Depth::from_num(metres).to_bits());
+            update.margin = Some(MarginUpdate::MetresQ16 { nearer, farther });
+        }
+        _ => bail!("--send sets half of a margin; give margin_nearer_m and margin_farther_m one after the other"),
+    }
+    match (focal, baseline) {
+        (None, None) if offset.is_none() => {}
+        (Some(focal_px), Some(baseline_m)) => {
+            update.rig = Some(RigUpdate { focal_px, baseline_m, offset_px: offset.unwrap_or(0.0) });
+        }
+        _ => bail!("--send sets part of a rig; give focal_px and baseline_m (and offset_px) one after the other"),
+    }
+    Ok(update)
+}
+
+/// What stands behind the `=`.
+struct Value<'a> {
+    word: &'a str,
+    text: &'a str,
+}
+
+impl Value<'_> {
+    /// A whole number of 16 bits.
+    fn whole<T: FromStr>(&self) -> Result<T> {
+        self.text.parse().map_err(|_| anyhow!("--send {}: {} is no whole number of 16 bits", self.word, self.text))
+    }
+
+    fn number(&self) -> Result<f64> {
+        self.text.parse().map_err(|_| anyhow!("--send {}: {} is no number", self.word, self.text))
+    }
+
+    fn checked<T>(&self, range: &str, convert: impl FnOnce(f64) -> Option<T>) -> Result<T> {
+        let number = Some(self.number()?).filter(|number| number.is_finite());
+        number
+            .and_then(convert)
+            .ok_or_else(|| anyhow!("--send {}: {} cannot be sent; give {range}", self.word, self.text))
+    }
+
+    /// A depth in metres that fits its format.
+    fn metres(&self) -> Result<f64> {
+        self.checked("0.001 to 1000", |metres| Depth::checked_from_num(metres).map(|_| metres))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn requests(words: &[&str]) -> Result<Vec<Request>> {
+        let words: Vec<String> = words.iter().map(ToString::to_string).collect();
+        Ok(parse(&words)?.into_iter().map(|wanted| wanted.request).collect())
+    }
+
+    #[test]
+    fn neighbouring_parameters_go_together() {
+        let none = ParamUpdate::default();
+        let list = requests(&["stop", "cell=8", "min-disparity=-3", "start", "reach=2", "describe"]).unwrap();
+        let first = ParamUpdate { cell: Some(8), min_disparity: Some(-3), ..none };
+        let second = ParamUpdate { reach: Some(2), ..none };
+        let expected =
+            [Request::Stop, Request::SetParams(first), Request::Start, Request::SetParams(second), Request::Describe];
+        assert_eq!(list, expected);
+    }
+
+    #[test]
+    fn every_name_is_known_and_sets_its_field() {
+        let words: Vec<String> =
+            NAMES.iter().filter(|name| **name != "margin_px").map(|name| format!("{name}=0.25")).collect();
+        let (whole, fractions) = words.split_at(7);
+        let whole: Vec<String> =
+            whole.iter().enumerate().map(|(i, word)| word.replace("0.25", &i.to_string())).collect();
+        let expected = ParamUpdate {
+            min_disparity: Some(0),
+            max_disparity: Some(1),
+            anchor_gradient: Some(2),
+            edge_gradient: Some(3),
+            min_extent: Some(4),
+            cell: Some(5),
+            reach: Some(6),
+            min_confidence_q16: Some(1 << 14),
+            margin: Some(MarginUpdate::MetresQ16 { nearer: 1 << 14, farther: 1 << 14 }),
+            rig: Some(RigUpdate { focal_px: 0.25, baseline_m: 0.25, offset_px: 0.25 }),
+        };
+        assert_eq!(update(&[&whole[..], fractions].concat()).unwrap(), expected);
+        let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(16)), ..ParamUpdate::default() };
+        assert_eq!(update(&["margin_px=0.25".to_owned()]).unwrap(), pixels);
+    }
+
+    #[test]
+    fn what_cannot_be_sent_is_named() {
+        let cases: [(&[&str], &str); 14] = [
+            (&["begin"], "begin"),
+            (&["size=3"], "size is no parameter"),
+            (&["cell="], "no whole number"),
+            (&["cell=8.5"], "8.5"),
+            (&["cell=65536"], "65536"),
+            (&["max_disparity=-1"], "max_disparity=-1"),
+            (&["min_confidence=1"], "min_confidence=1"),
+            (&["min_confidence=NaN"], "NaN"),
+            (&["margin_px=512"], "512"),
+            (&["focal_px=400"], "baseline_m"),
+            (&["focal_px=400", "start", "baseline_m=0.1"], "one after the other"),
+            (&["offset_px=1"], "part of a rig"),
+            (&["margin_nearer_m=1"], "margin_farther_m"),
+            (&["margin_nearer_m=1", "margin_farther_m=1", "margin_px=1"], "margin_px"),
+        ];
+        for (words, says) in cases {
+            let error = requests(words).unwrap_err().to_string();
+            assert!(error.contains(says), "{words:?} does not say {says}: {error}");
+        }
+    }
+}

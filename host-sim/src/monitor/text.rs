@@ -1,0 +1,113 @@
+//! Frames and counts as text.
+
+use super::frames::{Frame, FrameCounts};
+use crate::engine::FrameResult;
+use crate::listing;
+use core::fmt::Write;
+use linestereo::{Dims, Rejection};
+use linestereo_wire::{Counters, Counts, Health, VERSION};
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+/// Names of the columns of a line of the table.
+pub const HEAD: &str = "    frame      time s  since ms  segments  nearest m  farthest m  health";
+
+/// A frame as one line; `last` is the capture time of the frame before.
+#[must_use]
+pub fn line(frame: &Frame, last: Option<u64>) -> String {
+    let head = &frame.head;
+    let since = last.and_then(|last| head.capture_time_us.checked_sub(last));
+    let segments = match frame.missing() {
+        0 => head.segments.to_string(),
+        _ => format!("{}/{}", frame.matches.len(), head.segments),
+    };
+    let depths = || frame.matches.iter().filter_map(|found| found.depth).flatten();
+    let metres = |depth: Option<_>| match depth.map(listing::finite_metres) {
+        None => "-".to_owned(),
+        Some(None) => "infinite".to_owned(),
+        Some(Some(metres)) => format!("{metres:.2}"),
+    };
+    format!(
+        "{:>9} {:>11.3} {:>9} {segments:>9} {:>10} {:>11}  {}",
+        head.sequence,
+        head.capture_time_us as f64 / 1e6,
+        since.map_or("-".to_owned(), |since| format!("{:.1}", since as f64 / 1e3)),
+        metres(depths().min()),
+        metres(depths().max()),
+        head.health
+    )
+}
+
+#[derive(Serialize)]
+struct Listing {
+    sequence: u32,
+    capture_time_us: u64,
+    size: [u16; 2],
+    health: Vec<String>,
+    segments: Value,
+    #[serde(serialize_with = "by_name")]
+    counts: Counts,
+}
+
+/// A frame as one line of JSON; its segments are those of [`listing::json`].
+pub fn json(frame: &Frame) -> serde_json::Result<String> {
+    let head = &frame.head;
+    let dims = Dims { width: head.width, height: head.height };
+    let (points, counts) = (Vec::new(), linestereo::Counts::default());
+    let text = listing::json(dims, &FrameResult { matches: frame.matches.clone(), points, counts })?;
+    let mut listing: Value = serde_json::from_str(&text)?;
+    let mut health: Vec<String> = head.health.names().map(str::to_owned).collect();
+    if head.health.unnamed() != Health::GOOD {
+        health.push(head.health.unnamed().to_string());
+    }
+    serde_json::to_string(&Listing {
+        sequence: head.sequence,
+        capture_time_us: head.capture_time_us,
+        size: [head.width, head.height],
+        health,
+        segments: listing["segments"].take(),
+        counts: head.counts,
+    })
+}
+
+/// The names and the order of [`listing::counts`].
+fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut list = vec![
+        ("segments_left", u32::from(counts.segments_left)),
+        ("segments_right", u32::from(counts.segments_right)),
+        ("matched", u32::from(counts.matched)),
+    ];
+    list.extend(Rejection::ALL.map(|reason| (reason.name(), u32::from(counts.rejected(reason)))));
+    list.extend([
+        ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
+        ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
+        ("matches_dropped", u32::from(counts.matches_dropped)),
+        ("points", counts.points),
+        ("points_dropped", counts.points_dropped),
+    ]);
+    serializer.collect_map(list)
+}
+
+/// What arrived and what did not, in a few lines.
+#[must_use]
+pub fn summary(frames: &FrameCounts, packets: &Counters, bytes: u64, other_version: Option<u8>) -> String {
+    let mut text = format!("frames: {} complete, {} incomplete", frames.complete, frames.incomplete);
+    if frames.missing_segments > 0 {
+        let _ = write!(text, " ({} segments missing)", frames.missing_segments);
+    }
+    let _ = write!(text, ", {} lost", frames.lost);
+    if frames.restarts > 0 {
+        let _ = write!(text, ", {} restarts of the board", frames.restarts);
+    }
+    let _ = writeln!(
+        text,
+        "\npackets: {} good, {} framing damaged, {} checksum wrong, {} too long, {} malformed, {} of another version",
+        packets.good, packets.cobs, packets.checksum, packets.too_long, packets.malformed, packets.other_version
+    );
+    if let Some(found) = other_version {
+        let what = if found & 0x80 == 0 { "version" } else { "commands (an echo?) of version" };
+        let _ = writeln!(text, "another version: {what} {}, this program reads version {VERSION}", found & 0x7f);
+    }
+    let _ = writeln!(text, "bytes: {bytes} received, {} skipped", packets.skipped_bytes);
+    text
+}

@@ -1,0 +1,433 @@
+//! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial port, and bad input.
+
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Params, Point, Position, Techniques,
+};
+use linestereo_wire::*;
+use serde_json::Value;
+use std::fs;
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Command as Process, Output};
+use std::thread;
+use tempfile::TempDir;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+fn monitor(folder: &Path, args: &[&str]) -> Output {
+    Process::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("monitor").args(args).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn packet<T: Record>(record: &T) -> Vec<u8> {
+    encode(record, &mut [0; MAX_PACKET]).unwrap().to_vec()
+}
+
+fn found(id: u16) -> Match {
+    let point = |x: u16, y: u16| Point { x: Position::from_bits(32 * x), y: Position::from_bits(32 * y + 8) };
+    Match {
+        ends: [point(id, 10), point(id + 3, 40)],
+        disparity: [Disparity::from_num(20), Disparity::from_num(20.25)],
+        sigma: Disparity::from_num(0.125),
+        confidence: Confidence::from_num(0.95),
+        owner: Owner::Left,
+        depth: Some([Depth::from_num(2), if id == 7 { INFINITE_DEPTH } else { Depth::from_num(2 + id / 2) }]),
+        depth_sigma: None,
+        techniques: Techniques { feature: None, window: Disparity::from_num(20), census: Disparity::from_num(20.5) },
+    }
+}
+
+/// The packets of a frame: its head, and its segments by tens.
+fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
+    let mut core = linestereo::Counts::default();
+    (core.segments_left, core.matched, core.points_dropped) = (40, segments, u32::from(sequence == 1));
+    let head = FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core);
+    let matches: Vec<Match> = (0..segments).map(found).collect();
+    let mut packets = Vec::new();
+    send_frame(&head, &matches, &mut |packet| {
+        packets.push(packet.to_vec());
+        Ok::<(), ()>(())
+    })
+    .unwrap();
+    packets
+}
+
+fn hello() -> Message {
+    let board = "a board".try_into().unwrap();
+    Message::Hello(Hello { board, largest_width: 320, largest_height: 240, segments: 512 })
+}
+
+/// The packet with one bit changed where it costs the checksum and nothing else.
+fn with_a_wrong_bit(packet: &[u8]) -> Vec<u8> {
+    let mut damaged = packet.to_vec();
+    for place in (0..packet.len() - 1).rev() {
+        damaged[place] ^= 1;
+        let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
+        let results: Vec<_> = damaged.iter().filter_map(|&byte| decoder.push(byte)).collect();
+        if results == [Err(DecodeError::Checksum)] {
+            return damaged;
+        }
+        damaged[place] ^= 1;
+    }
+    panic!("no bit costs only the checksum");
+}
+
+/// A payload with a right checksum.
+fn enclosed(payload: &[u8]) -> Vec<u8> {
+    let mut crc = !0_u32;
+    for &byte in payload {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1));
+        }
+    }
+    // Nothing in it is zero, so the byte stuffing is one length in front.
+    let whole = [payload, &(!crc).to_le_bytes()].concat();
+    assert!(!whole.contains(&0) && whole.len() < 254);
+    [&[whole.len() as u8 + 1][..], &whole, &[DELIMITER]].concat()
+}
+
+/// Every kind of damage once or more, and the bytes that it costs.
+fn damaged_recording() -> (Vec<u8>, usize) {
+    let mut bytes = packet(&hello());
+    bytes.extend(frame(1, 25).concat());
+    let mut second = frame(2, 25);
+    second[2] = with_a_wrong_bit(&second[2]);
+    bytes.extend(second.concat());
+    // Frame 3 is missing; of frame 4 the head is damaged.
+    let mut fourth = frame(4, 3);
+    fourth[0] = with_a_wrong_bit(&fourth[0]);
+    bytes.extend(fourth.concat());
+    let garbage = [&[0x55; 2000][..], &[DELIMITER], &[9, 1, 2, DELIMITER]].concat(); // too long; cut short
+    let version = enclosed(&[2, 77, 66, 55]);
+    let malformed = enclosed(&[VERSION, 9, 9]);
+    bytes.extend([&garbage[..], &version, &malformed].concat());
+    bytes.extend(frame(5, 0).concat());
+    let last = frame(6, 12);
+    bytes.extend([&last[0][..], &last[1], &last[2][..20]].concat());
+    let skipped = second[2].len() + fourth[0].len() + garbage.len() + version.len() + malformed.len() + 20;
+    (bytes, skipped)
+}
+
+#[test]
+fn a_damaged_file_is_shown_and_counted_exactly() {
+    let folder = TempDir::new().unwrap();
+    let (bytes, skipped) = damaged_recording();
+    fs::write(folder.path().join("run.bin"), &bytes).unwrap();
+    let output = monitor(folder.path(), &["run.bin", "--record", "copy.bin"]);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    let expected = format!(
+        "    frame      time s  since ms  segments  nearest m  farthest m  health\n\
+         board: a board, images up to 320x240, up to 512 segments\n\
+        \x20       1       0.040         -        25       2.00    infinite  points_dropped\n\
+        \x20       2       0.080      40.0     15/25       2.00    infinite  good\n\
+        \x20       5       0.200     120.0         0          -           -  good\n\
+        \x20       6       0.240      40.0     10/12       2.00    infinite  good\n\
+         frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n\
+         packets: 12 good, 2 framing damaged, 2 checksum wrong, 1 too long, 1 malformed, 1 of another version\n\
+         another version: version 2, this program reads version 1\n\
+         bytes: {} received, {skipped} skipped\n",
+        bytes.len()
+    );
+    assert_eq!(text(&output.stdout), expected);
+    assert_eq!(fs::read(folder.path().join("copy.bin")).unwrap(), bytes, "the record is what was read");
+}
+
+#[test]
+fn json_has_one_line_per_complete_frame() {
+    let folder = TempDir::new().unwrap();
+    let (bytes, _) = damaged_recording();
+    fs::write(folder.path().join("run.bin"), &bytes).unwrap();
+    let output = monitor(folder.path(), &["run.bin", "--json"]);
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n"));
+    let lines: Vec<Value> = text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.iter().map(|line| line["sequence"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 5]);
+    let first = &lines[0];
+    let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
+    keys.sort();
+    assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size"]);
+    assert_eq!(first["capture_time_us"], 40_000);
+    assert_eq!(first["size"], serde_json::json!([320, 240]));
+    assert_eq!(first["health"], serde_json::json!(["points_dropped"]));
+    let expected = serde_json::json!({
+        "id": 7, "left": [[7.0, 10.25], [10.0, 40.25]], "disparity_px": [20.0, 20.25], "sigma_px": 0.125,
+        "confidence": 0.95, "owner": "left", "depth_m": [2.0, null],
+        "techniques": {"feature": null, "window": 20.0, "census": 20.5},
+    });
+    assert_eq!(first["segments"][7], expected);
+    assert_eq!(first["segments"].as_array().unwrap().len(), 25);
+    let counts = first["counts"].as_object().unwrap();
+    let names = linestereo_sim::listing::counts(&linestereo::Counts::default());
+    assert_eq!(counts.len(), names.len());
+    assert!(names.iter().all(|(name, _)| counts.contains_key(*name)), "{counts:?}");
+    assert_eq!((&counts["segments_left"], &counts["matched"]), (&40.into(), &25.into()));
+    assert_eq!((&counts["points_dropped"], &counts["slant"]), (&1.into(), &0.into()));
+}
+
+#[test]
+fn garbage_alone_is_counted_and_an_empty_file_is_no_error() {
+    let folder = TempDir::new().unwrap();
+    let image: Vec<u8> = (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    fs::write(folder.path().join("image.png"), &image).unwrap();
+    fs::write(folder.path().join("empty"), []).unwrap();
+    let output = monitor(folder.path(), &["image.png"]);
+    assert!(output.status.success());
+    let shown = text(&output.stdout);
+    assert!(shown.contains("frames: 0 complete, 0 incomplete, 0 lost\npackets: 0 good"), "{shown}");
+    assert!(shown.contains("bytes: 50000 received, "), "{shown}");
+    let output = monitor(folder.path(), &["empty"]);
+    assert!(output.status.success());
+    assert!(text(&output.stdout).ends_with("bytes: 0 received, 0 skipped\n"));
+}
+
+#[test]
+fn count_stops_after_so_many_complete_frames() {
+    let folder = TempDir::new().unwrap();
+    let bytes = [frame(1, 3).concat(), frame(2, 0).concat(), frame(3, 0).concat()].concat();
+    fs::write(folder.path().join("run.bin"), bytes).unwrap();
+    let output = monitor(folder.path(), &["run.bin", "--json", "--count", "2"]);
+    assert!(output.status.success());
+    assert_eq!(text(&output.stdout).lines().count(), 2);
+    assert!(text(&output.stderr).starts_with("frames: 2 complete, 0 incomplete, 0 lost\n"));
+}
+
+/// What a board does: answers commands as a firmware would, and sends frames while it is started.
+struct Board<P> {
+    port: P,
+    decoder: Decoder<Command, MAX_COMMAND>,
+    params: Params,
+    /// Commands to leave without an answer, as if they were lost.
+    deaf: usize,
+    last_id: Option<u16>,
+    log: Vec<Request>,
+}
+
+impl<P: Read + Write> Board<P> {
+    fn new(port: P, deaf: usize) -> Self {
+        Self { port, decoder: Decoder::new(), params: Params::default(), deaf, last_id: None, log: Vec::new() }
+    }
+
+    /// The next command, or `None` when the host is gone.
+    fn command(&mut self) -> Option<Command> {
+        let mut byte = [0];
+        loop {
+            match self.port.read(&mut byte) {
+                Ok(0) => return None,
+                Ok(_) => {
+                    if let Some(Ok(command)) = self.decoder.push(byte[0]) {
+                        return Some(command);
+                    }
+                }
+                Err(error) if [ErrorKind::TimedOut, ErrorKind::WouldBlock].contains(&error.kind()) => {}
+                Err(_) => return None,
+            }
+        }
+    }
+
+    /// Serves until the host is gone or a start was answered; gives what was asked.
+    fn serve_until_start(&mut self) {
+        self.port.write_all(b"boot: hello\r\n\0").unwrap(); // what a boot loader says first
+        while let Some(Command { id, request }) = self.command() {
+            if self.deaf > 0 {
+                self.deaf -= 1;
+                continue;
+            }
+            if self.last_id.replace(id) != Some(id) {
+                self.log.push(request.clone()); // a slow answer makes the host ask again
+            }
+            let outcome = match &request {
+                Request::SetParams(update) => {
+                    update.plan(self.params, DIMS).map(|(params, _)| self.params = params).into()
+                }
+                Request::Describe => {
+                    self.port.write_all(&packet(&hello())).unwrap();
+                    Outcome::Accepted
+                }
+                Request::Start | Request::Stop => Outcome::Accepted,
+            };
+            // An answer to somebody else, then the answer.
+            for command in [id.wrapping_add(100), id] {
+                let answer = Message::Answer(Answer { command, outcome: outcome.clone() });
+                if self.port.write_all(&packet(&answer)).is_err() {
+                    return;
+                }
+            }
+            if request == Request::Start {
+                return;
+            }
+        }
+    }
+}
+
+/// What a board was asked, what it has become, and the commands it would still leave without an answer.
+type Memory = (Vec<Request>, Params, usize);
+
+/// A board behind a connection, which it closes in the end: its address, and its thread.
+fn board(deaf: usize, frames: u32) -> (String, thread::JoinHandle<Memory>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let thread = thread::spawn(move || {
+        let mut board = Board::new(listener.accept().unwrap().0, deaf);
+        board.serve_until_start();
+        for sequence in 0..frames {
+            if board.port.write_all(&frame(sequence, 12).concat()).is_err() {
+                break; // the host has enough
+            }
+        }
+        (board.log, board.params, board.deaf)
+    });
+    (address, thread)
+}
+
+#[test]
+fn a_board_is_described_set_started_and_watched() {
+    let folder = TempDir::new().unwrap();
+    let (address, thread) = board(0, 3);
+    let send = ["--send", "describe", "--send", "max_disparity=96", "--send", "cell=24", "--send", "start"];
+    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "3"], &send[..]].concat());
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
+    let lines: Vec<&str> = shown.lines().collect();
+    let expected = [
+        "board: a board, images up to 320x240, up to 512 segments",
+        "accepted: describe",
+        "accepted: max_disparity=96 cell=24",
+        "accepted: start",
+    ];
+    assert_eq!(lines[1..5], expected);
+    assert_eq!(lines[8], "frames: 3 complete, 0 incomplete, 0 lost");
+    assert!(lines[9].contains(" good, 1 framing damaged, 0 checksum wrong"), "the boot loader's line: {shown}");
+    let (log, params, _) = thread.join().unwrap();
+    let update = ParamUpdate { max_disparity: Some(96), cell: Some(24), ..ParamUpdate::default() };
+    assert_eq!(log, [Request::Describe, Request::SetParams(update), Request::Start]);
+    assert_eq!(params, Params { max_disparity: 96, cell: 24, ..Params::default() });
+}
+
+#[test]
+fn a_refused_parameter_is_named_and_changes_nothing() {
+    let folder = TempDir::new().unwrap();
+    let cases = [
+        ("max_disparity=320", "max_disparity is 320, allowed are 8 to 256"),
+        ("min_confidence=0.05", "min_confidence (percent) is 5, allowed are 10 to 99"),
+        ("reach=0", "reach is 0, allowed are 1 to 6"),
+    ];
+    for (word, says) in cases {
+        let (address, thread) = board(0, 0);
+        let args = ["--tcp", &address, "--count", "0", "--send", "cell=24", "--send", word, "--send", "start"];
+        let output = monitor(folder.path(), &args);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(text(&output.stderr), format!("linestereo: the board refused cell=24 {word}: {says}\n"));
+        let (log, params, _) = thread.join().unwrap();
+        assert_eq!((log.len(), params), (1, Params::default()), "no start after a refusal");
+    }
+    let (address, thread) = board(0, 0);
+    let send = ["--send", "focal_px=0.5", "--send", "baseline_m=0.1"];
+    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "0"], &send[..]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("focal length 0.5 px is outside"), "{}", text(&output.stderr));
+    thread.join().unwrap();
+}
+
+#[test]
+fn a_lost_command_is_sent_again() {
+    let folder = TempDir::new().unwrap();
+    let (address, thread) = board(2, 0);
+    let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "start"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stdout), "accepted: start\n");
+    assert_eq!(thread.join().unwrap().0, [Request::Start]);
+}
+
+#[test]
+fn a_board_that_never_answers_is_an_error() {
+    let folder = TempDir::new().unwrap();
+    let (address, thread) = board(usize::MAX, 0);
+    let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "stop"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).starts_with("linestereo: no answer to stop in 5 s"), "{}", text(&output.stderr));
+    assert_eq!(usize::MAX - thread.join().unwrap().2, 5, "it was sent five times");
+}
+
+#[test]
+fn a_closed_connection_is_one_line_after_the_summary() {
+    let folder = TempDir::new().unwrap();
+    let (address, thread) = board(0, 2);
+    let output = monitor(folder.path(), &["--tcp", &address, "--send", "start"]);
+    thread.join().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let error = text(&output.stderr);
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(error.starts_with(&format!("linestereo: the connection to {address} was closed")), "{error}");
+    let shown = text(&output.stdout);
+    assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_board_on_a_serial_port_is_watched() {
+    use serialport::{SerialPort, TTYPort};
+    let folder = TempDir::new().unwrap();
+    let (master, slave) = TTYPort::pair().unwrap();
+    let name = slave.name().unwrap();
+    let thread = thread::spawn(move || {
+        let mut board = Board::new(master, 0);
+        board.serve_until_start();
+        board.port.write_all(&[frame(0, 12), frame(1, 12)].concat().concat()).unwrap();
+        board // a port that is closed forgets what it holds
+    });
+    let args = ["--serial", &name, "--baud", "921600", "--send", "start", "--count", "2"];
+    let output = monitor(folder.path(), &args);
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
+    assert_eq!(shown.lines().nth(1), Some("accepted: start"));
+    assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
+    assert_eq!(thread.join().unwrap().log, [Request::Start]);
+    drop(slave);
+}
+
+#[test]
+fn bad_input_gets_one_line() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("run.bin"), frame(1, 1).concat()).unwrap();
+    let unused = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
+    let cases: [(&[&str], &str); 14] = [
+        (&[], "<FILE|--tcp <HOST:PORT>|--serial <PORT>>"),
+        (&["missing.bin"], "cannot read missing.bin"),
+        (&["."], "cannot read ."),
+        (&["run.bin", "--tcp", "localhost:1"], "--tcp"),
+        (&["run.bin", "--send", "start"], "--send"),
+        (&["run.bin", "--baud", "9600"], "--baud"),
+        (&["run.bin", "--record", "run.bin"], "--record run.bin would overwrite"),
+        (&["run.bin", "--record", "no/such/folder"], "no/such/folder"),
+        (&["--tcp", "nowhere"], "cannot resolve nowhere"),
+        (&["--tcp", &unused], "cannot connect"),
+        (&["--serial", "no-such-port"], "cannot open the serial port no-such-port"),
+        (&["--tcp", &unused, "--send", "begin"], "--send begin is unknown"),
+        (&["--tcp", &unused, "--send", "cell=many"], "cell=many"),
+        (&["run.bin", "--count", "-1"], "-1"),
+    ];
+    for (args, says) in cases {
+        let output = monitor(folder.path(), args);
+        let error = text(&output.stderr);
+        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
+        assert!(error.starts_with("linestereo: ") && error.contains(says), "{args:?} does not say {says}: {error}");
+    }
+    assert_eq!(fs::read(folder.path().join("run.bin")).unwrap(), frame(1, 1).concat(), "the input is as it was");
+}
+
+#[test]
+fn help_shows_examples_and_names_every_parameter() {
+    let folder = TempDir::new().unwrap();
+    let output = monitor(folder.path(), &["--help"]);
+    assert!(output.status.success());
+    let shown = text(&output.stdout);
+    assert!(shown.contains("linestereo monitor --tcp localhost:4444"), "{shown}");
+    for name in linestereo_sim::monitor::requests::NAMES {
+        assert!(shown.contains(name), "{name} is not in the help");
+    }
+}
