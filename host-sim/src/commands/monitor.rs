@@ -347,10 +347,7 @@ impl Screen {
 
     fn note(&self, note: &str) -> io::Result<()> {
         match self {
-            Self::Live(bar) => {
-                bar.println(note);
-                Ok(())
-            }
+            Self::Live(bar) => bar.suspend(|| writeln!(io::stdout(), "{note}")),
             Self::Lines => writeln!(io::stdout(), "{note}"),
             Self::Json => writeln!(io::stderr(), "{note}"),
         }
@@ -359,8 +356,10 @@ impl Screen {
     fn close(&self, summary: &str) -> io::Result<()> {
         match self {
             Self::Live(bar) => {
-                bar.abandon(); // leaves the last line where it is
-                write!(io::stdout(), "{summary}")
+                let last = bar.message();
+                bar.finish_and_clear();
+                let end = if last.is_empty() { "" } else { "\n" };
+                write!(io::stdout(), "{last}{end}{summary}")
             }
             Self::Lines => write!(io::stdout(), "{summary}"),
             Self::Json => write!(io::stderr(), "{summary}"),
