@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! bin/            one line each: a program on the chosen board
-//! programs/       selftest, bench, ...: generic over the ports, tested on a PC with fakes
-//! ports           what a program needs from a board: pairs, a clock, a place for results
+//! programs/       selftest, bench, replay, live: generic over the ports, tested on a PC with fakes
+//! session         what a host asked for so far
+//! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! memory          frames, scratch memory and output, in one static
@@ -21,6 +22,7 @@ pub mod memory;
 pub mod painter;
 pub mod ports;
 pub mod programs;
+pub mod session;
 
 #[cfg(target_os = "none")]
 pub mod fault;

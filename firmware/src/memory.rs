@@ -38,8 +38,8 @@ pub trait Memory {
 /// Why a pair that lies in the frames cannot be matched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunError {
-    /// The frames of this board are smaller.
-    TooLarge(Dims),
+    /// The core or this board has no frames of this size.
+    Size(Dims),
     /// A parameter is unusable.
     Params(ParamError),
 }
@@ -47,8 +47,8 @@ pub enum RunError {
 impl From<ViewError> for RunError {
     fn from(error: ViewError) -> Self {
         match error {
-            ViewError::Dims(dims) => Self::TooLarge(dims),
-            _ => Self::TooLarge(Dims { width: 0, height: 0 }),
+            ViewError::Dims(dims) => Self::Size(dims),
+            _ => Self::Size(Dims { width: 0, height: 0 }),
         }
     }
 }
@@ -107,13 +107,13 @@ impl<
 
     fn run(&mut self, params: &Params, dims: Dims, observer: &mut impl Observer) -> Result<(), RunError> {
         if !self.fits(dims) {
-            return Err(RunError::TooLarge(dims));
+            return Err(RunError::Size(dims));
         }
         let plan = params.plan(dims).map_err(RunError::Params)?;
         let stride = usize::from(dims.width);
         let (left, right) = (Gray::new(&self.left, dims, stride)?, Gray::new(&self.right, dims, stride)?);
         plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)
-            .map_err(|SizeMismatch { given, .. }| RunError::TooLarge(given))
+            .map_err(|SizeMismatch { given, .. }| RunError::Size(given))
     }
 
     fn results(&self) -> Results<'_> {

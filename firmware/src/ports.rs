@@ -1,6 +1,6 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
-use linestereo::{Counts, Dims, Match, Params, PointClaim};
+use linestereo::{Counts, Dims, Match, PointClaim};
 
 /// A clock that counts up and wraps.
 pub trait Clock {
@@ -12,17 +12,29 @@ pub trait Clock {
 
     /// What passed between two counts, in [`Clock::UNIT`].
     fn elapsed(&self, from: u32, to: u32) -> u64;
+
+    /// Microseconds between two counts.
+    fn microseconds(&self, from: u32, to: u32) -> u64;
 }
 
-/// A pair that lies in the frame memory, and how to match it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
-    /// Size of both images; they lie at the start of their memories, without padding.
-    pub dims: Dims,
-    /// Parameters of the method.
-    pub params: Params,
-    /// When it was taken, microseconds of the source's clock.
-    pub capture_time_us: u64,
+/// Where bytes come from: a file, a serial port.
+pub trait ByteSource {
+    /// Puts bytes that are there at the start of `bytes` and says how many. None are there at the end of a file, and while a serial port
+    /// is silent.
+    fn read(&mut self, bytes: &mut [u8]) -> usize;
+}
+
+/// Where bytes go. Waits as long as they take.
+pub trait ByteSink {
+    /// Writes all of `bytes`.
+    fn write(&mut self, bytes: &[u8]);
+}
+
+/// Where pairs come from: a camera, or what stands for one.
+pub trait PairSource {
+    /// Puts the next pair into the memories of the left and the right frame, from their starts and without padding, and gives its size.
+    /// `None` when the camera delivered no whole pair.
+    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<Dims>;
 }
 
 /// What a pair gave.
@@ -34,22 +46,4 @@ pub struct Results<'a> {
     pub points: &'a [PointClaim],
     /// What was found and lost.
     pub counts: &'a Counts,
-}
-
-/// Where pairs come from.
-pub trait PairSource {
-    /// Why a pair cannot be used; the next one may be good.
-    type Error;
-
-    /// Puts the next pair into the memories of the left and the right frame. `None` when there will be no other.
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<Result<Pair, Self::Error>>;
-}
-
-/// Where results go.
-pub trait ResultSink<Problem> {
-    /// A pair was matched.
-    fn result(&mut self, pair: &Pair, results: Results<'_>);
-
-    /// A pair could not be used.
-    fn problem(&mut self, problem: Problem);
 }

@@ -1,5 +1,6 @@
 //! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0): files, command line and exit code of the PC that runs QEMU or a probe.
 
+use crate::ports::{ByteSink, ByteSource};
 use core::arch::asm;
 use core::fmt;
 
@@ -61,17 +62,20 @@ impl File {
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
         if handle == u32::MAX { Err(CannotOpen) } else { Ok(Self(handle)) }
     }
+}
 
-    /// Reads until `bytes` is full or the file ends, and says how many bytes came.
-    pub fn read(&mut self, bytes: &mut [u8]) -> usize {
+impl ByteSource for File {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
         let block = [self.0, bytes.as_mut_ptr().addr() as u32, bytes.len() as u32];
         // SAFETY: handle, memory, length; the memory is borrowed until the answer. The answer is what was not read.
         let missing = unsafe { call(operation::READ, block.as_ptr()) };
         bytes.len().saturating_sub(missing as usize)
     }
+}
 
-    /// Writes all of `bytes`; what the PC cannot write (a full disk) is lost.
-    pub fn write(&mut self, bytes: &[u8]) {
+/// What the PC cannot write (a full disk) is lost.
+impl ByteSink for File {
+    fn write(&mut self, bytes: &[u8]) {
         let block = [self.0, bytes.as_ptr().addr() as u32, bytes.len() as u32];
         // SAFETY: handle, memory, length; the memory is borrowed until the answer.
         unsafe { call(operation::WRITE, block.as_ptr()) };

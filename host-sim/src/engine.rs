@@ -1,9 +1,10 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Counts, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch,
+    Candidate, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch,
     mark_words, row_bytes,
 };
+use linestereo_wire::Counts;
 
 /// Most segments listed per frame on a PC.
 pub const MAX_MATCHES: usize = 4096;
@@ -80,6 +81,10 @@ impl Engine {
     /// Runs the core on one rectified pair.
     pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, SizeMismatch> {
         let output = self.run_in_place(left, right)?;
-        Ok(FrameResult { matches: output.matches.to_vec(), points: output.points.to_vec(), counts: output.counts })
+        Ok(FrameResult {
+            matches: output.matches.to_vec(),
+            points: output.points.to_vec(),
+            counts: (&output.counts).into(),
+        })
     }
 }

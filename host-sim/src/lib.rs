@@ -1,5 +1,6 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
+pub mod board;
 pub mod commands;
 pub mod draw;
 pub mod engine;

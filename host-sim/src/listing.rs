@@ -5,7 +5,8 @@
 
 use crate::engine::FrameResult;
 use core::fmt::Write;
-use linestereo::{Counts, Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Point, Rejection};
+use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Point, Rejection};
+use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
 
 /// First line of [`csv`].

@@ -31,6 +31,20 @@ pub enum Request {
     Stop,
     /// Change parameters.
     SetParams(ParamUpdate),
+    /// Match this pair, whose pixels follow the packet: all of the left image, all of the right one, row by row, one byte each. For
+    /// programs that are fed by a file; a board with cameras refuses it.
+    Pair(PairHead),
+}
+
+/// A pair whose pixels follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairHead {
+    /// Width of both images in px.
+    pub width: u16,
+    /// Height of both images in px.
+    pub height: u16,
+    /// When it was captured, microseconds; comes back with the result.
+    pub capture_time_us: u64,
 }
 
 /// Parameters to change; `None` leaves one as it is. Meanings and ranges are those of [`Params`].
@@ -161,6 +175,13 @@ pub enum Refusal {
     Offset(f64),
     /// This board cannot do that.
     Unsupported,
+    /// The pixels end too early.
+    Truncated {
+        /// Bytes of both images.
+        needed: u32,
+        /// Bytes there.
+        given: u32,
+    },
 }
 
 impl From<ParamError> for Refusal {
@@ -215,6 +236,7 @@ impl fmt::Display for Refusal {
             Self::Baseline(value) => RigError::Baseline(value).fmt(f),
             Self::Offset(value) => RigError::Offset(value).fmt(f),
             Self::Unsupported => write!(f, "this board cannot do that"),
+            Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
         }
     }
 }

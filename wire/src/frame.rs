@@ -3,10 +3,12 @@
 //! In: the core's counts and matches. Out: records of the same bits (a [`Match`] that went over the wire comes back equal), in the core's
 //! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
 
-use crate::SEGMENTS_PER_PACKET;
 use crate::health::Health;
+use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
-use linestereo::{Confidence, Depth, Dims, Disparity, Match, Owner, Point, Position, Rejection, Techniques};
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, Match, Owner, Point, PointClaim, Position, Rejection, Techniques,
+};
 use serde::{Deserialize, Serialize};
 
 /// What a frame gave, without its segments.
@@ -95,6 +97,51 @@ pub struct Segments {
     pub first: u16,
     /// The segments.
     pub list: Vec<Segment, SEGMENTS_PER_PACKET>,
+}
+
+/// Some of a frame's points.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Points {
+    /// The frame they belong to.
+    pub sequence: u32,
+    /// Position of the first of them in the frame's list.
+    pub first: u32,
+    /// The points.
+    pub list: Vec<PointRecord, POINTS_PER_PACKET>,
+}
+
+/// A [`PointClaim`] in plain numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PointRecord {
+    /// Column.
+    pub x: u16,
+    /// Row.
+    pub y: u16,
+    /// Disparity, 1/64 px.
+    pub disparity_q6: i16,
+    /// Probability that the disparity is within 1 px, 1/65536.
+    pub confidence_q16: u16,
+    /// Position of its segment in the frame's list.
+    pub source: Option<u16>,
+}
+
+impl From<&PointClaim> for PointRecord {
+    fn from(claim: &PointClaim) -> Self {
+        let PointClaim { x, y, disparity, confidence, source } = *claim;
+        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source }
+    }
+}
+
+impl From<&PointRecord> for PointClaim {
+    fn from(record: &PointRecord) -> Self {
+        Self {
+            x: record.x,
+            y: record.y,
+            disparity: Disparity::from_bits(record.disparity_q6),
+            confidence: Confidence::from_bits(record.confidence_q16),
+            source: record.source,
+        }
+    }
 }
 
 /// A [`Match`] in plain numbers.

@@ -51,14 +51,17 @@ mod message;
 mod packet;
 mod send;
 
-pub use command::{Command, MarginUpdate, Name, ParamUpdate, Refusal, Request, RigUpdate};
-pub use frame::{Counts, FrameHead, Segment, SegmentOwner, Segments};
+pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigUpdate};
+pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
 pub use health::Health;
 pub use message::{Answer, BoardName, Hello, Message, Outcome};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
-pub use send::{SendError, send, send_frame};
+pub use send::{SendError, send, send_frame, send_points};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.
 pub const SEGMENTS_PER_PACKET: usize = 10;
+
+/// Most points in one packet, for the same reason.
+pub const POINTS_PER_PACKET: usize = 32;

@@ -1,7 +1,7 @@
 //! What a board says.
 
 use crate::command::Refusal;
-use crate::frame::{FrameHead, Segments};
+use crate::frame::{FrameHead, Points, Segments};
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 pub type BoardName = String<32>;
 
 /// One record from the board to the host.
-#[expect(clippy::large_enum_variant, reason = "there is no heap to put the large one on")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
     /// What the board is: sent when it starts, and for [`Request::Describe`](crate::Request::Describe) before the answer.
@@ -20,6 +19,8 @@ pub enum Message {
     Segments(Segments),
     /// What became of a command.
     Answer(Answer),
+    /// Points of the frame that began last: only from programs that are fed by a file, a serial port is too slow.
+    Points(Points),
 }
 
 /// What a board is.

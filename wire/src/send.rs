@@ -5,12 +5,12 @@
 //! # Cost
 //! [`MAX_PACKET`] bytes and one list of segments on the stack.
 
-use crate::SEGMENTS_PER_PACKET;
-use crate::frame::{FrameHead, Segment, Segments};
+use crate::frame::{FrameHead, PointRecord, Points, Segment, Segments};
 use crate::message::Message;
 use crate::packet::{EncodeError, MAX_PACKET, Record, encode};
+use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use core::fmt;
-use linestereo::Match;
+use linestereo::{Match, PointClaim};
 
 /// Why something was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +67,24 @@ pub fn send_frame<E>(
         }
         send(&Message::Segments(Segments { sequence: head.sequence, first, list }), write)?;
         first = first.saturating_add(SEGMENTS_PER_PACKET as u16);
+    }
+    Ok(())
+}
+
+/// Sends the points of a frame, after [`send_frame`]. Stops at the first failure of the port.
+pub fn send_points<E>(
+    sequence: u32,
+    points: &[PointClaim],
+    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), SendError<E>> {
+    let mut first = 0_u32;
+    for piece in points.chunks(POINTS_PER_PACKET) {
+        let mut list = heapless::Vec::new();
+        for point in piece {
+            let _ = list.push(PointRecord::from(point)); // a piece fits; collecting could panic
+        }
+        send(&Message::Points(Points { sequence, first, list }), write)?;
+        first = first.saturating_add(POINTS_PER_PACKET as u32);
     }
     Ok(())
 }

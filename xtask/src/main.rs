@@ -1,27 +1,195 @@
 //! `cargo xtask`: builds, runs, tests and measures the board programs.
+//!
+//! Counts are instructions that QEMU executed, never cycles or times: it models neither caches nor wait states.
 
+mod bench;
 mod bless;
+mod measure;
+mod sizes;
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
-use std::path::Path;
+use core::time::Duration;
+use linestereo_sim::board::firmware::{self, Logs};
+use linestereo_sim::board::qemu::{self, Ended};
+use linestereo_sim::board::toolchain::Toolchain;
+use linestereo_sim::board::{self, Board};
+use std::path::PathBuf;
+
+/// Longest run of one program.
+const LIMIT: Duration = Duration::from_secs(300);
 
 /// Builds, runs, tests and measures the board programs.
+///
+/// Numbers are instructions that QEMU executed, never cycles. LINESTEREO_TOOLCHAIN=rustup or apt forces a way to the compiler;
+/// LINESTEREO_FRAMES names the folder of captured frames, whose folder qvga is measured when it is there.
 #[derive(Debug, Parser)]
+#[command(max_term_width = 104)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
+#[derive(Debug, clap::Args)]
+struct Boards {
+    /// The board; without it, every board.
+    #[arg(long, value_name = "BOARD")]
+    board: Option<String>,
+}
+
+impl Boards {
+    fn list(&self) -> Result<Vec<Board>> {
+        match &self.board {
+            Some(name) => Ok(vec![board::named(name)?]),
+            None => Ok(Board::ALL.into()),
+        }
+    }
+}
+
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Find or install what board builds need: a compiler and QEMU.
+    Setup,
+    /// Build a program and print where its ELF file is.
+    Build {
+        #[command(flatten)]
+        boards: Boards,
+        /// The program; without it, every program.
+        #[arg(long)]
+        program: Option<String>,
+        /// Without log code.
+        #[arg(long)]
+        no_logs: bool,
+    },
+    /// Run a program in QEMU: its log on stdout, its files in the current folder.
+    Run {
+        #[command(flatten)]
+        boards: Boards,
+        /// The program.
+        #[arg(long)]
+        program: String,
+        /// Its arguments.
+        arguments: Vec<String>,
+    },
+    /// Compare what the boards compute with what the PC computes, stage by stage.
+    Selftest(Boards),
+    /// Count instructions by stage: built-in pairs, and captured ones when they are given.
+    Bench {
+        #[command(flatten)]
+        boards: Boards,
+        /// A folder of captured scenes.
+        #[arg(long, value_name = "FOLDER")]
+        frames: Option<PathBuf>,
+    },
+    /// Flash and RAM of a program, by symbol.
+    Sizes {
+        #[command(flatten)]
+        boards: Boards,
+        /// The program.
+        #[arg(long, default_value = sizes::PROGRAM)]
+        program: String,
+    },
+    /// The largest depth of the stack over the built-in pairs.
+    Stack(Boards),
+    /// Compare instructions, RAM, stack and flash with docs/board-numbers.toml: fails on a loss or a gain of more than 1 %.
+    Measure {
+        /// Write the file instead.
+        #[arg(long)]
+        bless: bool,
+        /// Compare; what happens without --bless.
+        #[arg(long, conflicts_with = "bless")]
+        check: bool,
+    },
     /// Compute the digests that the boards are compared with.
     Bless,
 }
 
 fn main() -> Result<()> {
-    let top = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    let top = board::top()?;
     match Cli::parse().command {
-        Command::Bless => bless::run(top),
+        Command::Setup => setup(),
+        Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
+        Command::Run { boards, program, arguments } => run(&boards, &program, &arguments),
+        Command::Selftest(boards) => selftest(&boards),
+        Command::Bench { boards, frames } => bench::run(&boards.list()?, frames.as_deref()),
+        Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
+        Command::Stack(boards) => {
+            for board in boards.list()? {
+                println!("{}: {} bytes", board.name, bench::builtin(&board)?.stack);
+            }
+            Ok(())
+        }
+        Command::Measure { bless, check: _ } => measure::run(&top, bless),
+        Command::Bless => bless::run(&top),
     }
+}
+
+fn setup() -> Result<()> {
+    let top = board::top()?;
+    let toolchain = Toolchain::find(&top)?;
+    println!("compiler, by {}: {}", toolchain.way, toolchain.version(&top)?);
+    println!("QEMU: {}", qemu::find()?.display());
+    Ok(())
+}
+
+fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
+    let top = board::top()?;
+    let toolchain = Toolchain::find(&top)?;
+    let programs = match program {
+        Some(program) => vec![program.to_owned()],
+        None => programs(&top.join("firmware/src/bin"))?,
+    };
+    for board in boards.list()? {
+        for program in &programs {
+            let logs = if no_logs { Logs::None } else { Logs::Semihosting };
+            println!("{}", firmware::build(&toolchain, &board, program, logs)?.display());
+        }
+    }
+    Ok(())
+}
+
+fn programs(folder: &std::path::Path) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        let path = entry?.path();
+        names.extend(path.file_stem().map(|name| name.to_string_lossy().into_owned()));
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Builds and runs a program, prints its log and gives its end.
+fn run_program(board: &Board, program: &str, arguments: &[&str]) -> Result<Ended> {
+    let toolchain = Toolchain::find(&board::top()?)?;
+    let elf = firmware::build(&toolchain, board, program, Logs::Semihosting)?;
+    let ended = qemu::run(board, &elf, arguments, &std::env::current_dir()?, LIMIT)?;
+    for line in &ended.log {
+        println!("{:5} {}", line.level, line.text);
+    }
+    eprint!("{}", ended.errors);
+    Ok(ended)
+}
+
+fn run(boards: &Boards, program: &str, arguments: &[String]) -> Result<()> {
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    // Files of one run would overwrite those of the other: by default one board.
+    let board = match &boards.board {
+        Some(name) => board::named(name)?,
+        None => Board::ALL[0],
+    };
+    run_program(&board, program, &arguments)?.success(program, &board)
+}
+
+fn selftest(boards: &Boards) -> Result<()> {
+    let mut different = Vec::new();
+    for board in boards.list()? {
+        println!("{}", board.name);
+        if run_program(&board, "selftest", &[])?.success("selftest", &board).is_err() {
+            different.push(board.name);
+        }
+    }
+    if !different.is_empty() {
+        bail!("not as on the PC: {}; when the output was meant to change: cargo xtask bless", different.join(", "));
+    }
+    Ok(())
 }

@@ -1,6 +1,6 @@
-//! Peripherals that QEMU's mps2 machines have in common: APB timer 0 of Arm's CMSDK as the clock.
+//! Peripherals that QEMU's mps2 machines have in common, all of Arm's CMSDK: APB timer 0 as the clock, UART 0 as the port.
 
-use crate::ports::Clock;
+use crate::ports::{ByteSink, ByteSource, Clock};
 
 /// CMSDK APB timer 0 (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD, 25 MHz, counts down.
 const TIMER0: *mut u32 = 0x4000_0000 as *mut u32;
@@ -38,5 +38,65 @@ impl Clock for InstructionClock {
 
     fn elapsed(&self, from: u32, to: u32) -> u64 {
         u64::from(to.wrapping_sub(from)) * 40 / 64
+    }
+
+    /// Of the machine: 40 ns a tick.
+    fn microseconds(&self, from: u32, to: u32) -> u64 {
+        u64::from(to.wrapping_sub(from)) / 25
+    }
+}
+
+/// CMSDK APB UART 0 (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.
+const UART0: *mut u32 = 0x4000_4000 as *mut u32;
+const STATE: usize = 1;
+const CTRL: usize = 2;
+const BAUDDIV: usize = 4;
+const TRANSMIT_FULL: u32 = 1;
+const RECEIVE_FULL: u32 = 2;
+
+/// A polled serial port. It keeps one received byte: on hardware a host has to wait for answers, QEMU holds further bytes back.
+#[derive(Debug)]
+pub struct Uart(());
+
+impl Uart {
+    /// Switches it on, both ways.
+    #[must_use]
+    pub fn start() -> Self {
+        // SAFETY: the registers of a UART that nothing else uses; the address is the same on every mps2 machine.
+        unsafe {
+            UART0.add(BAUDDIV).write_volatile(16); // the fastest it can do
+            UART0.add(CTRL).write_volatile(0b11);
+        }
+        Self(())
+    }
+
+    fn state() -> u32 {
+        // SAFETY: reading the state changes nothing.
+        unsafe { UART0.add(STATE).read_volatile() }
+    }
+}
+
+impl ByteSource for Uart {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let mut count = 0;
+        for place in bytes {
+            if Self::state() & RECEIVE_FULL == 0 {
+                break;
+            }
+            // SAFETY: there is a byte, and this port is the only one that takes it.
+            *place = unsafe { UART0.read_volatile() } as u8;
+            count += 1;
+        }
+        count
+    }
+}
+
+impl ByteSink for Uart {
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            while Self::state() & TRANSMIT_FULL != 0 {}
+            // SAFETY: there is room for a byte.
+            unsafe { UART0.write_volatile(byte.into()) };
+        }
     }
 }

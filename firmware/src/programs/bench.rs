@@ -62,6 +62,10 @@ mod tests {
         fn elapsed(&self, from: u32, to: u32) -> u64 {
             u64::from(to.wrapping_sub(from))
         }
+
+        fn microseconds(&self, from: u32, to: u32) -> u64 {
+            self.elapsed(from, to)
+        }
     }
 
     #[test]
@@ -81,6 +85,6 @@ mod tests {
         let mut memory = Box::new(Workspace::new());
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
-        assert_eq!(measure(&mut *memory, &clock, &Params::DEFAULT, dims), Err(RunError::TooLarge(dims)));
+        assert_eq!(measure(&mut *memory, &clock, &Params::DEFAULT, dims), Err(RunError::Size(dims)));
     }
 }

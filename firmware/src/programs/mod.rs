@@ -2,4 +2,6 @@
 
 pub mod bench;
 pub mod expected;
+pub mod live;
+pub mod replay;
 pub mod selftest;

@@ -1,12 +1,13 @@
 //! `linestereo eval`: scores on frames with ground truth.
 
 use super::method::MethodArgs;
-use super::{engine_with, print};
+use super::{does_not_fit, engine_with, print};
+use crate::board::{self, Machine};
 use crate::engine::{Engine, GrayImage};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::frames::{Perturbation, Scene, check_usable, find_scenes, load_scene};
 use crate::output::OutputFiles;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -23,6 +24,7 @@ Examples:
   linestereo eval frames/qvga --row-offset 1            the same with the right image 1 px too low
   linestereo eval frames/qvga --gain 0.8 --bias 8       the same with the right image darker
   linestereo eval frames/full --width 320 --json -      reduce to 320 px first, print JSON
+  linestereo eval frames/qvga --on mps2-an500           on an emulated Cortex-M7
 
 Words:
   segprec@1/@2   % of segments whose median error is at most 1 / 2 px
@@ -31,6 +33,7 @@ Words:
   cells          % of 16x16 cells (those at least half visible truth) that hold a claim
   median, rms    error of visible points in px
   ms             time per pair on one thread, median of several runs
+  Minstr         millions of instructions per pair on a board (--on); QEMU counts no cycles
 
 Scenes that the confidence model was fitted on flatter it: fit-confidence scores each of them by a
 model that has not seen it.";
@@ -53,6 +56,9 @@ pub struct Args {
     /// Search disparities 0 .. N in every scene, whatever its scene.json says.
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
+    /// Match on this board, emulated by QEMU: mps2-an500 or mps2-an386. Scenes that it cannot hold are left out.
+    #[arg(long, value_name = "BOARD")]
+    on: Option<String>,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -131,8 +137,10 @@ pub fn run(args: &Args) -> Result<()> {
     for root in &args.folders {
         folders.extend(find_scenes(root)?.into_iter().map(|folder| (root, folder)));
     }
+    let machine = args.on.as_deref().map(|name| Machine::new(board::named(name)?)).transpose()?;
     let progress = progress_bar(folders.len());
     let mut scores = Vec::new();
+    let (mut too_large, mut advice) = (Vec::new(), None);
     for (root, folder) in &folders {
         let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
         progress.set_message(below_root.clone());
@@ -143,15 +151,25 @@ pub fn run(args: &Args) -> Result<()> {
                 scene.name = below_root;
             }
             scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
-            scores.push(score(&scene, &args.method, &perturbation)?);
+            match &machine {
+                Some(machine) if !machine.board().fits(scene.left.dims) => {
+                    too_large.push(format!("{} ({})", scene.name, scene.left.dims));
+                    advice = Some(does_not_fit(machine.board(), scene.left.dims));
+                }
+                Some(machine) => scores.push(score_on(machine, &scene, &args.method, &perturbation)?),
+                None => scores.push(score(&scene, &args.method, &perturbation)?),
+            }
         }
         progress.inc(1);
     }
     progress.finish_and_clear();
+    if let Some(advice) = advice.filter(|_| scores.is_empty()) {
+        bail!("{}: {advice}", too_large.join(", "));
+    }
     if scores.is_empty() {
         bail!("no folder with a scene.json and ground truth below {}; see --help", list(&args.folders));
     }
-    write_results(args, &scores, folders.len() - scores.len())
+    write_results(args, &scores, folders.len() - scores.len() - too_large.len(), &too_large)
 }
 
 /// Runs one scene several times for its time and scores its result.
@@ -170,6 +188,24 @@ fn score(scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Res
     Ok(score)
 }
 
+/// Runs one scene on a board and scores its result.
+fn score_on(machine: &Machine, scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<FrameScore> {
+    let name = || scene.folder.display().to_string();
+    let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", name()))?;
+    let (left, right) = perturbation.apply(&scene.left, &scene.right);
+    check_usable(&scene.folder.join("left"), &left)?;
+    check_usable(&scene.folder.join("right"), &right)?;
+    let params = method.params(scene.max_disparity, scene.rig)?;
+    engine_with(&params, left.dims).with_context(name)?; // says what is wrong in terms of options
+    let update = board::update(&params, scene.rig_numbers);
+    let pair = machine.run_pairs(&update, &[(&left, &right)]).with_context(name)?.pairs.pop();
+    let found = pair.with_context(name)?.map_err(|why| anyhow!("{}: {why}", name()))?;
+    let truth = if perturbation.swap { &truth.swapped() } else { truth };
+    let mut score = FrameScore::new(&scene.name, truth, &found.result);
+    score.instructions = Some(found.costs.iter().sum());
+    Ok(score)
+}
+
 /// Median time of a run in milliseconds.
 fn time(engine: &mut Engine, left: &GrayImage, right: &GrayImage) -> Result<f64> {
     let (left, right) = (left.view()?, right.view()?);
@@ -184,12 +220,16 @@ fn time(engine: &mut Engine, left: &GrayImage, right: &GrayImage) -> Result<f64>
     Ok(1e3 * times[times.len() / 2].as_secs_f64())
 }
 
-fn write_results(args: &Args, scores: &[FrameScore], without_truth: usize) -> Result<()> {
+fn write_results(args: &Args, scores: &[FrameScore], without_truth: usize, too_large: &[String]) -> Result<()> {
     let pooled = Summary::pool(scores);
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     let mut text = format!("{}\n{}", scene_table(scores), report(&pooled));
     if without_truth > 0 {
         text.push_str(&format!("\n{without_truth} folders without ground truth were left out\n"));
+    }
+    if !too_large.is_empty() {
+        let (count, list) = (too_large.len(), too_large.join(", "));
+        text.push_str(&format!("\n{count} scenes do not fit the board and were left out: {list}\n"));
     }
     if args.perturbation.swap {
         text.push_str("\nthe images were swapped: every true disparity is negative, so every claim above is wrong\n");

@@ -12,10 +12,12 @@ pub mod monitor;
 pub mod run;
 pub mod scene;
 
+use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
+use crate::frames::resampled_height;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, error::ErrorKind};
-use linestereo::{Dims, ParamError, Params, Rig};
+use linestereo::{Dims, MIN_SIDE, ParamError, Params, Rig};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -101,6 +103,23 @@ fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
         ParamError::MarginNeedsRig => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
         ParamError::ScratchTooSmall { .. } => anyhow::anyhow!("{error}; reduce the images with --width"),
     })
+}
+
+/// The board of this name with its firmware built, if it holds images of this size.
+fn machine_for(name: &str, dims: Dims) -> Result<Machine> {
+    let board = board::named(name)?;
+    if !board.fits(dims) {
+        bail!("{}", does_not_fit(&board, dims));
+    }
+    Machine::new(board)
+}
+
+/// What is wrong, and the widest reduction that fits.
+fn does_not_fit(board: &Board, dims: Dims) -> String {
+    let Board { name, largest, .. } = board;
+    let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
+    let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
+    format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
 }
 
 /// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.

@@ -242,6 +242,7 @@ impl Monitor {
                 Some(frame) => self.show(&frame),
                 None => Ok(()),
             },
+            Some(Ok(Message::Points(_))) => Ok(()), // only from programs that are fed by a file
             Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
             Some(Ok(Message::Answer(answer))) => {
                 let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {

@@ -1,7 +1,8 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
 use super::method::MethodArgs;
-use super::{engine_with, print};
+use super::{engine_with, machine_for, print};
+use crate::board::{self, Machine};
 use crate::draw;
 use crate::engine::{FrameResult, GrayImage};
 use crate::frames::{
@@ -9,10 +10,10 @@ use crate::frames::{
 };
 use crate::listing;
 use crate::output::OutputFiles;
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use core::time::Duration;
 use linestereo::{Dims, Rejection, Rig, RigError};
+use linestereo_wire::{ParamUpdate, RigUpdate};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -27,6 +28,8 @@ Examples:
       with depth in metres, everything as JSON on stdout
   linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
       range and rig from a scene file, images reduced to 320 px
+  linestereo run left.png right.png --width 320 --on mps2-an500
+      the same on an emulated Cortex-M7, with its instructions counted
 
 The pair has to be rectified: a point lies on one row in both images.
 Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
@@ -78,6 +81,9 @@ pub struct Args {
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
+    /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
+    #[arg(long, value_name = "BOARD")]
+    on: Option<String>,
     #[command(flatten)]
     method: MethodArgs,
 }
@@ -92,11 +98,17 @@ pub fn run(args: &Args) -> Result<()> {
         check_usable(path, image)?;
     }
     let scale = f64::from(left.dims.width) / f64::from(full.width);
-    let (max_disparity, rig) = range_and_rig(args, scale)?;
-    let mut engine = engine_with(&args.method.params(max_disparity, rig)?, left.dims)?;
-    let start = Instant::now();
-    let result = engine.run(left.view()?, right.view()?)?;
-    let elapsed = start.elapsed();
+    let (max_disparity, rig, rig_numbers) = range_and_rig(args, scale)?;
+    let params = args.method.params(max_disparity, rig)?;
+    let mut engine = engine_with(&params, left.dims)?;
+    let (result, cost) = if let Some(board) = &args.on {
+        let machine = machine_for(board, left.dims)?;
+        on_board(&machine, &board::update(&params, rig_numbers), &left, &right)?
+    } else {
+        let start = Instant::now();
+        let result = engine.run(left.view()?, right.view()?)?;
+        (result, format!("{:.1} ms", 1e3 * start.elapsed().as_secs_f64()))
+    };
 
     let mut output = OutputFiles::new();
     let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
@@ -113,7 +125,7 @@ pub fn run(args: &Args) -> Result<()> {
     if json_to_stdout {
         return print(&listing::json(left.dims, &result)?);
     }
-    print(&summary(left.dims, max_disparity, &result, elapsed))?;
+    print(&summary(left.dims, max_disparity, &result, &cost))?;
     for path in [&args.json, &args.csv, &args.overlay].into_iter().flatten() {
         print(&format!("wrote {}\n", path.display()))?;
     }
@@ -127,20 +139,38 @@ fn load(path: &Path, width: Option<u16>) -> Result<(GrayImage, Dims)> {
     Ok((width.map_or(Ok(image.clone()), |width| area_average(&image, width))?, full))
 }
 
-fn range_and_rig(args: &Args, scale: f64) -> Result<(u16, Option<Rig>)> {
-    let (mut range, mut rig) = (None, None);
+/// The result of a board, and its instructions in words.
+fn on_board(
+    machine: &Machine,
+    update: &ParamUpdate,
+    left: &GrayImage,
+    right: &GrayImage,
+) -> Result<(FrameResult, String)> {
+    let name = machine.board().name;
+    let pair = machine.run_pairs(update, &[(left, right)])?.pairs.pop();
+    let found = pair.with_context(|| format!("{name} gives no result"))?;
+    let found = found.map_err(|why| anyhow!("{name} refuses the pair: {why}"))?;
+    let instructions = found.costs.iter().sum::<u64>() as f64 / 1e6;
+    Ok((found.result, format!("{instructions:.2} million instructions on {name}")))
+}
+
+/// Disparity range, rig, and the numbers it is made from.
+fn range_and_rig(args: &Args, scale: f64) -> Result<(u16, Option<Rig>, Option<RigUpdate>)> {
+    let (mut range, mut rig, mut numbers) = (None, None, None);
     if let Some(path) = &args.scene {
         let info = SceneInfo::load(path)?;
         range =
             info.max_disparity.map(|range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 });
         rig = info.rig(path, scale)?;
+        numbers = info.rig_numbers(scale);
     }
     if let (Some(focal), Some(baseline)) = (args.focal_px, args.baseline_m) {
         let offset = args.disparity_offset_px.unwrap_or(0.0);
         let given = Rig::new(focal * scale, baseline, offset * scale);
         rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", option_behind(&error)))?);
+        numbers = Some(RigUpdate { focal_px: focal * scale, baseline_m: baseline, offset_px: offset * scale });
     }
-    Ok((args.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY), rig))
+    Ok((args.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY), rig, numbers))
 }
 
 fn option_behind(error: &RigError) -> &'static str {
@@ -152,14 +182,11 @@ fn option_behind(error: &RigError) -> &'static str {
 }
 
 /// What was found, in a few lines.
-fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, elapsed: Duration) -> String {
+fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, cost: &str) -> String {
     let counts = &result.counts;
     let mut text = format!(
-        "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {:.1} ms\n",
-        counts.matched,
-        counts.segments_left,
-        counts.points,
-        1e3 * elapsed.as_secs_f64()
+        "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {cost}\n",
+        counts.matched, counts.segments_left, counts.points,
     );
     let shares = [0.98, 0.95, 0.9, 0.8].map(|least| {
         let segments = result.matches.iter().filter(|found| found.confidence.to_num::<f64>() >= least).count();

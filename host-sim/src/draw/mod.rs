@@ -168,7 +168,8 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, Counts, Dims, Disparity, Point, PointClaim, Techniques};
+    use linestereo::{Confidence, Dims, Disparity, Point, PointClaim, Techniques};
+    use linestereo_wire::Counts;
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
         let point = |y: f64| Point { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };

@@ -51,6 +51,8 @@ pub struct FrameScore {
     pub scored_points: Vec<PointScore>,
     /// Time of the pair in milliseconds, if it was measured.
     pub milliseconds: Option<f64>,
+    /// Instructions of the pair, if it was matched on a board.
+    pub instructions: Option<u64>,
     pub(super) cells: Vec<CellScore>,
 }
 
@@ -85,6 +87,7 @@ impl FrameScore {
             scored_segments,
             scored_points,
             milliseconds: None,
+            instructions: None,
             cells: cells(truth, result),
         }
     }
@@ -145,7 +148,8 @@ pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use linestereo::{Confidence, Counts, Dims, Disparity, Owner, Point, PointClaim, Position, Techniques};
+    use linestereo::{Confidence, Dims, Disparity, Owner, Point, PointClaim, Position, Techniques};
+    use linestereo_wire::Counts;
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {
         let point = |[x, y]: [f64; 2]| Point { x: Position::from_num(x), y: Position::from_num(y) };

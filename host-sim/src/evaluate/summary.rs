@@ -89,6 +89,9 @@ pub struct Summary {
     pub rms_error_px: Option<f64>,
     /// Median over the frames of the time per pair in milliseconds.
     pub milliseconds: Option<f64>,
+    /// Median over the frames of the instructions per pair, where they were matched on a board.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instructions: Option<u64>,
 }
 
 impl Summary {
@@ -105,6 +108,8 @@ impl Summary {
         let visible: Vec<f32> = points.iter().filter(|point| point.visible).map(|point| point.error).collect();
         let squares: f64 = visible.iter().map(|&error| f64::from(error).powi(2)).sum();
         let times: Vec<f32> = scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
+        let mut instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
+        instructions.sort_unstable();
         Self {
             frames,
             segments_per_frame: scores.iter().map(|score| score.segments).sum::<usize>() as f64 / frames.max(1) as f64,
@@ -117,6 +122,7 @@ impl Summary {
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
             median_error_px: median(visible).map(f64::from),
             milliseconds: median(times).map(f64::from),
+            instructions: instructions.get(instructions.len() / 2).copied(),
         }
     }
 }

@@ -9,8 +9,9 @@ use core::fmt::Write;
 pub fn scene_table(scores: &[FrameScore]) -> String {
     let width = scores.iter().map(|score| score.name.chars().count()).max().unwrap_or(0).max("pooled".len());
     let mut text = format!(
-        "{:width$}  segments  segprec@1/@2   points  cells   vis bad1/bad2  allGT bad1/bad2  median   rms px      ms\n",
-        "scene"
+        "{:width$}  segments  segprec@1/@2   points  cells   vis bad1/bad2  allGT bad1/bad2  median   rms px  {:>6}\n",
+        "scene",
+        if scores.iter().any(|score| score.instructions.is_some()) { "Minstr" } else { "ms" }
     );
     for score in scores {
         line(&mut text, width, &score.name, &Summary::pool([score]));
@@ -65,7 +66,7 @@ fn line(text: &mut String, width: usize, name: &str, summary: &Summary) {
         rates(&summary.all.errors),
         number(summary.median_error_px, 2),
         number(summary.rms_error_px, 2),
-        number(summary.milliseconds, 2),
+        number(summary.instructions.map(|count| count as f64 / 1e6).or(summary.milliseconds), 2),
     );
 }
 

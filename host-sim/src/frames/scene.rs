@@ -8,6 +8,7 @@ use super::decode::{check_size, load_values};
 use super::{FrameError, Truth, area_average, check_same_size, load_gray};
 use crate::engine::GrayImage;
 use linestereo::{Dims, Rig};
+use linestereo_wire::RigUpdate;
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,10 +53,20 @@ impl SceneInfo {
 
     /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
     pub fn rig(&self, path: &Path, scale: f64) -> Result<Option<Rig>, FrameError> {
-        let Some(rectified) = &self.rectified else { return Ok(None) };
-        Rig::new(rectified.focal_px * scale, rectified.baseline_m, rectified.disparity_offset_px * scale)
+        let Some(numbers) = self.rig_numbers(scale) else { return Ok(None) };
+        Rig::new(numbers.focal_px, numbers.baseline_m, numbers.offset_px)
             .map(Some)
             .map_err(|error| FrameError::Rig(path.to_path_buf(), error))
+    }
+
+    /// The numbers behind [`SceneInfo::rig`], for a board.
+    #[must_use]
+    pub fn rig_numbers(&self, scale: f64) -> Option<RigUpdate> {
+        self.rectified.as_ref().map(|rectified| RigUpdate {
+            focal_px: rectified.focal_px * scale,
+            baseline_m: rectified.baseline_m,
+            offset_px: rectified.disparity_offset_px * scale,
+        })
     }
 }
 
@@ -74,6 +85,8 @@ pub struct Scene {
     pub max_disparity: u16,
     /// Rectified rig, if known.
     pub rig: Option<Rig>,
+    /// The numbers behind it.
+    pub rig_numbers: Option<RigUpdate>,
     /// Ground truth, if any.
     pub truth: Option<Truth>,
 }
@@ -130,6 +143,7 @@ pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError
         name: info.scene.clone().unwrap_or_else(folder_name),
         folder: folder.to_path_buf(),
         rig: info.rig(&info_path, scale)?,
+        rig_numbers: info.rig_numbers(scale),
         left,
         right,
         max_disparity,

@@ -4,7 +4,7 @@ use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
 use crate::listing;
 use core::fmt::Write;
-use linestereo::{Dims, Rejection};
+use linestereo::Dims;
 use linestereo_wire::{Counters, Counts, Health, VERSION};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
@@ -53,7 +53,7 @@ struct Listing {
 pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let head = &frame.head;
     let dims = Dims { width: head.width, height: head.height };
-    let (points, counts) = (Vec::new(), linestereo::Counts::default());
+    let (points, counts) = (Vec::new(), head.counts);
     let text = listing::json(dims, &FrameResult { matches: frame.matches.clone(), points, counts })?;
     let mut listing: Value = serde_json::from_str(&text)?;
     let mut health: Vec<String> = head.health.names().map(str::to_owned).collect();
@@ -72,20 +72,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
 
 /// The names and the order of [`listing::counts`].
 fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Error> {
-    let mut list = vec![
-        ("segments_left", u32::from(counts.segments_left)),
-        ("segments_right", u32::from(counts.segments_right)),
-        ("matched", u32::from(counts.matched)),
-    ];
-    list.extend(Rejection::ALL.map(|reason| (reason.name(), u32::from(counts.rejected(reason)))));
-    list.extend([
-        ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
-        ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
-        ("matches_dropped", u32::from(counts.matches_dropped)),
-        ("points", counts.points),
-        ("points_dropped", counts.points_dropped),
-    ]);
-    serializer.collect_map(list)
+    serializer.collect_map(listing::counts(counts))
 }
 
 /// What arrived and what did not, in a few lines.

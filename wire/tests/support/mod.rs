@@ -119,6 +119,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::Baseline(0.0),
         Refusal::Offset(-4096.5),
         Refusal::Unsupported,
+        Refusal::Truncated { needed: u32::MAX, given: 153_599 },
     ];
     let mut list = vec![
         Message::Hello(Hello { board: "".try_into().unwrap(), largest_width: 0, largest_height: 0, segments: 0 }),
@@ -147,6 +148,21 @@ pub(crate) fn messages() -> Vec<Message> {
         Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
     ];
     list.extend(refusals.map(|why| Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })));
+    let longest_point = PointRecord {
+        x: u16::MAX,
+        y: u16::MAX,
+        disparity_q6: i16::MIN,
+        confidence_q16: u16::MAX,
+        source: Some(u16::MAX),
+    };
+    list.extend([
+        Message::Points(Points { sequence: 1, first: 0, list: heapless::Vec::new() }),
+        Message::Points(Points {
+            sequence: u32::MAX,
+            first: u32::MAX,
+            list: [longest_point; POINTS_PER_PACKET].into(),
+        }),
+    ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
@@ -158,8 +174,9 @@ pub(crate) fn messages() -> Vec<Message> {
 pub(crate) fn commands() -> Vec<Command> {
     let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(-64)), ..ParamUpdate::default() };
     let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
-    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates);
-    requests.zip([0, 1, 127, 128, 255, u16::MAX]).map(|(request, id)| Command { id, request }).collect()
+    let pair = Request::Pair(PairHead { width: u16::MAX, height: 240, capture_time_us: u64::MAX });
+    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain([pair]);
+    requests.zip([0, 1, 127, 128, 255, u16::MAX, 300]).map(|(request, id)| Command { id, request }).collect()
 }
 
 pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {

@@ -1,0 +1,141 @@
+//! A toolchain made of Debian's packages: the installed compiler, with `core` for boards beside its own libraries.
+
+use super::toolchain::{TARGET, Toolchain, sysroot};
+use super::{packages, process};
+use anyhow::{Context, Result, bail};
+use core::time::Duration;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const CORE_LIMIT: Duration = Duration::from_secs(900);
+/// The compiler, its library's source, and a linker that rustc calls `rust-lld`.
+const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld-22"];
+const RUSTC: &str = "/usr/bin/rustc";
+pub(super) const CARGO: &str = "/usr/bin/cargo";
+
+#[cfg(unix)]
+use std::os::unix::fs::symlink;
+
+#[cfg(not(unix))]
+fn symlink(_: impl AsRef<Path>, _: impl AsRef<Path>) -> std::io::Result<()> {
+    Err(std::io::Error::other("Debian's packages need a Unix"))
+}
+
+/// Finds it, or makes it once.
+pub(super) fn toolchain() -> Result<Toolchain> {
+    if source().is_none() || !Path::new(CARGO).is_file() || linker().is_none() {
+        packages::install("a board build", &PACKAGES)?;
+    }
+    let (version, source) = source().context("the source of Debian's rustc is not where it should be")?;
+    let linker = linker().context("Debian's lld is not where it should be")?;
+    let cache = cache()?;
+    fs::create_dir_all(&cache).with_context(|| format!("cannot make {}", cache.display()))?;
+    let folder = cache.join(format!("rustc-{version}"));
+    // Tests run side by side: one builds, the others wait for it.
+    let lock = fs::File::create(cache.join("lock"))?;
+    lock.lock()?;
+    if !folder.is_dir() {
+        eprintln!("building core for {TARGET} once, about a minute, into {}", folder.display());
+        let unfinished = tempfile::tempdir_in(&cache)?;
+        assemble(unfinished.path(), &folder, &linker)?;
+        build_core(unfinished.path(), &source)?;
+        fs::rename(unfinished.keep(), &folder)?;
+    }
+    Ok(Toolchain { way: "apt", folder: Some(folder) })
+}
+
+/// The version of Debian's compiler, and where its library's source is, if both are there.
+fn source() -> Option<(String, PathBuf)> {
+    let line = process::first_line(Command::new(RUSTC).arg("--version"))?;
+    let version = line.split(' ').nth(1)?.to_owned();
+    let source = PathBuf::from(format!("/usr/src/rustc-{version}/library"));
+    source.is_dir().then_some((version, source))
+}
+
+/// The newest of Debian's linkers.
+fn linker() -> Option<PathBuf> {
+    let versions = (14..100).rev().map(|version| format!("/usr/lib/llvm-{version}/bin/lld"));
+    versions.chain(["/usr/bin/lld".to_owned()]).map(PathBuf::from).find(|path| path.is_file())
+}
+
+fn cache() -> Result<PathBuf> {
+    let base = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
+    let base = base.or_else(|| std::env::home_dir().map(|home| home.join(".cache")));
+    Ok(base.context("there is no home folder for a compiler; set XDG_CACHE_HOME")?.join("linestereo"))
+}
+
+/// A folder that looks like an installed toolchain: the installed libraries, the linker, and a compiler that looks there.
+fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
+    let host = process::first_line(Command::new(RUSTC).args(["--print", "host-tuple"]))
+        .context("Debian's rustc does not run")?;
+    let installed = sysroot(&mut Command::new(RUSTC)).context("Debian's rustc does not run")?;
+    let libraries = folder.join("lib/rustlib").join(&host);
+    fs::create_dir_all(libraries.join("bin"))?;
+    fs::create_dir_all(folder.join("bin"))?;
+    symlink(installed.join("lib/rustlib").join(&host).join("lib"), libraries.join("lib"))?;
+    symlink(linker, libraries.join("bin/rust-lld"))?;
+    let script = format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
+    let rustc = folder.join("bin/rustc");
+    fs::write(&rustc, script)?;
+    make_executable(&rustc)?;
+    make_executable(folder)
+}
+
+#[cfg(unix)]
+fn make_executable(path: &Path) -> Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    Ok(fs::set_permissions(path, fs::Permissions::from_mode(0o755))?)
+}
+
+#[cfg(not(unix))]
+fn make_executable(_: &Path) -> Result<()> {
+    bail!("Debian's packages need a Unix")
+}
+
+/// Builds `core` and `alloc` for the target from Debian's source by an empty package.
+fn build_core(folder: &Path, source: &Path) -> Result<()> {
+    let package = tempfile::tempdir()?;
+    let at = |name: &str| package.path().join(name);
+    fs::create_dir(at("src"))?;
+    fs::write(at("src/lib.rs"), "#![no_std]\n")?;
+    let manifest = "[package]\nname = \"empty\"\nversion = \"0.0.0\"\nedition = \"2021\"\n\n\
+                    [profile.release]\nopt-level = 3\npanic = \"abort\"\n\n[workspace]\n";
+    fs::write(at("Cargo.toml"), manifest)?;
+    let mut command = Command::new(CARGO);
+    command
+        .current_dir(package.path())
+        .args(["build", "--quiet", "--release", "-Zbuild-std=core,alloc", "--target", TARGET])
+        .env_clear()
+        .envs(std::env::vars_os().filter(|(name, _)| {
+            let name = name.to_string_lossy();
+            name == "HOME" || name == "CARGO_HOME" || name.to_ascii_lowercase().ends_with("_proxy")
+        }))
+        .env("PATH", "/usr/bin:/bin")
+        .env("RUSTC", RUSTC)
+        // Building the library is an unstable option of cargo; what is built is the compiler's own library.
+        .env("RUSTC_BOOTSTRAP", "1")
+        // For link-time optimisation through the library.
+        .env("RUSTFLAGS", "-Cembed-bitcode=yes");
+    let outcome = process::run(&mut command, CORE_LIMIT)?;
+    if !outcome.status.success() {
+        let reason = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
+        bail!("core cannot be built from {}: {reason}", source.display());
+    }
+    let libraries = folder.join("lib/rustlib").join(TARGET).join("lib");
+    fs::create_dir_all(&libraries)?;
+    let mut found = 0;
+    for entry in fs::read_dir(at("target").join(TARGET).join("release/deps"))? {
+        let path = entry?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"].iter().any(|start| name.starts_with(start));
+        if wanted && name.ends_with(".rlib") {
+            fs::copy(&path, libraries.join(&name))?;
+            found += 1;
+        }
+    }
+    if found != 3 {
+        bail!("core was built from {}, but {found} of 3 libraries were found", source.display());
+    }
+    Ok(())
+}

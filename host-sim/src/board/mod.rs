@@ -1,0 +1,38 @@
+//! Boards, driven from a PC: the firmware built, run in QEMU, fed with pairs.
+//!
+//! ```text
+//! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian, packages)
+//! firmware    a program of the firmware package as an ELF file
+//! qemu        a run of it: files in a folder, log lines, exit code
+//! log         defmt frames -> text
+//! pairs       pairs to the program replay, results back
+//! ```
+
+mod debian;
+pub mod firmware;
+pub mod log;
+mod packages;
+mod pairs;
+mod process;
+pub mod qemu;
+pub mod toolchain;
+
+use anyhow::{Result, bail};
+pub use linestereo_firmware::boards::Board;
+pub use pairs::{BoardResult, Costs, Machine, Replayed, push, update};
+use std::path::{Path, PathBuf};
+
+/// The top of the repository: the firmware is built from its source.
+pub fn top() -> Result<PathBuf> {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default();
+    if !top.join("firmware/Cargo.toml").is_file() {
+        bail!("the firmware's source is not at {} any more; run this from a checkout of the repository", top.display());
+    }
+    Ok(top)
+}
+
+/// The board of this name.
+pub fn named(name: &str) -> Result<Board> {
+    let names = || Board::ALL.map(|board| board.name).join(" or ");
+    Board::named(name).ok_or_else(|| anyhow::anyhow!("there is no board {name}; give {}", names()))
+}

@@ -1,0 +1,28 @@
+//! Debian's packages: where neither rustup nor an installed program helps, and only for root.
+
+use super::process;
+use anyhow::{Result, bail};
+use core::time::Duration;
+use std::process::Command;
+
+const LIMIT: Duration = Duration::from_secs(600);
+
+/// Installs packages, or says how a user does it.
+pub(crate) fn install(what_for: &str, packages: &[&str]) -> Result<()> {
+    let list = packages.join(" ");
+    if process::first_line(Command::new("id").arg("-u")).as_deref() != Some("0") {
+        bail!("{what_for} needs {list}; install: sudo apt-get install {list}");
+    }
+    eprintln!("installing {list}");
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.arg("-qq").args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        process::run(&mut command, LIMIT).is_ok_and(|outcome| outcome.status.success())
+    };
+    let mut arguments = vec!["install", "-y", "--no-install-recommends"];
+    arguments.extend(packages);
+    if apt(&arguments) || (apt(&["update"]) && apt(&arguments)) {
+        return Ok(());
+    }
+    bail!("{what_for} needs {list}, which apt-get cannot install here; install them by hand")
+}

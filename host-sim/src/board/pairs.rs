@@ -1,0 +1,175 @@
+//! Pairs to a board and results back: the program `replay` in QEMU, fed with the packets that a host sends over a port.
+
+use super::firmware::{self, Logs};
+use super::toolchain::Toolchain;
+use super::{Board, qemu, top};
+use crate::engine::{FrameResult, GrayImage};
+use anyhow::{Context, Result, bail};
+use core::time::Duration;
+use linestereo::{Margin, Params, Stage};
+use linestereo_wire::{
+    Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead, ParamUpdate,
+    Refusal, Request, RigUpdate, encode,
+};
+use std::path::PathBuf;
+
+/// Longest run over a list of pairs.
+const LIMIT: Duration = Duration::from_secs(600);
+
+/// Instructions by stage.
+pub type Costs = [u64; Stage::ALL.len()];
+
+/// What a board makes of a pair.
+#[derive(Clone, Debug)]
+pub struct BoardResult {
+    /// The result.
+    pub result: FrameResult,
+    /// What it cost.
+    pub costs: Costs,
+}
+
+/// What a board makes of a list of pairs.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// One entry per pair: its result, or why the board refused it.
+    pub pairs: Vec<Result<BoardResult, Refusal>>,
+    /// Packets that the board could not read.
+    pub bad_packets: u32,
+    /// Largest depth of the board's stack in bytes.
+    pub stack: u64,
+}
+
+/// A board with its firmware, ready to run.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    board: Board,
+    elf: PathBuf,
+}
+
+/// The update that gives a board these parameters. A rig cannot be read out of them: its numbers come beside.
+#[must_use]
+pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
+    ParamUpdate {
+        min_disparity: Some(params.min_disparity),
+        max_disparity: Some(params.max_disparity),
+        anchor_gradient: Some(params.anchor_gradient),
+        edge_gradient: Some(params.edge_gradient),
+        min_extent: Some(params.min_extent),
+        cell: Some(params.cell),
+        margin: Some(match params.margin {
+            Margin::Pixels(pixels) => MarginUpdate::PixelsQ6(pixels.to_bits()),
+            Margin::Metres { nearer, farther } => {
+                MarginUpdate::MetresQ16 { nearer: nearer.to_bits(), farther: farther.to_bits() }
+            }
+        }),
+        min_confidence_q16: Some(params.min_confidence.to_bits()),
+        reach: Some(params.reach),
+        rig,
+    }
+}
+
+impl Machine {
+    /// Builds the firmware of a board.
+    pub fn new(board: Board) -> Result<Self> {
+        let toolchain = Toolchain::find(&top()?)?;
+        // Without logs: what is measured is what is shipped.
+        Ok(Self { board, elf: firmware::build(&toolchain, &board, "replay", Logs::None)? })
+    }
+
+    /// The board.
+    #[must_use]
+    pub fn board(&self) -> &Board {
+        &self.board
+    }
+
+    /// Matches pairs on the board, all with the same parameters.
+    pub fn run_pairs(&self, update: &ParamUpdate, pairs: &[(&GrayImage, &GrayImage)]) -> Result<Replayed> {
+        let mut input = Vec::new();
+        push(&mut input, &Command { id: 0, request: Request::SetParams(*update) })?;
+        for (number, (left, right)) in pairs.iter().enumerate() {
+            let head = PairHead { width: left.dims.width, height: left.dims.height, capture_time_us: number as u64 };
+            push(&mut input, &Command { id: id_of(number), request: Request::Pair(head) })?;
+            input.extend_from_slice(&left.pixels);
+            input.extend_from_slice(&right.pixels);
+        }
+        let (answers, replayed) = self.replay(&input)?;
+        match answers.first() {
+            Some((0, Outcome::Accepted)) => {}
+            Some((0, Outcome::Refused(why))) => bail!("{} refuses the parameters: {why}", self.board.name),
+            _ => bail!("{} does not answer", self.board.name),
+        }
+        if replayed.pairs.len() != pairs.len() {
+            bail!("{} pairs were sent to {}, {} were answered", pairs.len(), self.board.name, replayed.pairs.len());
+        }
+        Ok(replayed)
+    }
+
+    /// Feeds the board with these bytes. Gives its answers to commands that are no pairs, and the rest.
+    pub fn replay(&self, input: &[u8]) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
+        let folder = tempfile::tempdir()?;
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("input"), input)?;
+        let arguments = ["input", "output", "table"];
+        qemu::run(&self.board, &self.elf, &arguments, folder.path(), LIMIT)?.success("replay", &self.board)?;
+        let (table, output) = (std::fs::read_to_string(at("table"))?, std::fs::read(at("output"))?);
+        collect(&output, &table).with_context(|| format!("what {} answered cannot be used", self.board.name))
+    }
+}
+
+/// The id of the command that sends pair number `n`; ids wrap.
+fn id_of(number: usize) -> u16 {
+    (number % usize::from(u16::MAX)) as u16 + 1
+}
+
+/// Puts a command behind what is there. The delimiter before it ends whatever came before, pixels as well.
+pub fn push(input: &mut Vec<u8>, command: &Command) -> Result<()> {
+    input.push(DELIMITER);
+    input.extend_from_slice(encode(command, &mut [0; MAX_COMMAND])?);
+    Ok(())
+}
+
+/// Puts messages and costs together.
+fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
+    let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
+    let (mut answers, mut frame) = (Vec::new(), None);
+    let mut replayed = Replayed { pairs: Vec::new(), bad_packets: 0, stack: 0 };
+    for &byte in output {
+        let Some(message) = decoder.push(byte) else { continue };
+        match message? {
+            Message::Hello(_) => {}
+            Message::Frame(head) => {
+                let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts: head.counts };
+                frame = Some(BoardResult { result, costs: Costs::default() });
+            }
+            Message::Segments(segments) => {
+                let frame = frame.as_mut().context("segments without a frame")?;
+                frame.result.matches.extend(segments.list.iter().map(linestereo::Match::from));
+            }
+            Message::Points(points) => {
+                let frame = frame.as_mut().context("points without a frame")?;
+                frame.result.points.extend(points.list.iter().map(linestereo::PointClaim::from));
+            }
+            Message::Answer(answer) => match (frame.take(), answer.outcome) {
+                (Some(frame), Outcome::Accepted) => replayed.pairs.push(Ok(frame)),
+                (None, Outcome::Refused(why)) if answer.command > 0 => replayed.pairs.push(Err(why)),
+                (_, outcome) => answers.push((answer.command, outcome)),
+            },
+        }
+    }
+    if let Some(error) = decoder.finish() {
+        bail!("the last message: {error}");
+    }
+    for line in table.lines() {
+        match line.split('\t').collect::<Vec<_>>()[..] {
+            ["pair", sequence, ref costs @ ..] => {
+                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                let pair = replayed.pairs.get_mut(sequence.parse::<usize>()?).and_then(|pair| pair.as_mut().ok());
+                pair.context("costs of an unknown pair")?.costs = costs.try_into().ok().context("too few costs")?;
+            }
+            ["packets", _, bad, _] => replayed.bad_packets = bad.parse()?,
+            ["stack", bytes] => replayed.stack = bytes.parse()?,
+            _ => bail!("an unknown line of its table: {line}"),
+        }
+    }
+    Ok((answers, replayed))
+}

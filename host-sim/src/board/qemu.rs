@@ -1,0 +1,76 @@
+//! Runs a board program in QEMU.
+//!
+//! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and every run is the same.
+
+use super::{Board, log, packages, process};
+use anyhow::{Context, Result, bail};
+use core::time::Duration;
+use linestereo_firmware::startup::Exit;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const PROGRAM: &str = "qemu-system-arm";
+const PACKAGE: &str = "qemu-system-arm";
+
+/// How a program ended.
+#[derive(Clone, Debug)]
+pub struct Ended {
+    /// The way, `None` for an exit code that no program gives.
+    pub exit: Option<Exit>,
+    /// Its log lines.
+    pub log: Vec<log::Line>,
+    /// What it or QEMU wrote to the error output: reports of faults.
+    pub errors: String,
+}
+
+impl Ended {
+    /// An error unless all is well, with what the program said.
+    pub fn success(&self, program: &str, board: &Board) -> Result<()> {
+        if self.exit == Some(Exit::Success) {
+            return Ok(());
+        }
+        let why = self.exit.map_or("QEMU failed", Exit::meaning);
+        let said = self.errors.trim();
+        bail!("{program} on {}: {why}{}{said}", board.name, if said.is_empty() { "" } else { ": " })
+    }
+}
+
+/// Makes sure that QEMU is there.
+pub fn find() -> Result<PathBuf> {
+    let there = || process::first_line(Command::new(PROGRAM).arg("--version")).is_some();
+    if !there() {
+        packages::install("running a board", &[PACKAGE])?;
+    }
+    if there() { Ok(PROGRAM.into()) } else { bail!("{PROGRAM} does not run; install QEMU for Arm") }
+}
+
+/// The command that runs a program with these arguments, reading and writing files in `folder`.
+pub fn command(board: &Board, elf: &Path, arguments: &[&str], folder: &Path) -> Result<Command> {
+    let mut semihosting = String::from("enable=on,target=native,arg=program");
+    for argument in arguments {
+        if argument.contains([',', ' ']) {
+            bail!("a board program takes no argument with a comma or a space: {argument}");
+        }
+        semihosting.push_str(&format!(",arg={argument}"));
+    }
+    let mut command = Command::new(find()?);
+    command
+        .current_dir(folder)
+        .args(["-machine", board.name, "-display", "none", "-monitor", "none", "-icount", "shift=6"])
+        .args(["-semihosting-config", &semihosting])
+        .arg("-kernel")
+        .arg(std::path::absolute(elf)?);
+    Ok(command)
+}
+
+/// Runs a program to its end.
+pub fn run(board: &Board, elf: &Path, arguments: &[&str], folder: &Path, limit: Duration) -> Result<Ended> {
+    let mut command = command(board, elf, arguments, folder)?;
+    let outcome = process::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;
+    let code = outcome.status.code().and_then(|code| u32::try_from(code).ok());
+    Ok(Ended {
+        exit: Exit::ALL.into_iter().find(|&exit| Some(exit as u32) == code),
+        log: log::decode(elf, &outcome.stdout)?,
+        errors: outcome.stderr,
+    })
+}

@@ -1,0 +1,114 @@
+//! A compiler for boards.
+//!
+//! ```text
+//! 1. the compiler in use has the library of the target                 nothing to do
+//! 2. rustup target add                                                 for ordinary users
+//! 3. Debian's compiler and library source, core built once by it       where rustup cannot download
+//! ```
+//!
+//! `LINESTEREO_TOOLCHAIN=rustup` or `=apt` takes that way or fails. The third is a folder in the user's cache: the installed compiler with
+//! `core` for the board beside its own libraries, so that plain cargo builds for it.
+
+use super::{debian, process};
+use anyhow::{Context, Result, bail};
+use core::time::Duration;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Armv7E-M with hardware single precision: Cortex-M4F and Cortex-M7.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+/// Forces a way.
+pub const VARIABLE: &str = "LINESTEREO_TOOLCHAIN";
+
+const RUSTUP_LIMIT: Duration = Duration::from_secs(90);
+
+/// A cargo that builds for boards.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Toolchain {
+    /// The way: `rustup` or `apt`.
+    pub way: &'static str,
+    /// A folder made of Debian's compiler, or none: then cargo is the one in use.
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl Toolchain {
+    /// Finds or makes one. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
+    pub fn find(top: &Path) -> Result<Self> {
+        match std::env::var(VARIABLE).as_deref() {
+            Err(_) | Ok("") => match rustup(top) {
+                Ok(toolchain) => Ok(toolchain),
+                Err(rustup) => debian::toolchain()
+                    .with_context(|| format!("no compiler for boards: {rustup:#}; by Debian's packages")),
+            },
+            Ok("rustup") => rustup(top),
+            Ok("apt") => debian::toolchain(),
+            Ok(other) => bail!("{VARIABLE} is {other}; give rustup or apt, or leave it unset"),
+        }
+    }
+
+    /// A cargo command without what other builds left in the environment.
+    #[must_use]
+    pub fn cargo(&self) -> Command {
+        let mut command = match &self.folder {
+            Some(folder) => {
+                let mut command = Command::new(debian::CARGO);
+                command.env_remove("RUSTUP_TOOLCHAIN").env("RUSTC", folder.join("bin/rustc"));
+                command
+            }
+            None => Command::new("cargo"),
+        };
+        for (name, _) in std::env::vars_os() {
+            let text = name.to_string_lossy();
+            let changes_the_build = text.starts_with("CARGO_PROFILE_")
+                || text.starts_with("CARGO_TARGET_")
+                || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"].contains(&&*text);
+            if changes_the_build {
+                command.env_remove(name);
+            }
+        }
+        command
+    }
+
+    /// The linker for boards.
+    pub fn linker(&self, top: &Path) -> Result<PathBuf> {
+        let sysroot = match &self.folder {
+            Some(folder) => folder.clone(),
+            None => sysroot(Command::new("rustc").current_dir(top)).context("rustc does not run")?,
+        };
+        Ok(sysroot.join("lib/rustlib").join(host()?).join("bin/rust-lld"))
+    }
+
+    /// Name and version of the compiler.
+    pub fn version(&self, top: &Path) -> Result<String> {
+        let rustc = self.folder.as_ref().map_or_else(|| PathBuf::from("rustc"), |folder| folder.join("bin/rustc"));
+        process::first_line(Command::new(rustc).arg("--version").current_dir(top)).context("rustc does not run")
+    }
+}
+
+pub(super) fn sysroot(rustc: &mut Command) -> Option<PathBuf> {
+    process::first_line(rustc.args(["--print", "sysroot"])).map(PathBuf::from)
+}
+
+fn host() -> Result<String> {
+    process::first_line(Command::new("rustc").args(["--print", "host-tuple"])).context("rustc does not run")
+}
+
+/// The compiler in use, with the target added if need be.
+fn rustup(top: &Path) -> Result<Toolchain> {
+    let toolchain = Toolchain { way: "rustup", folder: None };
+    let has_target = || {
+        let sysroot = sysroot(Command::new("rustc").current_dir(top))?;
+        sysroot.join("lib/rustlib").join(TARGET).join("lib").is_dir().then_some(())
+    };
+    if has_target().is_some() {
+        return Ok(toolchain);
+    }
+    eprintln!("rustup target add {TARGET}");
+    let added = process::run(Command::new("rustup").args(["target", "add", TARGET]).current_dir(top), RUSTUP_LIMIT);
+    let reason = match added {
+        Ok(_) if has_target().is_some() => return Ok(toolchain),
+        Ok(outcome) => outcome.stderr.lines().rfind(|line| line.contains("error")).unwrap_or("it failed").to_owned(),
+        Err(error) => format!("{error:#}"),
+    };
+    bail!("`rustup target add {TARGET}` does not work here ({reason})")
+}

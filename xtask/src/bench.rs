@@ -1,0 +1,119 @@
+//! Instructions by stage, from the programs `bench` (built-in pairs) and `replay` (captured ones).
+
+use anyhow::{Context, Result};
+use core::fmt::Write;
+use linestereo::{Dims, Params, Stage};
+use linestereo_sim::board::firmware::{self, Logs};
+use linestereo_sim::board::toolchain::Toolchain;
+use linestereo_sim::board::{self, Board, Costs, Machine, qemu};
+use linestereo_sim::engine::GrayImage;
+use linestereo_sim::frames::{find_scenes, load_scene};
+use std::path::Path;
+
+/// What the program `bench` found.
+pub(crate) struct Builtin {
+    /// Name and instructions by stage of every pair.
+    pub(crate) pairs: Vec<(String, Costs)>,
+    /// Largest depth of the stack in bytes.
+    pub(crate) stack: u64,
+}
+
+/// Runs the program `bench`, as it is without logs.
+pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
+    let toolchain = Toolchain::find(&board::top()?)?;
+    let elf = firmware::build(&toolchain, board, "bench", Logs::None)?;
+    let folder = tempfile::tempdir()?;
+    qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
+    let table = std::fs::read_to_string(folder.path().join("table"))?;
+    let (mut pairs, mut stack) = (Vec::new(), 0);
+    for line in table.lines() {
+        let line_of = || format!("the table of bench has an unknown line: {line}");
+        match line.split('\t').collect::<Vec<_>>()[..] {
+            ["pair", name, _, _, ref costs @ ..] => {
+                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                pairs.push((name.to_owned(), costs.try_into().ok().with_context(line_of)?));
+            }
+            ["stack", bytes] => stack = bytes.parse()?,
+            _ => anyhow::bail!(line_of()),
+        }
+    }
+    Ok(Builtin { pairs, stack })
+}
+
+/// Prints the tables.
+pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
+    for board in boards {
+        let builtin = builtin(board)?;
+        println!("{}, built-in pairs, thousands of instructions\n{}", board.name, table(&builtin.pairs));
+        for &dims in board.sizes.iter().filter(|_| frames.is_some()) {
+            let folder = frames.unwrap_or(Path::new("."));
+            let pairs = captured(board, folder, dims)?;
+            let (name, folder) = (board.name, folder.display());
+            println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
+        }
+    }
+    Ok(())
+}
+
+/// Instructions of every scene below a folder with default parameters, 64 disparities: reduced to the width of `dims`, and of that as many
+/// rows from the middle as `dims` has. Scenes that are smaller are left out.
+pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Costs)>> {
+    let (mut names, mut images) = (Vec::new(), Vec::new());
+    for path in find_scenes(folder)? {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
+        if scene.left.dims.height >= dims.height {
+            names.push(name);
+            images.push((middle(&scene.left, dims), middle(&scene.right, dims)));
+        }
+    }
+    let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).collect();
+    let replayed = Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
+    let found = names.into_iter().zip(replayed.pairs);
+    found.map(|(name, pair)| Ok((name, pair.map_err(|why| anyhow::anyhow!("{why}"))?.costs))).collect()
+}
+
+/// Rows from the middle of an image.
+fn middle(image: &GrayImage, dims: Dims) -> GrayImage {
+    let width = usize::from(dims.width);
+    let first = usize::from(image.dims.height - dims.height) / 2;
+    let rows = image.pixels.chunks(width).skip(first).take(dims.height.into());
+    GrayImage { dims, pixels: rows.flatten().copied().collect() }
+}
+
+/// Median of the totals, or of one stage.
+pub(crate) fn median(mut values: Vec<u64>) -> u64 {
+    values.sort_unstable();
+    values.get(values.len() / 2).copied().unwrap_or(0)
+}
+
+/// Instructions of a pair.
+pub(crate) fn total(costs: &Costs) -> u64 {
+    costs.iter().sum()
+}
+
+fn table(pairs: &[(String, Costs)]) -> String {
+    let mut text = format!("{:30} {:>9}", "", "total");
+    for stage in Stage::ALL {
+        let _ = write!(text, " {:>11}", stage.name());
+    }
+    let mut line = |name: &str, total: u64, stages: &[u64]| {
+        let _ = write!(text, "\n{name:30} {:>9}", total / 1000);
+        for cost in stages {
+            let _ = write!(text, " {:>11}", cost / 1000);
+        }
+    };
+    for (name, costs) in pairs {
+        line(name, total(costs), costs);
+    }
+    let over = |fold: fn(Vec<u64>) -> u64| {
+        let stages = Stage::ALL.map(|stage| fold(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect()));
+        (fold(pairs.iter().map(|(_, costs)| total(costs)).collect()), stages)
+    };
+    let (of_totals, of_stages) = over(median);
+    line("median", of_totals, &of_stages);
+    let (of_totals, of_stages) = over(|values| values.into_iter().max().unwrap_or(0));
+    line("largest", of_totals, &of_stages);
+    text.push('\n');
+    text
+}

@@ -1,0 +1,220 @@
+//! `cargo xtask measure`: the numbers of `docs/board-numbers.toml`, measured again and compared.
+//!
+//! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for reading.
+
+use crate::bench::{self, Builtin};
+use crate::sizes;
+use anyhow::{Context, Result, bail};
+use linestereo::{Dims, Stage};
+use linestereo_sim::board::toolchain::Toolchain;
+use linestereo_sim::board::{self, Board, Costs};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+const FILE: &str = "docs/board-numbers.toml";
+/// Larger differences are a loss or a gain.
+const TOLERANCE_PERCENT: u64 = 1;
+
+const HEAD: &str = "\
+# What a pair costs on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
+# an error, a gain of more than 1 % asks for a new blessing.
+#
+# Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states.
+# All pairs: default parameters, 64 disparities; \"dearest\" ones: parameters that find and report as much as any can.
+# built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
+# captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
+# again only where LINESTEREO_FRAMES names them.
+# Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
+# ram = static_ram + stack_used.
+
+";
+
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Numbers {
+    compiler: String,
+    boards: BTreeMap<String, BoardNumbers>,
+}
+
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct BoardNumbers {
+    bytes: BTreeMap<String, u64>,
+    built_in: BTreeMap<String, Instructions>,
+    #[serde(default)]
+    captured: BTreeMap<String, Instructions>,
+}
+
+/// Of the pairs of one size.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Instructions {
+    median: u64,
+    largest: u64,
+    /// Medians.
+    by_stage: BTreeMap<String, u64>,
+    by_pair: BTreeMap<String, u64>,
+}
+
+impl Instructions {
+    fn new(pairs: &[(String, Costs)]) -> Self {
+        let totals = || pairs.iter().map(|(_, costs)| bench::total(costs));
+        let of_stage = |stage: Stage| bench::median(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect());
+        Self {
+            median: bench::median(totals().collect()),
+            largest: totals().max().unwrap_or(0),
+            by_stage: Stage::ALL.into_iter().map(|stage| (stage.name().to_owned(), of_stage(stage))).collect(),
+            by_pair: pairs.iter().map(|(name, costs)| (name.clone(), bench::total(costs))).collect(),
+        }
+    }
+}
+
+/// Measures, and writes the file or compares with it.
+pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
+    let frames = std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
+    let frames = frames.filter(|folder| folder.is_dir());
+    let path = top.join(FILE);
+    let old = match std::fs::read_to_string(&path) {
+        Ok(text) => Some(toml::from_str::<Numbers>(&text).with_context(|| format!("{FILE} cannot be read"))?),
+        Err(_) if bless => None,
+        Err(error) => bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless"),
+    };
+    let mut new = measure(top, frames.as_deref())?;
+    if bless {
+        for (name, board) in &mut new.boards {
+            // What cannot be measured here stays.
+            if let Some(before) = old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none()) {
+                board.captured = before.captured.iter().map(|(size, of)| (size.clone(), of.copy())).collect();
+            }
+        }
+        std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&new)?))?;
+        println!("{FILE}: blessed; commit it");
+        return Ok(());
+    }
+    let old = old.with_context(|| format!("{FILE} is not there"))?;
+    if old.compiler != new.compiler {
+        println!("measured with {}, the file was with {}", new.compiler, old.compiler);
+    }
+    if frames.is_none() {
+        println!("captured frames were not measured: LINESTEREO_FRAMES does not name them");
+    }
+    compare(&compared(&old, frames.is_some()), &compared(&new, frames.is_some()))
+}
+
+impl Instructions {
+    fn copy(&self) -> Self {
+        let Self { median, largest, by_stage, by_pair } = self;
+        Self { median: *median, largest: *largest, by_stage: by_stage.clone(), by_pair: by_pair.clone() }
+    }
+}
+
+fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
+    let mut boards = BTreeMap::new();
+    for board in Board::ALL {
+        eprintln!("measuring {}", board.name);
+        boards.insert(board.name.to_owned(), measure_board(&board, frames)?);
+    }
+    Ok(Numbers { compiler: Toolchain::find(&board::top()?)?.version(top)?, boards })
+}
+
+fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
+    let Builtin { pairs, stack } = bench::builtin(board)?;
+    let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
+    let bytes = [
+        ("flash", replay.flash()),
+        ("flash_live", live.flash()),
+        ("static_ram", replay.static_ram()),
+        ("stack_used", stack),
+        ("stack_reserved", replay.stack),
+        ("ram", replay.static_ram() + stack),
+    ];
+    let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
+    for (name, costs) in pairs {
+        // Such as bricks_320x240_dearest.
+        let size = |dims: &&Dims| name.contains(&format!("_{dims}"));
+        let dims = board.sizes.iter().find(size).with_context(|| format!("the pair {name} has no size"))?;
+        let (scene, kind) = name.split_once(&format!("_{dims}")).unwrap_or((&name, ""));
+        groups.entry(format!("{dims}{kind}")).or_default().push((scene.to_owned(), costs));
+    }
+    let built_in = groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect();
+    let mut captured = BTreeMap::new();
+    if let Some(folder) = frames {
+        for &dims in board.sizes {
+            let pairs = bench::captured(board, folder, dims)?;
+            captured.insert(dims.to_string(), Instructions::new(&pairs));
+        }
+    }
+    let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
+    Ok(BoardNumbers { bytes, built_in, captured })
+}
+
+/// The numbers that are compared, by name.
+fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
+    let mut list = BTreeMap::new();
+    for (name, board) in &numbers.boards {
+        for (what, &bytes) in &board.bytes {
+            list.insert(format!("{name} {what}"), bytes);
+        }
+        let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
+        for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {
+            list.insert(format!("{name} {kind} {size} median"), instructions.median);
+            list.insert(format!("{name} {kind} {size} largest"), instructions.largest);
+        }
+    }
+    list
+}
+
+fn compare(old: &BTreeMap<String, u64>, new: &BTreeMap<String, u64>) -> Result<()> {
+    let (mut losses, mut gains) = (0, 0);
+    for (name, &now) in new {
+        let before = old.get(name).copied();
+        let change = before.map_or(f64::INFINITY, |before| now as f64 / before.max(1) as f64 - 1.0);
+        let more_than = |large: u64, small: u64| 100 * large > (100 + TOLERANCE_PERCENT) * small;
+        let less_than = |small: u64, large: u64| 100 * small < (100 - TOLERANCE_PERCENT) * large;
+        let verdict = if before.is_none_or(|before| more_than(now, before)) {
+            losses += 1;
+            "LOSS"
+        } else if before.is_some_and(|before| less_than(now, before)) {
+            gains += 1;
+            "gain"
+        } else {
+            ""
+        };
+        let before = before.map_or("-".to_owned(), |before| before.to_string());
+        println!("{name:44} {before:>12} {now:>12} {:>8.2} % {verdict}", 100.0 * change);
+    }
+    let gone: Vec<&str> = old.keys().filter(|name| !new.contains_key(*name)).map(String::as_str).collect();
+    if losses > 0 || !gone.is_empty() {
+        bail!(
+            "{losses} numbers are more than 1 % worse than in {FILE} or new, {} are gone: {}",
+            gone.len(),
+            gone.join(", ")
+        );
+    }
+    if gains > 0 {
+        bail!("{gains} numbers are more than 1 % better than in {FILE}; keep the gain: cargo xtask measure --bless");
+    }
+    println!("all within 1 % of {FILE}");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(value: u64) -> BTreeMap<String, u64> {
+        BTreeMap::from([("flash".to_owned(), value)])
+    }
+
+    #[test]
+    fn one_percent_is_the_limit_both_ways() {
+        assert!(compare(&list(10_000), &list(10_100)).is_ok());
+        assert!(compare(&list(10_000), &list(10_101)).unwrap_err().to_string().contains("worse"));
+        assert!(compare(&list(10_000), &list(9_900)).is_ok());
+        assert!(compare(&list(10_000), &list(9_899)).unwrap_err().to_string().contains("--bless"));
+    }
+
+    #[test]
+    fn a_number_that_comes_or_goes_is_an_error() {
+        assert!(compare(&BTreeMap::new(), &list(1)).is_err());
+        assert!(compare(&list(1), &BTreeMap::new()).is_err());
+    }
+}
