@@ -1,4 +1,5 @@
-//! Test support: naive oracles and drawn images.
+//! Test support: naive oracles, drawn images, boards.
 
+pub mod board;
 pub mod drawn;
 pub mod reference;

@@ -31,7 +31,7 @@ pub struct BoardResult {
 /// What a board makes of a list of pairs.
 #[derive(Clone, Debug)]
 pub struct Replayed {
-    /// One entry per pair: its result, or why the board refused it.
+    /// One entry per pair: its result, or why the board refused it. Other commands that it refused stand between them.
     pub pairs: Vec<Result<BoardResult, Refusal>>,
     /// Packets that the board could not read.
     pub bad_packets: u32,
@@ -104,7 +104,7 @@ impl Machine {
         Ok(replayed)
     }
 
-    /// Feeds the board with these bytes. Gives its answers to commands that are no pairs, and the rest.
+    /// Feeds the board with these bytes. Gives what became of the commands that it accepted and that are no pairs, and the rest.
     pub fn replay(&self, input: &[u8]) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
         let folder = tempfile::tempdir()?;
         let at = |name: &str| folder.path().join(name);
@@ -159,12 +159,13 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
     if let Some(error) = decoder.finish() {
         bail!("the last message: {error}");
     }
+    let mut matched = replayed.pairs.iter_mut().filter_map(|pair| pair.as_mut().ok());
     for line in table.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
-            ["pair", sequence, ref costs @ ..] => {
+            ["pair", _, ref costs @ ..] => {
                 let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
-                let pair = replayed.pairs.get_mut(sequence.parse::<usize>()?).and_then(|pair| pair.as_mut().ok());
-                pair.context("costs of an unknown pair")?.costs = costs.try_into().ok().context("too few costs")?;
+                let pair = matched.next().context("costs of an unknown pair")?;
+                pair.costs = costs.try_into().ok().context("too few costs")?;
             }
             ["packets", _, bad, _] => replayed.bad_packets = bad.parse()?,
             ["stack", bytes] => replayed.stack = bytes.parse()?,

@@ -1,0 +1,86 @@
+//! Boards for tests: emulated where a compiler and QEMU can be had.
+
+use core::any::Any;
+use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
+use linestereo_firmware::memory::{Memory, RunError};
+use linestereo_sim::board::Machine;
+use linestereo_sim::engine::{FrameResult, GrayImage};
+use std::io::Write;
+
+/// What `made` holds. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
+///
+/// # Panics
+/// When it failed, and `CI` or `LINESTEREO_TOOLCHAIN` is set.
+pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
+    match made {
+        Ok(made) => Some(made),
+        Err(error) => {
+            let counted_on = ["CI", "LINESTEREO_TOOLCHAIN"].iter().any(|name| std::env::var_os(name).is_some());
+            assert!(!counted_on, "{error:#}");
+            // Not by a macro: those are silent in tests that pass.
+            let _ = writeln!(std::io::stderr(), "\nSKIPPED, no boards here: {error:#}\n");
+            None
+        }
+    }
+}
+
+/// A board's program `replay`, or none where boards cannot be built.
+#[must_use]
+pub fn machine(board: Board) -> Option<Machine> {
+    or_skip(Machine::new(board))
+}
+
+/// The core on this machine, with the memory of a board.
+pub struct Twin(Box<dyn Any>);
+
+impl Twin {
+    /// Of this board.
+    ///
+    /// # Panics
+    /// When the board has no memory known here.
+    #[must_use]
+    pub fn of(board: &Board) -> Self {
+        if *board == mps2_an500::BOARD {
+            return Self(Box::new(mps2_an500::Workspace::new()));
+        }
+        assert_eq!(*board, mps2_an386::BOARD);
+        Self(Box::new(mps2_an386::Workspace::new()))
+    }
+
+    /// Matches a pair.
+    pub fn run(
+        &mut self,
+        params: &linestereo::Params,
+        left: &GrayImage,
+        right: &GrayImage,
+    ) -> Result<FrameResult, RunError> {
+        match self.0.downcast_mut::<mps2_an500::Workspace>() {
+            Some(large) => run(large, params, left, right),
+            None => match self.0.downcast_mut::<mps2_an386::Workspace>() {
+                Some(small) => run(small, params, left, right),
+                None => Err(RunError::Size(left.dims)),
+            },
+        }
+    }
+}
+
+fn run(
+    memory: &mut impl Memory,
+    params: &linestereo::Params,
+    left: &GrayImage,
+    right: &GrayImage,
+) -> Result<FrameResult, RunError> {
+    if !memory.fits(left.dims) {
+        return Err(RunError::Size(left.dims));
+    }
+    for (frame, image) in memory.frames().into_iter().zip([left, right]) {
+        frame[..image.pixels.len()].copy_from_slice(&image.pixels);
+    }
+    memory.run(params, left.dims, &mut ())?;
+    let results = memory.results();
+    Ok(FrameResult {
+        matches: results.matches.to_vec(),
+        points: results.points.to_vec(),
+        counts: results.counts.into(),
+    })
+}

@@ -1,0 +1,323 @@
+//! The boards under QEMU: the PC's bits, and an end for everything that must not happen.
+
+use core::time::Duration;
+use linestereo::{Confidence, Dims, Params};
+use linestereo_firmware::boards::Board;
+use linestereo_firmware::cases::Case;
+use linestereo_firmware::startup::Exit;
+use linestereo_sim::board::firmware::{self, Logs};
+use linestereo_sim::board::toolchain::{TARGET, Toolchain};
+use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
+use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
+use linestereo_sim::listing;
+use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_tests::board::{Twin, machine, or_skip};
+use linestereo_wire::*;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command as Process, Stdio};
+
+const LIMIT: Duration = Duration::from_secs(120);
+
+fn rendered(width: u16, height: u16) -> (GrayImage, GrayImage) {
+    let dims = Dims { width, height };
+    let sensor = Sensor { noise: 1.0, seed: 3, ..Sensor::default() };
+    let rendering = scene::render(&scene::build(Kind::Boxes, dims, 3), dims, &sensor);
+    (rendering.left, rendering.right)
+}
+
+fn json(dims: Dims, result: &FrameResult) -> String {
+    listing::json(dims, result).unwrap()
+}
+
+/// The only pair's result.
+fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, GrayImage)) -> BoardResult {
+    let mut replayed = machine.run_pairs(update, &[(left, right)]).unwrap();
+    assert_eq!((replayed.pairs.len(), replayed.bad_packets), (1, 0));
+    replayed.pairs.remove(0).unwrap()
+}
+
+#[test]
+fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
+    for board in Board::ALL {
+        let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+        let elf = firmware::build(&toolchain, &board, "selftest", Logs::Semihosting).unwrap();
+        let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
+        let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
+        assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
+        assert_eq!(ended.log.len(), Case::all(&board).count(), "{:?}", ended.log);
+    }
+}
+
+#[test]
+fn a_rendered_scene_gives_the_json_of_the_pc() {
+    for board in Board::ALL {
+        let Some(machine) = machine(board) else { return };
+        for (width, height) in [(320, 240), (160, 120), (128, 96)] {
+            let pair = rendered(width, height);
+            let dims = pair.0.dims;
+            if !board.fits(dims) {
+                let refused = machine.run_pairs(&ParamUpdate::default(), &[(&pair.0, &pair.1)]).unwrap();
+                assert!(refused.pairs[0].is_err());
+                continue;
+            }
+            let rig = RigUpdate { focal_px: 300.5, baseline_m: 0.07, offset_px: 1.25 };
+            let params = Params {
+                max_disparity: 48,
+                rig: Some(linestereo::Rig::new(rig.focal_px, rig.baseline_m, rig.offset_px).unwrap()),
+                ..Params::default()
+            };
+            let found = run_one(&machine, &board::update(&params, Some(rig)), &pair);
+            let twin = Twin::of(&board).run(&params, &pair.0, &pair.1).unwrap();
+            assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {dims}", board.name);
+            assert_eq!(found.result.points, twin.points);
+            assert!(found.result.matches.len() > 5 && found.costs.iter().sum::<u64>() > 100_000);
+
+            // Where no list is full, the capacities do not matter: the PC's own command gives the same.
+            let sparse = Params { cell: 32, reach: 1, min_confidence: Confidence::from_num(0.985), ..params };
+            let found = run_one(&machine, &board::update(&sparse, Some(rig)), &pair).result;
+            let mut engine = Engine::new(&sparse, dims).unwrap();
+            let pc = engine.run(pair.0.view().unwrap(), pair.1.view().unwrap()).unwrap();
+            let counts = found.counts;
+            let dropped = [counts.segments_left_dropped, counts.segments_right_dropped, counts.matches_dropped];
+            if dropped == [0; 3] && counts.points_dropped == 0 {
+                assert_eq!(json(dims, &found), json(dims, &pc), "{} {dims}", board.name);
+            } else {
+                assert!(width > 128, "the smallest scene fills a list: {counts:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn worst_cases_are_the_same_to_the_last_byte() {
+    for board in Board::ALL {
+        let Some(machine) = machine(board) else { return };
+        let mut twin = Twin::of(&board);
+        for dearest in [false, true] {
+            let cases: Vec<Case> = Case::all(&board).filter(|case| case.dearest == dearest).collect();
+            let params = cases[0].params();
+            let painted: Vec<(GrayImage, GrayImage)> = cases.iter().map(paint).collect();
+            let pairs: Vec<_> = painted.iter().map(|(left, right)| (left, right)).collect();
+            let replayed = machine.run_pairs(&board::update(&params, None), &pairs).unwrap();
+            for ((case, found), (left, right)) in cases.iter().zip(&replayed.pairs).zip(&painted) {
+                let found = &found.as_ref().unwrap().result;
+                let expected = twin.run(&params, left, right).unwrap();
+                assert_eq!(found.matches, expected.matches, "{case}");
+                assert_eq!(found.points, expected.points, "{case}");
+                assert_eq!(found.counts, expected.counts, "{case}");
+            }
+        }
+    }
+}
+
+fn paint(case: &Case) -> (GrayImage, GrayImage) {
+    let pixels = usize::from(case.dims.width) * usize::from(case.dims.height);
+    let image = || GrayImage { dims: case.dims, pixels: vec![0; pixels] };
+    let (mut left, mut right) = (image(), image());
+    case.scene.paint(case.dims, &mut left.pixels, &mut right.pixels);
+    (left, right)
+}
+
+#[test]
+fn faults_end_in_exit_codes() {
+    for board in Board::ALL {
+        let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+        let elf = firmware::build(&toolchain, &board, "faults", Logs::None).unwrap();
+        for (fault, exit, report) in [
+            ("panic", Exit::Panic, "panic: firmware/src/bin/faults.rs:"),
+            ("stack", Exit::StackOverflow, "stack overflow:"),
+            ("large-stack", Exit::StackOverflow, "stack overflow:"),
+            ("guard", Exit::StackOverflow, "address 1ffffff0"),
+            ("bus", Exit::Fault, "address b0000000"),
+            ("undefined", Exit::Fault, "fault: pc 0000"),
+            ("nonsense", Exit::Usage, ""),
+        ] {
+            let Some(ended) = or_skip(qemu::run(&board, &elf, &[fault], Path::new("."), LIMIT)) else { return };
+            assert_eq!(ended.exit, Some(exit), "{fault} on {}: {}", board.name, ended.errors);
+            assert!(ended.errors.contains(report), "{fault} on {}: {}", board.name, ended.errors);
+        }
+    }
+}
+
+/// A command that sends a pair, and its pixels.
+fn pair_bytes(id: u16, dims: Dims, pixels: &[&[u8]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let head = PairHead { width: dims.width, height: dims.height, capture_time_us: 0 };
+    push(&mut bytes, &Command { id, request: Request::Pair(head) }).unwrap();
+    pixels.iter().for_each(|image| bytes.extend_from_slice(image));
+    bytes
+}
+
+#[test]
+fn bad_input_is_named_and_the_next_good_pair_is_matched() {
+    let board = Board::ALL[1];
+    let Some(machine) = machine(board) else { return };
+    let (left, right) = rendered(128, 96);
+    let good = |id| pair_bytes(id, left.dims, &[&left.pixels, &right.pixels]);
+    let command = |id, request| {
+        let mut bytes = Vec::new();
+        push(&mut bytes, &Command { id, request }).unwrap();
+        bytes
+    };
+    let update = |update| Request::SetParams(update);
+    let mut other_version = command(90, Request::Start);
+    let end = other_version.len() - 2;
+    other_version[end] ^= 0x10; // a damaged packet
+    let huge = Dims { width: 320, height: 240 };
+    let input = [
+        b"garbage that is no packet\x01\x02\xff".to_vec(),
+        good(1),
+        pair_bytes(2, huge, &[&[0; 320 * 240], &[7; 320 * 240]]),
+        good(3),
+        pair_bytes(4, Dims { width: 8, height: 8 }, &[&[1; 64], &[2; 64]]),
+        other_version,
+        command(5, update(ParamUpdate { cell: Some(3), ..ParamUpdate::default() })),
+        command(6, update(ParamUpdate { max_disparity: Some(500), ..ParamUpdate::default() })),
+        good(7),
+        // Fits the largest pair of the board but not this one.
+        command(8, update(ParamUpdate { max_disparity: Some(140), ..ParamUpdate::default() })),
+        good(9),
+        command(10, update(ParamUpdate { max_disparity: Some(64), ..ParamUpdate::default() })),
+        good(11),
+        good(12)[..20_000].to_vec(),
+    ];
+    let (answers, replayed) = machine.replay(&input.concat()).unwrap();
+    assert_eq!(replayed.bad_packets, 2);
+    let twin = Twin::of(&board).run(&Params::default(), &left, &right).unwrap();
+    let mut texts = Vec::new();
+    for pair in &replayed.pairs {
+        texts.push(match pair {
+            Ok(found) => {
+                assert_eq!((&found.result.matches, &found.result.points), (&twin.matches, &twin.points));
+                "good".to_owned()
+            }
+            Err(why) => why.to_string(),
+        });
+    }
+    let expected = [
+        "good",
+        "width is 320, allowed are 16 to 160",
+        "good",
+        "width is 8, allowed are 16 to 160",
+        "cell is 3, allowed are 8 to 256",
+        "max_disparity is 500, allowed are 8 to 159",
+        "good",
+        "max_disparity is 140, allowed are 8 to 127",
+        "good",
+    ];
+    assert_eq!(texts[..9], expected);
+    assert_eq!(texts.len(), 10);
+    assert!(texts[9].starts_with("the pair has 24576 bytes, 199"), "{}", texts[9]);
+    assert_eq!(answers, [(8, Outcome::Accepted), (10, Outcome::Accepted)]);
+}
+
+#[test]
+fn a_live_board_answers_on_its_port() {
+    let board = Board::ALL[1];
+    let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+    let elf = firmware::build(&toolchain, &board, "live", Logs::None).unwrap();
+    let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
+    let mut running = Running(
+        qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap(),
+        Decoder::new(),
+    );
+    assert!(matches!(running.message(), Message::Hello(hello) if hello.board == board.name));
+    running.command(1, Request::Describe);
+    assert!(matches!(running.message(), Message::Hello(_)));
+    assert_eq!(running.answer(1), Outcome::Accepted);
+    let narrow = ParamUpdate { max_disparity: Some(4), ..ParamUpdate::default() };
+    running.command(2, Request::SetParams(narrow));
+    assert!(matches!(running.answer(2), Outcome::Refused(Refusal::OutOfRange { .. })));
+    running.0.stdin.as_mut().unwrap().write_all(b"garbage\xff\x03\x02\0").unwrap();
+    running.command(3, Request::Start);
+    assert_eq!(running.answer(3), Outcome::Accepted);
+    let mut twin = Twin::of(&board);
+    for (sequence, case) in (0..3).zip(Case::all(&board)) {
+        let (left, right) = paint(&case);
+        let expected = twin.run(&Params::default(), &left, &right).unwrap();
+        let Message::Frame(head) = running.message() else { panic!("a frame was expected") };
+        assert_eq!((head.sequence, head.counts), (sequence, expected.counts));
+        let mut matches = Vec::new();
+        while matches.len() < usize::from(head.segments) {
+            let Message::Segments(segments) = running.message() else { panic!("segments were expected") };
+            matches.extend(segments.list.iter().map(linestereo::Match::from));
+        }
+        assert_eq!(matches, expected.matches);
+    }
+    running.command(4, Request::Stop);
+    assert_eq!(running.answer(4), Outcome::Accepted);
+}
+
+/// A program in QEMU whose UART is QEMU's stdin and stdout.
+struct Running(std::process::Child, Decoder<Message, MAX_PACKET>);
+
+impl Running {
+    fn command(&mut self, id: u16, request: Request) {
+        let mut bytes = Vec::new();
+        push(&mut bytes, &Command { id, request }).unwrap();
+        self.0.stdin.as_mut().unwrap().write_all(&bytes).unwrap();
+        self.0.stdin.as_mut().unwrap().flush().unwrap();
+    }
+
+    fn message(&mut self) -> Message {
+        let stdout = self.0.stdout.as_mut().unwrap();
+        loop {
+            let mut byte = [0];
+            stdout.read_exact(&mut byte).unwrap();
+            if let Some(message) = self.1.push(byte[0]) {
+                return message.unwrap();
+            }
+        }
+    }
+
+    /// The next answer; frames that were on the way are skipped.
+    fn answer(&mut self, id: u16) -> Outcome {
+        loop {
+            if let Message::Answer(answer) = self.message() {
+                assert_eq!(answer.command, id);
+                return answer.outcome;
+            }
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill(); // it has no end of its own
+        let _ = self.0.wait();
+    }
+}
+
+/// The twin of `no_panic.rs` for boards: there the graph of references is walked, here the linker does it. `tests/no-panic` links only
+/// if no entry point can reach the panic handler, which calls a function that does not exist.
+#[test]
+fn the_core_for_boards_links_without_a_panic_handler() {
+    let top = board::top().unwrap();
+    let Some(toolchain) = or_skip(Toolchain::find(&top)) else { return };
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("no-panic-{}", toolchain.way));
+    let built = toolchain
+        .cargo()
+        .current_dir(&top)
+        .args(["build", "--release", "--locked", "--manifest-path", "tests/no-panic/Cargo.toml", "--target", TARGET])
+        .arg("--target-dir")
+        .arg(&target)
+        .output()
+        .unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    let library = target.join(TARGET).join("release/liblinestereo_no_panic.a");
+    let link = |entries: &[&str]| {
+        let mut linker = Process::new(toolchain.linker(&top).unwrap());
+        linker.args(["-flavor", "gnu", "--gc-sections", "--entry", entries[0], "-o", "/dev/null"]);
+        linker.args(entries.iter().map(|entry| format!("--undefined={entry}")));
+        let output = linker.arg(&library).output().unwrap();
+        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let proofs =
+        ["view", "row", "rig", "depth", "interval", "plan", "run", "counts"].map(|name| format!("proof_{name}"));
+    let proofs: Vec<&str> = proofs.iter().map(String::as_str).collect();
+    let (linked, errors) = link(&proofs);
+    assert!(linked, "a panic is reachable on a board:\n{errors}");
+    let (linked, errors) = link(&["control_index"]);
+    assert!(!linked && errors.contains("panic_is_reachable"), "the linker overlooks a panic: {errors}");
+}
