@@ -13,6 +13,7 @@ use linestereo_sim::listing;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::board::{Twin, machine, or_skip};
 use linestereo_wire::*;
+use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Command as Process, Stdio};
@@ -320,4 +321,20 @@ fn the_core_for_boards_links_without_a_panic_handler() {
     assert!(linked, "a panic is reachable on a board:\n{errors}");
     let (linked, errors) = link(&["control_index"]);
     assert!(!linked && errors.contains("panic_is_reachable"), "the linker overlooks a panic: {errors}");
+}
+
+/// Not the core alone: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
+#[test]
+fn programs_without_logs_hold_no_panic_handler() {
+    let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+    for board in Board::ALL {
+        // The last one does panic, on purpose: what is searched for is there to be found.
+        for (program, panics) in [("live", false), ("replay", false), ("bench", false), ("faults", true)] {
+            let elf = std::fs::read(firmware::build(&toolchain, &board, program, Logs::None).unwrap()).unwrap();
+            let file = object::File::parse(&*elf).unwrap();
+            let mut names = file.symbols().filter_map(|symbol| symbol.name().ok());
+            let found = names.any(|name| name.contains("rust_begin_unwind"));
+            assert_eq!(found, panics, "{program} on {}", board.name);
+        }
+    }
 }

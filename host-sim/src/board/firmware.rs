@@ -46,8 +46,12 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
         eprintln!("{}", outcome.stderr);
         bail!("cannot build {program} for {}: {error}", board.name);
     }
-    let elf = target.join(board.name).join(kind).join(program);
-    fs::copy(target.join(TARGET).join("release").join(program), &elf)
+    let folder = target.join(board.name).join(kind);
+    let elf = folder.join(program);
+    // Renamed into place: another call may be running the one before it.
+    let copy = tempfile::NamedTempFile::new_in(&folder)?;
+    fs::copy(target.join(TARGET).join("release").join(program), copy.path())
         .with_context(|| format!("cannot write {}", elf.display()))?;
+    copy.persist(&elf)?;
     Ok(elf)
 }
