@@ -62,12 +62,17 @@ enum Command {
         no_logs: bool,
     },
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
+    ///
+    /// A live board that can be watched: cargo xtask run --program live --serial tcp:127.0.0.1:5555,server=on
     Run {
         #[command(flatten)]
         boards: Boards,
         /// The program.
         #[arg(long)]
         program: String,
+        /// Connect its serial port, in QEMU's words; it runs, without logs, until it is stopped.
+        #[arg(long, value_name = "PORT")]
+        serial: Option<String>,
         /// Its arguments.
         arguments: Vec<String>,
     },
@@ -109,7 +114,7 @@ fn main() -> Result<()> {
     match Cli::parse().command {
         Command::Setup => setup(),
         Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
-        Command::Run { boards, program, arguments } => run(&boards, &program, &arguments),
+        Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
         Command::Bench { boards, frames } => bench::run(&boards.list()?, frames.as_deref()),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
@@ -170,14 +175,23 @@ fn run_program(board: &Board, program: &str, arguments: &[&str]) -> Result<Ended
     Ok(ended)
 }
 
-fn run(boards: &Boards, program: &str, arguments: &[String]) -> Result<()> {
+fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String]) -> Result<()> {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     // Files of one run would overwrite those of the other: by default one board.
     let board = match &boards.board {
         Some(name) => board::named(name)?,
         None => Board::ALL[0],
     };
-    run_program(&board, program, &arguments)?.success(program, &board)
+    let Some(port) = serial else {
+        return run_program(&board, program, &arguments)?.success(program, &board);
+    };
+    let elf = firmware::build(&Toolchain::find(&board::top()?)?, &board, program, Logs::None)?;
+    let mut qemu = qemu::command(&board, &elf, &arguments, &std::env::current_dir()?)?;
+    let status = qemu.args(["-serial", port]).status()?;
+    if !status.success() {
+        bail!("{program} on {} ended with {status}", board.name);
+    }
+    Ok(())
 }
 
 fn selftest(boards: &Boards) -> Result<()> {

@@ -40,7 +40,8 @@ impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
 
     fn serve_commands(&mut self) {
         let mut bytes = [0; 16];
-        loop {
+        // A host that never pauses does not stop the pairs.
+        for _ in 0..MAX_COMMAND {
             let count = self.port.read(&mut bytes);
             if count == 0 {
                 return;
