@@ -1,6 +1,6 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
-use core::cell::Cell;
+use core::cell::{Cell, RefCell};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
@@ -10,7 +10,6 @@ use linestereo_firmware::programs::live::{Live, Painter};
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
-use std::cell::RefCell;
 use std::collections::VecDeque;
 
 const DIMS: Dims = Dims { width: 128, height: 96 };
@@ -191,7 +190,7 @@ fn live_serves_commands_and_survives_its_camera() {
         push(&mut bytes, id, request);
         *incoming.borrow_mut() = bytes.into();
     };
-    let received = || messages(&std::mem::take(&mut *outgoing.borrow_mut()));
+    let received = || messages(&core::mem::take(&mut *outgoing.borrow_mut()));
     let mut memory = Box::new(Workspace::new());
     let mut camera = Camera(0, Painter::new(DIMS));
     let line = Line { incoming: &incoming, outgoing: &outgoing };

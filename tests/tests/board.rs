@@ -16,7 +16,8 @@ use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Command as Process, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio};
+use std::sync::{Arc, Mutex};
 
 const LIMIT: Duration = Duration::from_secs(120);
 
@@ -219,10 +220,8 @@ fn a_live_board_answers_on_its_port() {
     let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
     let elf = firmware::build(&toolchain, &board, "live", Logs::None).unwrap();
     let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
-    let mut running = Running(
-        qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap(),
-        Decoder::new(),
-    );
+    let child = qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut running = Running::new(child);
     assert!(matches!(running.message(), Message::Hello(hello) if hello.board == board.name));
     running.command(1, Request::Describe);
     assert!(matches!(running.message(), Message::Hello(_)));
@@ -230,7 +229,7 @@ fn a_live_board_answers_on_its_port() {
     let narrow = ParamUpdate { max_disparity: Some(4), ..ParamUpdate::default() };
     running.command(2, Request::SetParams(narrow));
     assert!(matches!(running.answer(2), Outcome::Refused(Refusal::OutOfRange { .. })));
-    running.0.stdin.as_mut().unwrap().write_all(b"garbage\xff\x03\x02\0").unwrap();
+    running.stdin.write_all(b"garbage\xff\x03\x02\0").unwrap();
     running.command(3, Request::Start);
     assert_eq!(running.answer(3), Outcome::Accepted);
     let mut twin = Twin::of(&board);
@@ -250,23 +249,40 @@ fn a_live_board_answers_on_its_port() {
     assert_eq!(running.answer(4), Outcome::Accepted);
 }
 
-/// A program in QEMU whose UART is QEMU's stdin and stdout.
-struct Running(std::process::Child, Decoder<Message, MAX_PACKET>);
+/// A program in QEMU whose UART is QEMU's stdin and stdout. It is ended with the test, or when the test waits too long.
+struct Running {
+    child: Arc<Mutex<Child>>,
+    stdin: ChildStdin,
+    stdout: ChildStdout,
+    decoder: Decoder<Message, MAX_PACKET>,
+}
 
 impl Running {
+    fn new(mut child: Child) -> Self {
+        let (stdin, stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        let child = Arc::new(Mutex::new(child));
+        let late = Arc::downgrade(&child);
+        std::thread::spawn(move || {
+            std::thread::sleep(LIMIT);
+            if let Some(child) = late.upgrade() {
+                let _ = child.lock().unwrap().kill(); // the test then meets the end of its output
+            }
+        });
+        Self { child, stdin, stdout, decoder: Decoder::new() }
+    }
+
     fn command(&mut self, id: u16, request: Request) {
         let mut bytes = Vec::new();
         push(&mut bytes, &Command { id, request }).unwrap();
-        self.0.stdin.as_mut().unwrap().write_all(&bytes).unwrap();
-        self.0.stdin.as_mut().unwrap().flush().unwrap();
+        self.stdin.write_all(&bytes).unwrap();
+        self.stdin.flush().unwrap();
     }
 
     fn message(&mut self) -> Message {
-        let stdout = self.0.stdout.as_mut().unwrap();
         loop {
             let mut byte = [0];
-            stdout.read_exact(&mut byte).unwrap();
-            if let Some(message) = self.1.push(byte[0]) {
+            self.stdout.read_exact(&mut byte).unwrap();
+            if let Some(message) = self.decoder.push(byte[0]) {
                 return message.unwrap();
             }
         }
@@ -285,8 +301,10 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        let _ = self.0.kill(); // it has no end of its own
-        let _ = self.0.wait();
+        if let Ok(mut child) = self.child.lock() {
+            let _ = child.kill(); // it has no end of its own
+            let _ = child.wait();
+        }
     }
 }
 

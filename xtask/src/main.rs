@@ -15,6 +15,7 @@ use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Longest run of one program.
 const LIMIT: Duration = Duration::from_secs(300);
@@ -109,9 +110,20 @@ enum Command {
     Bless,
 }
 
-fn main() -> Result<()> {
+/// A failure is one line on stderr and exit code 2.
+fn main() -> ExitCode {
+    match execute(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<()> {
     let top = board::top()?;
-    match Cli::parse().command {
+    match command {
         Command::Setup => setup(),
         Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
