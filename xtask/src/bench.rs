@@ -8,6 +8,7 @@ use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, Costs, Machine, qemu};
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::{find_scenes, load_scene};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What the program `bench` found.
@@ -40,11 +41,24 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     Ok(Builtin { pairs, stack })
 }
 
+/// Built-in pairs by their size and kind, such as `128x96` and `128x96_dearest`, without these in their names.
+pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTreeMap<String, Vec<(String, Costs)>>> {
+    let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
+    for (name, costs) in pairs {
+        // Such as bricks_128x96_dearest.
+        let parts = board.sizes.iter().find_map(|dims| Some((dims, name.split_once(&format!("_{dims}"))?)));
+        let (dims, (scene, kind)) = parts.with_context(|| format!("the pair {name} has no size"))?;
+        groups.entry(format!("{dims}{kind}")).or_default().push((scene.to_owned(), costs));
+    }
+    Ok(groups)
+}
+
 /// Prints the tables.
 pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
     for board in boards {
-        let builtin = builtin(board)?;
-        println!("{}, built-in pairs, thousands of instructions\n{}", board.name, table(&builtin.pairs));
+        for (size, pairs) in by_size(board, builtin(board)?.pairs)? {
+            println!("{}, built-in pairs of {size}, thousands of instructions\n{}", board.name, table(&pairs));
+        }
         for &dims in board.sizes.iter().filter(|_| frames.is_some()) {
             let folder = frames.unwrap_or(Path::new("."));
             let pairs = captured(board, folder, dims)?;

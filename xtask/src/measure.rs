@@ -5,7 +5,7 @@
 use crate::bench::{self, Builtin};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
-use linestereo::{Dims, Stage};
+use linestereo::Stage;
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, Costs};
 use serde::{Deserialize, Serialize};
@@ -126,14 +126,7 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
         ("stack_reserved", replay.stack),
         ("ram", replay.static_ram() + stack),
     ];
-    let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
-    for (name, costs) in pairs {
-        // Such as bricks_320x240_dearest.
-        let size = |dims: &&Dims| name.contains(&format!("_{dims}"));
-        let dims = board.sizes.iter().find(size).with_context(|| format!("the pair {name} has no size"))?;
-        let (scene, kind) = name.split_once(&format!("_{dims}")).unwrap_or((&name, ""));
-        groups.entry(format!("{dims}{kind}")).or_default().push((scene.to_owned(), costs));
-    }
+    let groups = bench::by_size(board, pairs)?;
     let built_in = groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect();
     let mut captured = BTreeMap::new();
     if let Some(folder) = frames {

@@ -1,0 +1,82 @@
+//! `run --on` and `eval --on`, as a user types them.
+
+use linestereo_sim::board::{self, qemu, toolchain::Toolchain};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn refused(output: &Output) -> String {
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+    error
+}
+
+/// A folder with a rendered scene.
+fn scene(kind: &str, size: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    stdout(&linestereo(folder.path(), &["scene", "--kind", kind, "--size", size, "out"]));
+    folder
+}
+
+/// Where boards cannot be built this says so and the tests are skipped, unless somebody counts on them: then they fail.
+fn no_boards() -> bool {
+    let found = board::top().and_then(|top| Toolchain::find(&top)).and_then(|_| qemu::find());
+    let Err(error) = found else { return false };
+    let counted_on = ["CI", "LINESTEREO_TOOLCHAIN"].iter().any(|name| std::env::var_os(name).is_some());
+    assert!(!counted_on, "{error:#}");
+    let _ = writeln!(std::io::stderr(), "\nSKIPPED, no boards here: {error:#}\n");
+    true
+}
+
+#[test]
+fn run_on_a_board_writes_the_json_of_the_pc() {
+    if no_boards() {
+        return;
+    }
+    let folder = scene("boxes", "128x96");
+    // So few that no list of a board is full.
+    let run = ["run", "out/left.png", "out/right.png", "--scene", "out/scene.json", "--cell", "64", "--json"];
+    let with = |more: &[&str]| stdout(&linestereo(folder.path(), &[&run[..], more].concat()));
+    let pc = with(&["-"]);
+    assert!(pc.contains("\"matched\":") && !pc.contains("\"segments\":[]"), "{pc}");
+    for name in ["mps2-an500", "mps2-an386"] {
+        assert_eq!(with(&["-", "--on", name]), pc, "{name}");
+    }
+    let summary = with(&["depth.json", "--on", "mps2-an386"]);
+    assert!(summary.contains(" million instructions on mps2-an386\n") && !summary.contains(" ms"), "{summary}");
+}
+
+#[test]
+fn eval_on_a_board_counts_instructions_and_names_what_does_not_fit() {
+    if no_boards() {
+        return;
+    }
+    let folder = scene("boxes", "128x96");
+    stdout(&linestereo(folder.path(), &["scene", "--kind", "boxes", "--size", "200x96", "out/wide"]));
+    let text = stdout(&linestereo(folder.path(), &["eval", "out", "--on", "mps2-an386"]));
+    assert!(text.lines().next().unwrap().ends_with("Minstr"), "{text}");
+    assert!(text.contains("1 scenes do not fit the board and were left out: wide (200x96)"), "{text}");
+    let json = stdout(&linestereo(folder.path(), &["eval", "out", "--on", "mps2-an386", "--json", "-"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["pooled"]["instructions"].as_u64() > Some(100_000), "{json}");
+    assert_eq!(json["scenes"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn a_board_that_does_not_exist_or_is_too_small_is_one_clear_line() {
+    let folder = scene("boxes", "200x96");
+    let run = |board| linestereo(folder.path(), &["run", "out/left.png", "out/right.png", "--on", board]);
+    assert!(refused(&run("arduino")).contains("there is no board arduino; give mps2-an500 or mps2-an386"));
+    let error = refused(&run("mps2-an386"));
+    assert!(error.contains("holds pairs of up to 160x120, these are 200x96; reduce them with --width 160"), "{error}");
+}
