@@ -157,9 +157,9 @@ impl Windows {
         for (half, rows) in windows.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
             for (curve, column) in half.iter_mut().zip(STRIP_COLUMNS) {
                 curve.clear(range);
-                add_strips(&extent.line, rows, column, Search::Forward, band, curve);
+                add_strips(&extent.line, rows, 3, column, Search::Forward, band, curve);
             }
-            windows.rows += quotient(rows.1 - rows.0, row_step(rows)) + 1;
+            windows.rows += quotient(rows.1 - rows.0, row_step(rows, 3)) + 1;
         }
         Ok(windows)
     }
@@ -224,19 +224,18 @@ impl Windows {
 
 /// Rows from one strip to the next: neighbouring rows say nearly the same, so of eight and more every second one is enough
 /// (leave one out: no change in any score at 45 % fewer strips).
-fn row_step(rows: (i32, i32)) -> i32 {
-    if rows.1 - rows.0 >= 7 { 2 } else { 1 }
+fn row_step(rows: (i32, i32), most: i32) -> i32 {
+    quotient(rows.1 - rows.0 + most, most)
 }
-
 /// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it.
-fn add_strips(line: &SteepLine, rows: (i32, i32), column: i32, search: Search, band: &Band<'_>, curve: &mut Curve) {
+fn add_strips(line: &SteepLine, rows: (i32, i32), most: i32, column: i32, search: Search, band: &Band<'_>, curve: &mut Curve) {
     let mut strips: Vec<Strip<'_>, { MAX_ROWS as usize + 2 }> = Vec::new();
     let mut y = rows.0;
     while y <= rows.1 {
         if let Some(strip) = band.strip(search, line.column(y) + column, y, curve.first()) {
             let _ = strips.push(strip); // a segment has at most MAX_ROWS + 1 rows
         }
-        y += row_step(rows);
+        y += row_step(rows, most);
     }
     sad_curve(&strips, curve.blocks());
 }
@@ -244,7 +243,7 @@ fn add_strips(line: &SteepLine, rows: (i32, i32), column: i32, search: Search, b
 /// The lower side's census curve, over three columns of points on each side of the edge.
 fn place_by_census(extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<CensusMatch, Rejection> {
     let range = context.range_before(extent.columns.0)?;
-    let step = if extent.rows.1 - extent.rows.0 >= 16 { 2 } else { 1 };
+    let step = row_step(extent.rows, 4);
     let mut sides = [const { Curve::EMPTY }; 2];
     let mut count = 0;
     for (curve, columns) in sides.iter_mut().zip(CENSUS_COLUMNS) {
@@ -285,7 +284,7 @@ fn search_back(
     curve.clear(context.range_after(extent.columns.1 - window.best.at));
     let [_, edge_column, _] = STRIP_COLUMNS;
     for column in [window.better_side, edge_column] {
-        add_strips(&extent.line, extent.rows, column - window.best.at, Search::Back, band, &mut curve);
+        add_strips(&extent.line, extent.rows, 4, column - window.best.at, Search::Back, band, &mut curve);
     }
     let best = curve.minimum();
     let gap_q6 = ((best.at << 6) - window.disparity_q6).abs();
