@@ -26,11 +26,11 @@ use crate::units::quotient;
 use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge: every second one says as much as all seven.
-const SIDE_ROWS: [[i32; 4]; 2] = [[-7, -5, -3, -1], [1, 3, 5, 7]];
+const SIDE_ROWS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
 /// Between the centres of the two sides' windows.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.
-const CENSUS_ROWS: [[i32; 3]; 2] = [[-5, -3, -1], [1, 3, 5]];
+const CENSUS_ROWS: [[i32; 2]; 2] = [[-4, -2], [2, 4]];
 /// Disparities around the whole side's in which a half is sought.
 const HALF_REACH: i32 = 2;
 
@@ -121,7 +121,7 @@ pub(crate) fn match_flat(
 }
 
 impl SideWindows {
-    fn new(line: &FlatLine, (first, last): (i32, i32), rows: [i32; 4], range: (i32, i32), band: &Band<'_>) -> Self {
+    fn new(line: &FlatLine, (first, last): (i32, i32), rows: [i32; 2], range: (i32, i32), band: &Band<'_>) -> Self {
         let middle = (first + last) / 2;
         let mut halves = [const { Curve::EMPTY }; 2];
         let mut pixels = 0;
@@ -141,7 +141,7 @@ impl SideWindows {
 fn add_blocks(
     line: &FlatLine,
     (from, to): (i32, i32),
-    rows: [i32; 4],
+    rows: [i32; 2],
     shift: i32,
     search: Search,
     band: &Band<'_>,
@@ -168,7 +168,7 @@ fn add_blocks(
 fn census_curve(
     line: &FlatLine,
     (from, to): (i32, i32),
-    rows: [i32; 3],
+    rows: [i32; 2],
     range: (i32, i32),
     band: &Band<'_>,
 ) -> (Curve, i32) {
@@ -206,7 +206,7 @@ impl Placed {
 /// Places one side by its window, census and the search back.
 fn place(
     line: &FlatLine,
-    (own, window_rows, census_rows): (&SideWindows, [i32; 4], [i32; 3]),
+    (own, window_rows, census_rows): (&SideWindows, [i32; 2], [i32; 2]),
     other: &SideWindows,
     shared: Evidence,
     context: &MatchContext<'_>,
