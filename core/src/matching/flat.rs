@@ -155,7 +155,7 @@ fn add_blocks(
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
         let y = line.row_q5((start << 5) + 112);
         for row in rows {
-            if let Some(strip) = band.strip(search, start - shift, y + row, curve.first()) {
+            if let Some(strip) = band.strip(search, start - shift, (y + row) & !1, curve.first()) {
                 let _ = strips.push(strip); // at most 4 blocks
             }
         }
@@ -179,7 +179,7 @@ fn census_curve(
         let mut points: Vec<(u8, &[u8]), 31> = Vec::new();
         let mut x = from;
         while x <= to {
-            if let Some(point) = band.census(Search::Forward, x, line.row(x) + row, curve.first()) {
+            if let Some(point) = band.census(Search::Forward, x, (line.row(x) + row) & !1, curve.first()) {
                 let _ = points.push(point); // every second of at most 25 columns
                 count += 1;
             }

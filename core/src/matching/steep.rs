@@ -159,7 +159,7 @@ impl Windows {
                 curve.clear(range);
                 add_strips(&extent.line, rows, 3, column, Search::Forward, band, curve);
             }
-            windows.rows += quotient(rows.1 - rows.0, row_step(rows, 3)) + 1;
+            windows.rows += quotient(rows.1 - ((rows.0 + 1) & !1), row_step(rows, 3)) + 1;
         }
         Ok(windows)
     }
@@ -225,12 +225,12 @@ impl Windows {
 /// Rows from one strip to the next: neighbouring rows say nearly the same, so of eight and more every second one is enough
 /// (leave one out: no change in any score at 45 % fewer strips).
 fn row_step(rows: (i32, i32), most: i32) -> i32 {
-    quotient(rows.1 - rows.0 + most, most)
+    2 * quotient((rows.1 - rows.0 + 2) / 2 + most - 1, most)
 }
 /// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it.
 fn add_strips(line: &SteepLine, rows: (i32, i32), most: i32, column: i32, search: Search, band: &Band<'_>, curve: &mut Curve) {
     let mut strips: Vec<Strip<'_>, { MAX_ROWS as usize + 2 }> = Vec::new();
-    let mut y = rows.0;
+    let mut y = (rows.0 + 1) & !1;
     while y <= rows.1 {
         if let Some(strip) = band.strip(search, line.column(y) + column, y, curve.first()) {
             let _ = strips.push(strip); // a segment has at most MAX_ROWS + 1 rows
@@ -251,7 +251,7 @@ fn place_by_census(extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>)
         count = 0;
         for column in columns {
             let mut points: Vec<(u8, &[u8]), 31> = Vec::new();
-            let mut y = extent.rows.0;
+            let mut y = (extent.rows.0 + 1) & !1;
             while y <= extent.rows.1 {
                 if let Some(point) = band.census(Search::Forward, extent.line.column(y) + column, y, curve.first()) {
                     let _ = points.push(point); // at most 17 rows
