@@ -17,6 +17,7 @@ use crate::units::quotient;
 const SCAN_STEP: i32 = 6;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
 const BORDER: i32 = 4;
+const STRETCH_MASK: i32 = 15;
 
 /// Which way an edge runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +99,7 @@ impl<'a> Edges<'a> {
             let [mut sum_here, mut sum_next] = [BORDER, BORDER + 1].map(|u| self.smoothed(axis, t, u));
             let mut here = sum_next - self.smoothed(axis, t, BORDER - 1);
             let mut before = 0;
+            let mut best = (0, 0, 0);
             let mut index = self.index(axis, t, BORDER + 2);
             for u in BORDER..axis.breadth - BORDER {
                 let sum_after = self.smoothed_at(axis, index);
@@ -105,11 +107,14 @@ impl<'a> Edges<'a> {
                 let after = sum_after - sum_here;
                 (sum_here, sum_next) = (sum_next, sum_after);
                 let size = here.abs();
-                if size >= self.anchor && size >= before && size > after.abs() && self.is_anchor(axis, t, u, size) {
-                    let sign = here.signum();
-                    if let Some(chain) = self.draw(axis, t, u, sign, positions) {
+                if size >= self.anchor.max(best.0 + 1) && size >= before && size > after.abs() && self.is_anchor(axis, t, u, size) {
+                    best = (size, u, here.signum());
+                }
+                if u & STRETCH_MASK == STRETCH_MASK || u + 1 == axis.breadth - BORDER {
+                    if best.0 > 0 && let Some(chain) = self.draw(axis, t, best.1, best.2, positions) {
                         emit(self, axis, chain);
                     }
+                    best = (0, 0, 0);
                 }
                 before = size;
                 here = after;
