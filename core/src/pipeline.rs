@@ -34,7 +34,8 @@ impl core::error::Error for SizeMismatch {}
 /// Words of marks for images of this size: two bits per pixel.
 #[must_use]
 pub const fn mark_words(dims: Dims) -> usize {
-    (dims.width as usize * dims.height as usize).div_ceil(16)
+    let (width, height) = (dims.width as usize, dims.height as usize);
+    (height.div_ceil(2) * width + width.div_ceil(2) * height).div_ceil(32) + 2
 }
 
 /// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.

@@ -13,30 +13,34 @@ use super::{Chain, LineParams};
 use crate::image::Gray;
 use crate::units::quotient;
 
-/// Rows (columns) between two scans for anchors: no more than the least extent of a segment.
+/// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
+pub(crate) const STEP: i32 = 2;
+/// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
 const SCAN_STEP: i32 = 6;
+/// A scan starts at most one edge, the strongest, per stretch of this many pixels: what bounds the work on texture and noise.
+const STRETCH: i32 = 16;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
 const BORDER: i32 = 4;
-const STRETCH_MASK: i32 = 15;
 
 /// Which way an edge runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
-    /// One position per row.
+    /// One position per step of rows.
     Down,
-    /// One position per column.
+    /// One position per step of columns.
     Along,
 }
 
-/// The image seen along one direction: `t` counts steps along the edge, `u` pixels across it.
+/// The image seen along one direction: `t` counts rows or columns along the edge, `u` pixels across it.
 #[derive(Clone, Copy)]
 pub(crate) struct Axis {
+    direction: Direction,
     along: usize,
     across: usize,
     steps: i32,
     breadth: i32,
-    /// Which of a pixel's two mark bits.
-    bit: u32,
+    /// Bit of the first mark of this direction.
+    marks: i32,
 }
 
 /// An image with its marks: the state of the drawing.
@@ -63,6 +67,14 @@ struct Ridge {
     gradient: i32,
 }
 
+/// The strongest edge of a stretch.
+#[derive(Clone, Copy)]
+struct Anchor {
+    u: i32,
+    size: i32,
+    sign: i32,
+}
+
 impl<'a> Edges<'a> {
     pub(crate) fn new(image: Gray<'a>, params: &LineParams, marks: &'a mut [u32]) -> Self {
         let dims = image.dims();
@@ -79,9 +91,15 @@ impl<'a> Edges<'a> {
     }
 
     fn axis(&self, direction: Direction) -> Axis {
+        let (width, height) = (self.width, self.height);
         match direction {
-            Direction::Down => Axis { along: self.stride, across: 1, steps: self.height, breadth: self.width, bit: 0 },
-            Direction::Along => Axis { along: 1, across: self.stride, steps: self.width, breadth: self.height, bit: 1 },
+            Direction::Down => {
+                Axis { direction, along: self.stride, across: 1, steps: height, breadth: width, marks: 0 }
+            }
+            Direction::Along => {
+                let marks = (height + STEP - 1) / STEP * width;
+                Axis { direction, along: 1, across: self.stride, steps: width, breadth: height, marks }
+            }
         }
     }
 
@@ -95,50 +113,76 @@ impl<'a> Edges<'a> {
         let axis = self.axis(direction);
         let mut t = BORDER;
         while t < axis.steps - BORDER {
-            // One new column sum per pixel: the gradient at u is the sum at u + 1 minus the sum at u - 1.
-            let [mut sum_here, mut sum_next] = [BORDER, BORDER + 1].map(|u| self.smoothed(axis, t, u));
-            let mut here = sum_next - self.smoothed(axis, t, BORDER - 1);
-            let mut before = 0;
-            let mut best = (0, 0, 0);
-            let mut index = self.index(axis, t, BORDER + 2);
-            for u in BORDER..axis.breadth - BORDER {
-                let sum_after = self.smoothed_at(axis, index);
-                index = index.wrapping_add(axis.across);
-                let after = sum_after - sum_here;
-                (sum_here, sum_next) = (sum_next, sum_after);
-                let size = here.abs();
-                if size >= self.anchor.max(best.0 + 1) && size >= before && size > after.abs() && self.is_anchor(axis, t, u, size) {
-                    best = (size, u, here.signum());
+            let mut from = BORDER;
+            while from < axis.breadth - BORDER {
+                let to = (from + STRETCH).min(axis.breadth - BORDER);
+                if let Some(anchor) = self.strongest(axis, t, from, to)
+                    && let Some(chain) = self.draw(axis, t, anchor, positions)
+                {
+                    emit(self, axis, chain);
                 }
-                if u & STRETCH_MASK == STRETCH_MASK || u + 1 == axis.breadth - BORDER {
-                    if best.0 > 0 && let Some(chain) = self.draw(axis, t, best.1, best.2, positions) {
-                        emit(self, axis, chain);
-                    }
-                    best = (0, 0, 0);
-                }
-                before = size;
-                here = after;
+                from = to;
             }
             t += SCAN_STEP;
         }
     }
 
-    fn is_anchor(&self, axis: Axis, t: i32, u: i32, size: i32) -> bool {
-        self.lengthwise(axis, t, u).abs() <= size && !self.marked(axis, t, u)
+    /// The largest local maximum of the gradient between two columns, if it is an anchor.
+    fn strongest(&self, axis: Axis, t: i32, from: i32, to: i32) -> Option<Anchor> {
+        let mut best = Anchor { u: 0, size: self.anchor - 1, sign: 0 };
+        let count = usize::try_from(to - from).unwrap_or(0);
+        match axis.direction {
+            Direction::Down => {
+                // Two columns more on each side: the gradient at the neighbours.
+                let start = self.index(axis, t, from - 2);
+                let row = |start: usize| self.pixels.get(start..).and_then(|row| row.get(..count + 4)).unwrap_or(&[]);
+                let (above, below) = (row(start.wrapping_sub(axis.along)), row(start.wrapping_add(axis.along)));
+                let sums = above.iter().zip(row(start)).zip(below).map(|((&a, &b), &c)| smooth(a, b, c));
+                local_maxima(sums, from, |u, size, sign| {
+                    self.keep_anchor(axis, t, Anchor { u, size, sign }, &mut best)
+                });
+            }
+            Direction::Along => {
+                let start = self.index(axis, t - 1, from - 2);
+                let columns = self.pixels.get(start..).unwrap_or(&[]).chunks(self.stride).take(count + 4);
+                let sums = columns.map(|column| column.first_chunk().map_or(0, |&[a, b, c]| smooth(a, b, c)));
+                local_maxima(sums, from, |u, size, sign| {
+                    self.keep_anchor(axis, t, Anchor { u, size, sign }, &mut best)
+                });
+            }
+        }
+        (best.sign != 0).then_some(best)
     }
 
-    /// Follows the ridge from an anchor in both ways; the positions of rows `first..` end up in `positions[first..]`.
-    fn draw<'p>(&mut self, axis: Axis, t: i32, u: i32, sign: i32, positions: &'p mut [u16]) -> Option<Chain<'p>> {
-        let anchor = self.ridge(axis, t, u, sign)?;
-        self.keep(axis, t, &anchor, positions);
-        let (mut sum, mut first, mut last) = (anchor.gradient, t, t);
-        for step in [-1, 1] {
-            let (mut at, mut ridge_u) = (t + step, anchor.u);
+    #[inline]
+    fn keep_anchor(&self, axis: Axis, t: i32, anchor: Anchor, best: &mut Anchor) {
+        if anchor.size > best.size
+            && self.lengthwise(axis, t, anchor.u).abs() <= anchor.size
+            && !self.marked(axis, t, anchor.u)
+        {
+            *best = anchor;
+        }
+    }
+
+    /// Follows the ridge from an anchor in both ways; positions end up in `positions[t / STEP]`.
+    fn draw<'p>(&mut self, axis: Axis, t: i32, anchor: Anchor, positions: &'p mut [u16]) -> Option<Chain<'p>> {
+        let start = self.ridge(axis, t, anchor.u, anchor.sign)?;
+        self.keep(axis, t, &start, positions);
+        // An edge runs at right angles to its gradient: so much across per step, 1/32 px.
+        let lengthwise = self.lengthwise(axis, t, start.u) * anchor.sign;
+        let lean_q5 = quotient(-lengthwise * STEP << 5, start.gradient);
+        let (mut sum, mut first, mut last) = (start.gradient, t, t);
+        for step in [-STEP, STEP] {
+            let mut at = t + step;
+            let mut position_q5 = start.position_q5;
+            let mut drift_q5 = if step < 0 { -lean_q5 } else { lean_q5 };
             while (BORDER..axis.steps - BORDER).contains(&at) {
-                let Some(ridge) = self.ridge(axis, at, ridge_u, sign) else { break };
+                let expected = (position_q5 + drift_q5 + 16) >> 5;
+                let Some(ridge) = self.ridge(axis, at, expected, anchor.sign) else { break };
                 self.keep(axis, at, &ridge, positions);
                 sum += ridge.gradient;
-                ridge_u = ridge.u;
+                drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
+                position_q5 = ridge.position_q5;
                 if step < 0 {
                     first = at
                 } else {
@@ -147,19 +191,19 @@ impl<'a> Edges<'a> {
                 at += step;
             }
         }
-        let range = usize::try_from(first).ok()?..usize::try_from(last + 1).ok()?;
-        let mean = quotient(sum, last - first + 1);
+        let range = usize::try_from(first / STEP).ok()?..usize::try_from(last / STEP + 1).ok()?;
+        let mean = quotient(sum, (last - first) / STEP + 1);
         Some(Chain {
             first,
             positions: positions.get(range)?,
-            rising: sign > 0,
+            rising: anchor.sign > 0,
             contrast: u8::try_from(mean >> 2).unwrap_or(u8::MAX),
         })
     }
 
     fn keep(&mut self, axis: Axis, t: i32, ridge: &Ridge, positions: &mut [u16]) {
         self.mark(axis, t, ridge.u);
-        if let Some(slot) = usize::try_from(t).ok().and_then(|t| positions.get_mut(t)) {
+        if let Some(slot) = usize::try_from(t / STEP).ok().and_then(|t| positions.get_mut(t)) {
             *slot = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
         }
     }
@@ -193,11 +237,18 @@ impl<'a> Edges<'a> {
 
     /// Marks the pixels of a run for the other direction as well, so that no edge near 45 degrees is listed twice.
     pub(crate) fn claim(&mut self, axis: Axis, chain: Chain<'_>, run: &Run) {
-        let other = Axis { bit: axis.bit ^ 1, ..axis };
-        for t in run.first..=run.last {
-            let u = (run.at_q5(t) + 16) >> 5;
-            for k in -1..=1 {
-                self.mark(other, chain.first + t, u + k);
+        let other = self.axis(match axis.direction {
+            Direction::Down => Direction::Along,
+            Direction::Along => Direction::Down,
+        });
+        for step in run.first..=run.last {
+            let t = chain.first + step * STEP;
+            let u = (run.at_q5(step) + 16) >> 5;
+            // The other direction knows every second column: the nearest two.
+            let first = (u - 1) & !(STEP - 1);
+            for k in [first, first + STEP] {
+                self.mark(other, k, t);
+                self.mark(other, k, t + 1);
             }
         }
     }
@@ -260,22 +311,45 @@ impl<'a> Edges<'a> {
         side(t + 1) - side(t - 1)
     }
 
-    /// Word and bit of a mark. A pixel has the same two bits whichever direction looks at it.
-    fn mark_at(&self, axis: Axis, t: i32, u: i32) -> (usize, u32) {
-        let (x, y) = if axis.across == 1 { (u, t) } else { (t, u) };
-        let bit = (y.wrapping_mul(self.width).wrapping_add(x) as usize).wrapping_mul(2);
-        (bit >> 5, 1 << ((bit as u32 & 31) | axis.bit))
+    /// Word and bit of a mark: every direction has its own plane of bits, a row for each step.
+    fn mark_at(axis: Axis, t: i32, u: i32) -> (usize, u32) {
+        let bit = axis.marks.wrapping_add((t / STEP).wrapping_mul(axis.breadth)).wrapping_add(u) as usize;
+        (bit >> 5, 1 << (bit & 31))
     }
 
     fn marked(&self, axis: Axis, t: i32, u: i32) -> bool {
-        let (word, bit) = self.mark_at(axis, t, u);
+        let (word, bit) = Self::mark_at(axis, t, u);
         self.marks.get(word).is_none_or(|w| w & bit != 0)
     }
 
     fn mark(&mut self, axis: Axis, t: i32, u: i32) {
-        let (word, bit) = self.mark_at(axis, t, u);
+        let (word, bit) = Self::mark_at(axis, t, u);
         if let Some(w) = self.marks.get_mut(word) {
             *w |= bit;
         }
+    }
+}
+
+/// [1 2 1].
+#[inline]
+fn smooth(a: u8, b: u8, c: u8) -> i32 {
+    i32::from(a) + 2 * i32::from(b) + i32::from(c)
+}
+
+/// Calls `found(u, size, sign)` for every local maximum of `|sums[u + 1] - sums[u - 1]|`; the first sum belongs to `from - 2`.
+#[inline]
+fn local_maxima(sums: impl Iterator<Item = i32>, from: i32, mut found: impl FnMut(i32, i32, i32)) {
+    let (mut before_last, mut last) = (0, 0);
+    let (mut size_before, mut here) = (0, 0_i32);
+    for (sum, u) in sums.zip(from - 4..) {
+        // With `sum` at u + 2 the gradient at u + 1 is known: is the one at u a maximum?
+        let after = sum - before_last;
+        let size = here.abs();
+        if u >= from && size >= size_before && size > after.abs() {
+            found(u, size, here.signum());
+        }
+        size_before = size;
+        here = after;
+        (before_last, last) = (last, sum);
     }
 }

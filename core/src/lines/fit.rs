@@ -17,7 +17,7 @@
 use crate::units::quotient;
 
 /// Positions of a seed.
-const SEED: i32 = 5;
+const SEED: i32 = 4;
 /// Most positions of a run: what keeps the sums in 32 bits.
 const MAX_RUN: i32 = 64;
 /// Largest distance of a position from the line, 1/32 px.

@@ -29,7 +29,7 @@ use crate::result::Point;
 use crate::sort::sort_by_key;
 use crate::units::Position;
 use crate::units::quotient;
-use edges::{Direction, Edges};
+use edges::{Direction, Edges, STEP};
 use heapless::vec::VecView;
 
 /// Longest piece of a segment that runs down the rows, in rows: what one window covers.
@@ -101,8 +101,8 @@ pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, ou
     let mut edges = Edges::new(image, params, scratch.marks);
     for direction in [Direction::Down, Direction::Along] {
         edges.for_each_chain(direction, scratch.chain, |edges, axis, chain| {
-            fit::for_each_run(chain.positions, params.min_extent, |run| {
-                if run.slope_q12.unsigned_abs() > 4096 {
+            fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
+                if run.slope_q12.abs() > STEP << 12 {
                     return; // the other direction draws it with more positions
                 }
                 edges.claim(axis, chain, &run);
@@ -163,12 +163,12 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
     let near_horizontal = direction == Direction::Along;
     let longest = if near_horizontal { MAX_COLUMNS } else { MAX_ROWS };
     let length = run.last - run.first;
-    let pieces = (length + longest - 1) / longest;
+    let pieces = (length * STEP + longest - 1) / longest;
     for piece in 0..pieces {
         let t0 = run.first + quotient(length * piece, pieces);
         let t1 = run.first + quotient(length * (piece + 1), pieces);
         let end = |t: i32| {
-            let along = position((chain.first + t) << 5);
+            let along = position((chain.first + t * STEP) << 5);
             let across = position(run.at_q5(t));
             if near_horizontal { Point { x: along, y: across } } else { Point { x: across, y: along } }
         };

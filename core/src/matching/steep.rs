@@ -228,7 +228,15 @@ fn row_step(rows: (i32, i32), most: i32) -> i32 {
     2 * quotient((rows.1 - rows.0 + 2) / 2 + most - 1, most)
 }
 /// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it.
-fn add_strips(line: &SteepLine, rows: (i32, i32), most: i32, column: i32, search: Search, band: &Band<'_>, curve: &mut Curve) {
+fn add_strips(
+    line: &SteepLine,
+    rows: (i32, i32),
+    most: i32,
+    column: i32,
+    search: Search,
+    band: &Band<'_>,
+    curve: &mut Curve,
+) {
     let mut strips: Vec<Strip<'_>, { MAX_ROWS as usize + 2 }> = Vec::new();
     let mut y = (rows.0 + 1) & !1;
     while y <= rows.1 {
