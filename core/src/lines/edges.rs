@@ -18,7 +18,7 @@ pub(crate) const STEP: i32 = 2;
 /// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
 const SCAN_STEP: i32 = 6;
 /// A scan starts at most one edge, the strongest, per stretch of this many pixels: what bounds the work on texture and noise.
-const STRETCH: i32 = 16;
+const STRETCH: i32 = 8;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
 const BORDER: i32 = 4;
 
@@ -151,15 +151,12 @@ impl<'a> Edges<'a> {
                 });
             }
         }
-        (best.sign != 0).then_some(best)
+        (best.sign != 0 && !self.marked(axis, t, best.u)).then_some(best)
     }
 
     #[inline]
     fn keep_anchor(&self, axis: Axis, t: i32, anchor: Anchor, best: &mut Anchor) {
-        if anchor.size > best.size
-            && self.lengthwise(axis, t, anchor.u).abs() <= anchor.size
-            && !self.marked(axis, t, anchor.u)
-        {
+        if anchor.size > best.size && self.lengthwise(axis, t, anchor.u).abs() <= anchor.size {
             *best = anchor;
         }
     }
