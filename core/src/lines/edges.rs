@@ -18,7 +18,7 @@ pub(crate) const STEP: i32 = 2;
 /// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
 const SCAN_STEP: i32 = 6;
 /// A scan starts at most one edge, the strongest, per stretch of this many pixels: what bounds the work on texture and noise.
-const STRETCH: i32 = 8;
+const STRETCH: i32 = 16;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
 const BORDER: i32 = 4;
 
@@ -71,7 +71,6 @@ struct Ridge {
 #[derive(Clone, Copy)]
 struct Anchor {
     u: i32,
-    size: i32,
     sign: i32,
 }
 
@@ -127,38 +126,21 @@ impl<'a> Edges<'a> {
         }
     }
 
-    /// The largest local maximum of the gradient between two columns, if it is an anchor.
+    /// The pixel with the largest grey step between its neighbours, if it is an anchor.
     fn strongest(&self, axis: Axis, t: i32, from: i32, to: i32) -> Option<Anchor> {
-        let mut best = Anchor { u: 0, size: self.anchor - 1, sign: 0 };
-        let count = usize::try_from(to - from).unwrap_or(0);
-        match axis.direction {
-            Direction::Down => {
-                // Two columns more on each side: the gradient at the neighbours.
-                let start = self.index(axis, t, from - 2);
-                let row = |start: usize| self.pixels.get(start..).and_then(|row| row.get(..count + 4)).unwrap_or(&[]);
-                let (above, below) = (row(start.wrapping_sub(axis.along)), row(start.wrapping_add(axis.along)));
-                let sums = above.iter().zip(row(start)).zip(below).map(|((&a, &b), &c)| smooth(a, b, c));
-                local_maxima(sums, from, |u, size, sign| {
-                    self.keep_anchor(axis, t, Anchor { u, size, sign }, &mut best)
-                });
-            }
-            Direction::Along => {
-                let start = self.index(axis, t - 1, from - 2);
-                let columns = self.pixels.get(start..).unwrap_or(&[]).chunks(self.stride).take(count + 4);
-                let sums = columns.map(|column| column.first_chunk().map_or(0, |&[a, b, c]| smooth(a, b, c)));
-                local_maxima(sums, from, |u, size, sign| {
-                    self.keep_anchor(axis, t, Anchor { u, size, sign }, &mut best)
-                });
-            }
+        let count = usize::try_from(to - from + 2).ok()?;
+        let start = self.index(axis, t, from - 1);
+        let (u, step) = match axis.direction {
+            Direction::Down => largest_step(self.pixels.get(start..)?.get(..count)?.iter()),
+            Direction::Along => largest_step(self.pixels.get(start..)?.iter().step_by(self.stride).take(count)),
+        };
+        let u = from + u;
+        if step.abs() * 4 < self.anchor || self.marked(axis, t, u) {
+            return None;
         }
-        (best.sign != 0 && !self.marked(axis, t, best.u)).then_some(best)
-    }
-
-    #[inline]
-    fn keep_anchor(&self, axis: Axis, t: i32, anchor: Anchor, best: &mut Anchor) {
-        if anchor.size > best.size && self.lengthwise(axis, t, anchor.u).abs() <= anchor.size {
-            *best = anchor;
-        }
+        let sign = step.signum();
+        let gradient = (self.smoothed(axis, t, u + 1) - self.smoothed(axis, t, u - 1)) * sign;
+        (self.lengthwise(axis, t, u).abs() <= gradient).then_some(Anchor { u, sign })
     }
 
     /// Follows the ridge from an anchor in both ways; positions end up in `positions[t / STEP]`.
@@ -327,26 +309,20 @@ impl<'a> Edges<'a> {
     }
 }
 
-/// [1 2 1].
+/// Offset from the second pixel, and value, of the largest difference between a pixel's neighbours.
 #[inline]
-fn smooth(a: u8, b: u8, c: u8) -> i32 {
-    i32::from(a) + 2 * i32::from(b) + i32::from(c)
-}
-
-/// Calls `found(u, size, sign)` for every local maximum of `|sums[u + 1] - sums[u - 1]|`; the first sum belongs to `from - 2`.
-#[inline]
-fn local_maxima(sums: impl Iterator<Item = i32>, from: i32, mut found: impl FnMut(i32, i32, i32)) {
-    let (mut before_last, mut last) = (0, 0);
-    let (mut size_before, mut here) = (0, 0_i32);
-    for (sum, u) in sums.zip(from - 4..) {
-        // With `sum` at u + 2 the gradient at u + 1 is known: is the one at u a maximum?
-        let after = sum - before_last;
-        let size = here.abs();
-        if u >= from && size >= size_before && size > after.abs() {
-            found(u, size, here.signum());
+fn largest_step<'p>(mut pixels: impl Iterator<Item = &'p u8>) -> (i32, i32) {
+    let mut next = || pixels.next().map(|&p| i32::from(p));
+    let (Some(mut before), Some(mut here)) = (next(), next()) else { return (0, 0) };
+    let (mut best, mut best_size) = ((0, 0), 0);
+    let mut offset = 0;
+    while let Some(after) = next() {
+        let step = after - before;
+        if step.abs() > best_size {
+            (best, best_size) = ((offset, step), step.abs());
         }
-        size_before = size;
-        here = after;
-        (before_last, last) = (last, sum);
+        (before, here) = (here, after);
+        offset += 1;
     }
+    best
 }
