@@ -5,13 +5,20 @@
 
 pub mod portable;
 
+#[cfg(dsp)]
+#[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
+mod dsp;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
 mod sse2;
 
-pub use portable::{FLAT, LANES, STRIP, Strip, census_row, gradient_row, hamming_curve};
+pub use portable::{FLAT, LANES, STRIP, Strip};
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(dsp)]
+pub use dsp::{census_row, gradient_row, hamming_curve, sad_curve};
+#[cfg(not(dsp))]
+pub use portable::{census_row, gradient_row, hamming_curve};
+#[cfg(not(any(dsp, target_arch = "x86_64")))]
 pub use portable::sad_curve;
 #[cfg(target_arch = "x86_64")]
 pub use sse2::sad_curve;

@@ -6,7 +6,7 @@
 //! 31 points are summed per curve before widening: 248 fits `u8`.
 
 /// Value of a zero gradient.
-pub const FLAT: u8 = 64;
+pub const FLAT: u8 = 32;
 /// Disparities that one step of a curve advances.
 pub const LANES: usize = 16;
 /// Pixels of a strip.
@@ -32,17 +32,17 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let left = above.iter().zip(row).zip(below);
     let right = a1.iter().zip(r1).zip(b1);
     for ((((a0, r0), b0), ((a2, r2), b2)), g) in left.zip(right).zip(inner) {
-        let sum = |a: u8, r: u8, b: u8| i16::from(a) + 2 * i16::from(r) + i16::from(b);
-        let half = (sum(*a2, *r2, *b2) - sum(*a0, *r0, *b0)) >> 1;
-        *g = (half.clamp(-63, 63) + i16::from(FLAT)) as u8;
+        let mean = |a: u8, r: u8, b: u8| (((i16::from(a) + i16::from(b)) >> 1) + i16::from(r)) >> 1;
+        let step = mean(*a2, *r2, *b2) - mean(*a0, *r0, *b0);
+        *g = (step.clamp(-31, 31) + i16::from(FLAT)) as u8;
     }
 }
 
-/// Census of the middle row of five: one bit per neighbour at distance 2 (eight directions), set where the neighbour is darker.
+/// Census of the middle one of three rows, each two below the one before: one bit per neighbour at distance 2 (eight directions), set where the neighbour is darker.
 /// The first and last two pixels are 0.
-pub fn census_row(rows: [&[u8]; 5], out: &mut [u8]) {
+pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(0);
-    let [top, _, row, _, bottom] = rows;
+    let [top, row, bottom] = rows;
     let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
     let centre = from(row, 2).iter();
     let upper = top.iter().zip(from(top, 2)).zip(from(top, 4));

@@ -13,7 +13,9 @@ use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
 use crate::lines::Segment;
 
 /// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
-pub(crate) const BAND_ROWS: usize = 48;
+pub(crate) const BAND_ROWS: usize = 24;
+/// Rows from one row of the band to the next.
+pub(crate) const ROW_STEP: i32 = 2;
 /// Pixels without content on both sides of a row: a window's half, a slant's shift, and the tail of a block of disparities.
 pub(crate) const PAD: usize = 48;
 
@@ -87,7 +89,7 @@ impl<'a> Band<'a> {
     fn advance(&mut self, last: i32) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
-            self.next_row += 1;
+            self.next_row += ROW_STEP;
             let [left, right] = self.images;
             let slot = self.slot(y);
             if let Some(out) = self.gradient.left.get_mut(slot.clone()) {
@@ -108,12 +110,12 @@ impl<'a> Band<'a> {
     }
 
     fn slot(&self, y: i32) -> core::ops::Range<usize> {
-        let start = (y.max(0) as usize % BAND_ROWS) * self.stride + PAD;
+        let start = ((y.max(0) / ROW_STEP) as usize % BAND_ROWS) * self.stride + PAD;
         start..start + self.width
     }
 
     fn row(plane: &[u8], stride: usize, y: i32) -> Option<&[u8]> {
-        let start = (y as usize % BAND_ROWS) * stride;
+        let start = ((y / ROW_STEP) as usize % BAND_ROWS) * stride;
         plane.get(start..start + stride)
     }
 
@@ -134,7 +136,7 @@ impl<'a> Band<'a> {
     }
 
     fn rows<'s>(&'s self, planes: &'s Planes<'_>, search: Search, y: i32) -> Option<(&'s [u8], &'s [u8])> {
-        if y < (self.next_row - BAND_ROWS as i32).max(0) || y >= self.next_row {
+        if y < (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(0) || y >= self.next_row {
             return None;
         }
         let left = Self::row(planes.left, self.stride, y)?;
@@ -165,7 +167,7 @@ fn fill_gradient(image: Gray<'_>, y: i32, out: &mut [u8]) {
 
 fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
     let row = |y: i32| clamped_row(image, y);
-    census_row([row(y - 2), row(y - 1), row(y), row(y + 1), row(y + 2)], out);
+    census_row([row(y - 2), row(y), row(y + 2)], out);
 }
 
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
