@@ -17,9 +17,9 @@ impl Candidate {
         let Some(Some(owner)) = self.sides.get(side) else { return };
         let sign = if side == 0 { -1 } else { 1 };
         let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
-        let [d0, d1] = owner.disparity_q6;
+        let [d0, d1] = owner.disparity_q6.map(i32::from);
         let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
-            let d_q6 = edge_q6 + ((owner.across_q10 * off) >> 4);
+            let d_q6 = edge_q6 + ((i32::from(owner.across_q10) * off) >> 4);
             let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
             let right_q6 = (x << 6) - d_q6;
             if column < dims.width && row < dims.height && (0..i32::from(dims.width) << 6).contains(&right_q6) {

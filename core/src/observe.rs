@@ -4,6 +4,7 @@
 
 use crate::lines::Segment;
 use crate::matching::Candidate;
+use crate::matching::evidence::Evidence;
 use crate::result::{Match, PointClaim, Rejection};
 use core::hash::{Hash, Hasher};
 
@@ -18,8 +19,8 @@ pub enum Step<'a> {
     Selection(i32, &'a [Segment]),
     /// Gradients and census of the rows that the next segment needs.
     Rows,
-    /// One segment matched, or the test that it failed.
-    Segment(Result<&'a Candidate, Rejection>),
+    /// One segment matched, with the evidence of its sides as far as it is known by now, or the test that it failed.
+    Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
     /// All candidates, with what they say of each other.
     Consistency(&'a [Candidate]),
     /// The lists.
@@ -136,7 +137,10 @@ impl Observer for StageDigests {
                 each(segments, &mut hash);
             }
             Step::Rows => {}
-            Step::Segment(Ok(candidate)) => candidate.hash(&mut hash),
+            Step::Segment(Ok((candidate, evidence))) => {
+                candidate.hash(&mut hash);
+                each(evidence, &mut hash);
+            }
             Step::Segment(Err(reason)) => hash.write_u8(reason as u8),
             Step::Consistency(candidates) => each(candidates, &mut hash),
             Step::Report(matches, points) => {

@@ -5,7 +5,7 @@ use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, row_bytes};
 use crate::matching::consistency::{self, Place};
-use crate::matching::{self, Candidate, MatchContext, row_offset};
+use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset};
 use crate::observe::{Observer, Step};
 use crate::params::{ParamError, Params};
 use crate::report::{Ranked, Report};
@@ -51,6 +51,7 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> 
     candidates: Vec<Candidate, SEGMENTS>,
     places: [[Place; 2]; SEGMENTS],
     order: Vec<Ranked, SEGMENTS>,
+    work: Workspace,
 }
 
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, MARKS, SEGMENTS> {
@@ -70,6 +71,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
             candidates: Vec::new(),
             places: [[Place::EMPTY; 2]; SEGMENTS],
             order: Vec::new(),
+            work: Workspace::EMPTY,
         }
     }
 
@@ -136,6 +138,7 @@ struct Memory<'a> {
     candidates: &'a mut VecView<Candidate>,
     places: &'a mut [[Place; 2]],
     order: &'a mut VecView<Ranked>,
+    work: &'a mut Workspace,
 }
 
 /// The output without its capacities.
@@ -184,6 +187,7 @@ impl Plan {
             candidates: &mut scratch.candidates,
             places: &mut scratch.places,
             order: &mut scratch.order,
+            work: &mut scratch.work,
         };
         let lists = Lists { matches: &mut out.matches, points: &mut out.points, counts: &mut out.counts };
         self.run_stages(left, right, memory, lists, observer)
@@ -244,18 +248,20 @@ impl Plan {
 
         // Three matchings of each, aggregation, ownership.
         m.candidates.clear();
-        let context = MatchContext::new(&self.params, self.dims, m.right, row_offset_q5);
+        let context = MatchContext::new(&self.params, &self.models, self.dims, m.right, row_offset_q5);
         let Some(mut band) = Band::new(left, right, (row_offset_q5 + 16) >> 5, m.rows) else { return Ok(()) };
         for segment in m.left.iter() {
             band.advance_for(segment);
             observer.ended(Step::Rows);
-            let matched = matching::match_segment(segment, &context, &band);
-            observer.ended(Step::Segment(matched.as_ref().map_err(|&reason| reason)));
-            match matched {
+            match matching::match_segment(segment, &context, &band, m.work) {
                 Ok(candidate) => {
+                    observer.ended(Step::Segment(Ok((&candidate, &m.work.evidence))));
                     let _ = m.candidates.push(candidate); // as many places as segments
                 }
-                Err(reason) => out.counts.reject(reason),
+                Err(reason) => {
+                    observer.ended(Step::Segment(Err(reason)));
+                    out.counts.reject(reason);
+                }
             }
         }
 

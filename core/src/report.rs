@@ -10,7 +10,7 @@ use crate::confidence::Models;
 use crate::image::Dims;
 use crate::matching::consistency::{CONTRADICTION_REACH, Place, contradict};
 use crate::matching::evidence::Kind;
-use crate::matching::{Candidate, Side};
+use crate::matching::{Candidate, Side, narrow};
 use crate::params::Params;
 use crate::result::{Counts, Match, Owner, PointClaim, Rejection, Techniques};
 use crate::sort::sort_by_key;
@@ -127,7 +127,7 @@ impl Report<'_> {
                 let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
                 for distance in 1..=self.params.reach {
                     let further = i32::from(distance) - 1;
-                    let score = side.score_q8 + model.coefficient_q8(Kind::Distance) * further;
+                    let score = i32::from(side.score_q8) + model.coefficient_q8(Kind::Distance) * further;
                     let probability = model.probability_q16(score);
                     if probability < least {
                         break;
@@ -168,9 +168,10 @@ fn take(marks: &mut [u32], dims: Dims, x: u16, y: u16) -> bool {
 fn rate(candidate: &mut Candidate, models: &Models) {
     let (model, edge_model) = models.of(candidate.segment.near_horizontal);
     for side in candidate.sides.iter_mut().flatten() {
-        side.score_q8 = model.score_q8(&side.evidence) + model.coefficient_q8(Kind::Distance);
-        side.probability_q16 = model.probability_q16(side.score_q8);
-        let edge_score = edge_model.score_q8(&side.evidence);
+        let score = model.with_neighbours_q8(side.score_q8, side.support_q8, side.conflict_q8);
+        side.score_q8 = narrow(score + model.coefficient_q8(Kind::Distance));
+        side.probability_q16 = model.probability_q16(side.score_q8.into());
+        let edge_score = edge_model.with_neighbours_q8(side.edge_score_q8, side.support_q8, side.conflict_q8);
         side.edge_probability_q16 = edge_model.probability_q16(edge_score);
         side.edge_sigma_q6 = edge_model.sigma_q6(edge_score);
     }
@@ -182,16 +183,16 @@ fn to_match(candidate: &Candidate, params: &Params) -> Option<Match> {
     let sigma = disparity_from_q6(side.edge_sigma_q6.into());
     let mut found = Match {
         ends: candidate.segment.ends,
-        disparity: disparity_q6.map(disparity_from_q6),
+        disparity: disparity_q6.map(Disparity::from_bits),
         sigma,
         confidence: Confidence::from_bits(side.edge_probability_q16),
         owner: candidate.owner()?,
         depth: None,
         depth_sigma: None,
         techniques: Techniques {
-            feature: candidate.feature_q6.map(disparity_from_q6),
-            window: disparity_from_q6(candidate.window_q6),
-            census: disparity_from_q6(candidate.census_q6),
+            feature: candidate.feature_q6.map(Disparity::from_bits),
+            window: Disparity::from_bits(candidate.window_q6),
+            census: Disparity::from_bits(candidate.census_q6),
         },
     };
     orient(&mut found, candidate.segment.near_horizontal);
@@ -241,7 +242,7 @@ impl Candidate {
         let [left, right] = self.sides.each_ref().map(|side| side.as_ref().filter(|s| !s.rejected));
         match (left, right) {
             (Some(l), Some(r)) => {
-                let sum = |side: &Side| side.disparity_q6.iter().sum::<i32>();
+                let sum = |side: &Side| side.disparity_q6.iter().map(|&d| i32::from(d)).sum::<i32>();
                 let two_surfaces = (sum(l) - sum(r)).abs() > TWO_SURFACES_Q6;
                 Some(match (two_surfaces, r.edge_probability_q16 > l.edge_probability_q16) {
                     (false, _) => Owner::Both,

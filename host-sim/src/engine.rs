@@ -1,8 +1,8 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Dims, Gray, Match, Models, Output, ParamError, Params, Plan, PointClaim, Scratch, SizeMismatch,
-    mark_words, row_bytes,
+    Candidate, Dims, Gray, Match, Models, Observer, Output, ParamError, Params, Plan, PointClaim, Scratch,
+    SizeMismatch, mark_words, row_bytes,
 };
 use linestereo_wire::Counts;
 
@@ -75,6 +75,17 @@ impl Engine {
         right: Gray<'_>,
     ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
         self.plan.run(left, right, &mut self.scratch, &mut self.output)?;
+        Ok(&self.output)
+    }
+
+    /// Runs the core, telling `observer` of every step.
+    pub fn run_observed(
+        &mut self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        observer: &mut impl Observer,
+    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
+        self.plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)?;
         Ok(&self.output)
     }
 

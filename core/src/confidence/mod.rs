@@ -74,6 +74,16 @@ impl Model {
         i32::try_from(score >> 12).unwrap_or(0)
     }
 
+    /// The log-odds with what the neighbours say added, Q8.
+    pub(crate) fn with_neighbours_q8(&self, score_q8: i16, support_q8: i16, conflict_q8: i16) -> i32 {
+        let product = |kind: Kind, value: i16| {
+            let coefficient = self.coefficients_q12.get(kind as usize).copied().unwrap_or(0);
+            i64::from(coefficient) * i64::from(value)
+        };
+        let neighbours = product(Kind::Support, support_q8) + product(Kind::Conflict, conflict_q8);
+        i32::from(score_q8) + i32::try_from(neighbours >> 12).unwrap_or(0)
+    }
+
     /// Log-odds per unit of one kind of evidence, Q8.
     #[must_use]
     pub fn coefficient_q8(&self, kind: Kind) -> i32 {

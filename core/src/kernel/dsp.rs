@@ -156,66 +156,243 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     let needed = curve.len() + STRIP - 1;
     let mut long = strips.iter().filter(|strip| strip.other.len() >= needed);
+    let whole = curve.as_chunks_mut::<LANES>().0.as_flattened_mut();
     loop {
-        match (long.next(), long.next(), long.next()) {
-            (Some(a), Some(b), Some(c)) => add_strips([a, b, c], curve),
-            (Some(a), Some(b), None) => return add_strips([a, b], curve),
-            (Some(a), None, _) => return add_strips([a], curve),
+        match (long.next(), long.next()) {
+            (Some(a), Some(b)) => add_two_strips(a, b, whole),
+            (Some(a), None) => return add_strip(a, whole),
             _ => return,
         }
     }
 }
 
-/// Adds strips whose `other` holds at least `curve.len() + STRIP - 1` pixels.
+/// The two words of a strip's reference.
 #[inline(always)]
-fn add_strips<const N: usize>(strips: [&Strip<'_>; N], curve: &mut [u16]) {
-    const UNROLLED: usize = 4;
-    let half = |strip: &Strip<'_>, from: usize| {
-        let [a, b, c, d] = strip.reference.get(from..).and_then(|r| r.first_chunk()).copied().unwrap_or([0; 4]);
-        u32::from_le_bytes([a, b, c, d])
-    };
-    let first = strips.map(|strip| half(strip, 0));
-    let second = strips.map(|strip| half(strip, 4));
-    let mut others = strips.map(|strip| strip.other.as_ptr());
-    for costs in curve.as_chunks_mut::<UNROLLED>().0 {
-        for (d, cost) in costs.iter_mut().enumerate() {
-            let mut sum = u32::from(*cost);
-            for ((&other, &first), &second) in others.iter().zip(&first).zip(&second) {
-                // SAFETY: disparity d reads 8 pixels from d on; all `other`s are longer than the curve by 7.
-                unsafe {
-                    sum = add_differences(first, word(other, d), sum);
-                    sum = add_differences(second, word(other, d + 4), sum);
-                }
-            }
-            *cost = sum as u16;
-        }
-        for other in &mut others {
-            // SAFETY: at most the curve's length further on.
-            *other = unsafe { other.add(UNROLLED) };
+fn halves(strip: &Strip<'_>) -> (u32, u32) {
+    let [a, b, c, d, e, f, g, h] = strip.reference;
+    (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]))
+}
+
+/// Adds two strips whose `other`s hold at least `curve.len() + 7` pixels; the curve is a multiple of eight long.
+///
+/// Every fourth disparity in one go: the second word read for one is the first word of the next.
+#[inline]
+fn add_two_strips(a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
+    let ((a0, a1), (b0, b1)) = (halves(a), halves(b));
+    let rounds = curve.len() / 8;
+    if rounds == 0 {
+        return;
+    }
+    for phase in 0..4 {
+        // SAFETY: rounds * 2 disparities from `phase` on, every fourth: the last one is below `curve.len()`, and reads 8 pixels from there.
+        unsafe {
+            let (at_a, at_b) = (a.other.as_ptr().add(phase), b.other.as_ptr().add(phase));
+            asm!(
+                "2:",
+                "ldrh {sum}, [{cost}]",
+                "ldr {na}, [{pa}, #4]!",
+                "ldr {nb}, [{pb}, #4]!",
+                "usada8 {sum}, {oa}, {a0}, {sum}",
+                "usada8 {sum}, {ob}, {b0}, {sum}",
+                "usada8 {sum}, {na}, {a1}, {sum}",
+                "usada8 {sum}, {nb}, {b1}, {sum}",
+                "strh {sum}, [{cost}], #8",
+                "ldrh {sum}, [{cost}]",
+                "ldr {oa}, [{pa}, #4]!",
+                "ldr {ob}, [{pb}, #4]!",
+                "usada8 {sum}, {na}, {a0}, {sum}",
+                "usada8 {sum}, {nb}, {b0}, {sum}",
+                "usada8 {sum}, {oa}, {a1}, {sum}",
+                "usada8 {sum}, {ob}, {b1}, {sum}",
+                "strh {sum}, [{cost}], #8",
+                "subs {rounds}, {rounds}, #1",
+                "bne 2b",
+                cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
+                pa = inout(reg) at_a => _,
+                pb = inout(reg) at_b => _,
+                oa = inout(reg) word(at_a, 0) => _,
+                ob = inout(reg) word(at_b, 0) => _,
+                na = out(reg) _,
+                nb = out(reg) _,
+                a0 = in(reg) a0,
+                a1 = in(reg) a1,
+                b0 = in(reg) b0,
+                b1 = in(reg) b1,
+                sum = out(reg) _,
+                rounds = inout(reg) rounds => _,
+                options(nostack),
+            );
         }
     }
 }
 
-/// See [`portable::hamming_curve`].
-pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
-    for (block, costs) in curve.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-        let start = block * LANES;
-        for (quad, four) in costs.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            let mut sums = 0_u32; // a byte per disparity: at most 31 points of 8 bits
-            for (reference, other) in points {
-                if other.len() < start + LANES {
-                    continue;
-                }
-                // SAFETY: four bytes inside the block that was just found to exist.
-                let others = unsafe { word(other.as_ptr(), start + quad * 4) };
-                let mut bits = others ^ u32::from(*reference).wrapping_mul(0x0101_0101);
-                bits -= (bits >> 1) & 0x5555_5555;
-                bits = (bits & 0x3333_3333) + ((bits >> 2) & 0x3333_3333);
-                sums = sums.wrapping_add((bits + (bits >> 4)) & 0x0f0f_0f0f);
-            }
-            for (cost, sum) in four.iter_mut().zip(sums.to_le_bytes()) {
-                *cost = cost.wrapping_add(u16::from(sum));
-            }
+/// Adds one strip: see [`add_two_strips`].
+#[inline]
+fn add_strip(strip: &Strip<'_>, curve: &mut [u16]) {
+    let (a0, a1) = halves(strip);
+    let rounds = curve.len() / 8;
+    if rounds == 0 {
+        return;
+    }
+    for phase in 0..4 {
+        // SAFETY: as above.
+        unsafe {
+            let at = strip.other.as_ptr().add(phase);
+            asm!(
+                "2:",
+                "ldrh {sum}, [{cost}]",
+                "ldr {na}, [{pa}, #4]!",
+                "usada8 {sum}, {oa}, {a0}, {sum}",
+                "usada8 {sum}, {na}, {a1}, {sum}",
+                "strh {sum}, [{cost}], #8",
+                "ldrh {sum}, [{cost}]",
+                "ldr {oa}, [{pa}, #4]!",
+                "usada8 {sum}, {na}, {a0}, {sum}",
+                "usada8 {sum}, {oa}, {a1}, {sum}",
+                "strh {sum}, [{cost}], #8",
+                "subs {rounds}, {rounds}, #1",
+                "bne 2b",
+                cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
+                pa = inout(reg) at => _,
+                oa = inout(reg) word(at, 0) => _,
+                na = out(reg) _,
+                a0 = in(reg) a0,
+                a1 = in(reg) a1,
+                sum = out(reg) _,
+                rounds = inout(reg) rounds => _,
+                options(nostack),
+            );
         }
     }
+}
+
+/// Counts the bits of each nibble.
+#[inline(always)]
+fn nibble_counts(mut bits: u32) -> u32 {
+    bits -= (bits >> 1) & 0x5555_5555;
+    (bits & 0x3333_3333) + ((bits >> 2) & 0x3333_3333)
+}
+
+/// See [`portable::hamming_curve`].
+pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
+    let whole = curve.as_chunks_mut::<LANES>().0.as_flattened_mut();
+    let len = whole.len();
+    let mut long = points.iter().filter(|(_, other)| other.len() >= len);
+    let code = |reference: u8| u32::from(reference).wrapping_mul(0x0101_0101);
+    // A byte per disparity holds the sum of all points; a nibble that of three.
+    let mut sums = [0_u32; MAX_WORDS];
+    loop {
+        let Some(&(reference_a, a)) = long.next() else { break };
+        let Some(&(reference_b, b)) = long.next() else {
+            add_codes(&mut sums, len, |d| {
+                // SAFETY: `a` is as long as the curve.
+                nibble_counts(unsafe { word(a.as_ptr(), d) } ^ code(reference_a))
+            });
+            break;
+        };
+        let Some(&(reference_c, c)) = long.next() else {
+            add_codes(&mut sums, len, |d| {
+                // SAFETY: `a` and `b` are as long as the curve.
+                unsafe {
+                    nibble_counts(word(a.as_ptr(), d) ^ code(reference_a))
+                        + nibble_counts(word(b.as_ptr(), d) ^ code(reference_b))
+                }
+            });
+            break;
+        };
+        add_codes(&mut sums, len, |d| {
+            // SAFETY: all three are as long as the curve.
+            unsafe {
+                nibble_counts(word(a.as_ptr(), d) ^ code(reference_a))
+                    + nibble_counts(word(b.as_ptr(), d) ^ code(reference_b))
+                    + nibble_counts(word(c.as_ptr(), d) ^ code(reference_c))
+            }
+        });
+    }
+    for (four, sum) in whole.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
+        for (cost, sum) in four.iter_mut().zip(sum.to_le_bytes()) {
+            *cost = cost.wrapping_add(u16::from(sum));
+        }
+    }
+}
+
+/// Words of the longest curve's bytes.
+const MAX_WORDS: usize = 64;
+
+/// Adds nibble counts to the bytes of four disparities at a time.
+#[inline(always)]
+fn add_codes(sums: &mut [u32; MAX_WORDS], len: usize, counts: impl Fn(usize) -> u32) {
+    for (sum, d) in sums.iter_mut().zip((0..len).step_by(4)) {
+        let nibbles = counts(d);
+        *sum = sum.wrapping_add((nibbles & 0x0f0f_0f0f) + ((nibbles >> 4) & 0x0f0f_0f0f));
+    }
+}
+
+/// Half word by half word sum, saturating.
+#[inline(always)]
+fn saturating_add_16(a: u32, b: u32) -> u32 {
+    let result: u32;
+    // SAFETY: as above.
+    unsafe {
+        asm!("uqadd16 {r}, {a}, {b}", r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
+            options(pure, nomem, nostack, preserves_flags));
+    }
+    result
+}
+
+/// Half word by half word minimum.
+#[inline(always)]
+fn lower_16(a: u32, b: u32) -> u32 {
+    let result: u32;
+    // SAFETY: as above; the flags between the two instructions are nobody else's.
+    unsafe {
+        asm!("usub16 {r}, {a}, {b}", "sel {r}, {b}, {a}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
+            options(pure, nomem, nostack));
+    }
+    result
+}
+
+/// Two entries as one word, and back.
+#[inline(always)]
+fn packed([low, high]: [u16; 2]) -> u32 {
+    u32::from(low) | u32::from(high) << 16
+}
+
+#[inline(always)]
+fn unpacked(word: u32) -> [u16; 2] {
+    [word as u16, (word >> 16) as u16]
+}
+
+/// See [`portable::sum_curve`].
+pub fn sum_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
+    let ((a, a1), (b, b1), (out, out1)) = (a.as_chunks(), b.as_chunks(), out.as_chunks_mut());
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = unpacked(saturating_add_16(packed(a), packed(b)));
+    }
+    portable::sum_curve(a1, b1, out1);
+}
+
+/// See [`portable::lower_curve`].
+pub fn lower_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
+    let ((a, a1), (b, b1), (out, out1)) = (a.as_chunks(), b.as_chunks(), out.as_chunks_mut());
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = unpacked(lower_16(packed(a), packed(b)));
+    }
+    portable::lower_curve(a1, b1, out1);
+}
+
+/// See [`portable::lower_sum_curve`].
+pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
+    let ((a, a1), (b, b1), (c, c1), (out, out1)) = (a.as_chunks(), b.as_chunks(), c.as_chunks(), out.as_chunks_mut());
+    for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
+        *out = unpacked(saturating_add_16(lower_16(packed(a), packed(b)), packed(c)));
+    }
+    portable::lower_sum_curve(a1, b1, c1, out1);
+}
+
+/// See [`portable::lowest`].
+pub fn lowest(curve: &[u16]) -> u16 {
+    let (pairs, rest) = curve.as_chunks();
+    let [low, high] = unpacked(pairs.iter().fold(u32::MAX, |lowest, &pair| lower_16(lowest, packed(pair))));
+    low.min(high).min(portable::lowest(rest))
 }

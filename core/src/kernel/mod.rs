@@ -15,10 +15,10 @@ mod sse2;
 pub use portable::{FLAT, LANES, STRIP, Strip};
 
 #[cfg(dsp)]
-pub use dsp::{census_row, gradient_row, hamming_curve, sad_curve};
-#[cfg(not(dsp))]
-pub use portable::{census_row, gradient_row, hamming_curve};
+pub use dsp::{census_row, gradient_row, hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 #[cfg(not(any(dsp, target_arch = "x86_64")))]
 pub use portable::sad_curve;
+#[cfg(not(dsp))]
+pub use portable::{census_row, gradient_row, hamming_curve, lower_curve, lower_sum_curve, lowest, sum_curve};
 #[cfg(target_arch = "x86_64")]
 pub use sse2::sad_curve;

@@ -112,3 +112,30 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
         }
     }
 }
+
+/// Entry by entry sum, saturating. All curves are equally long.
+pub fn sum_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = a.saturating_add(b);
+    }
+}
+
+/// Entry by entry minimum.
+pub fn lower_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = a.min(b);
+    }
+}
+
+/// Entry by entry minimum of `a` and `b`, plus `c`, saturating.
+pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
+    for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
+        *out = a.min(b).saturating_add(c);
+    }
+}
+
+/// The lowest entry; the largest value where there is none.
+#[must_use]
+pub fn lowest(curve: &[u16]) -> u16 {
+    curve.iter().fold(u16::MAX, |lowest, &cost| lowest.min(cost))
+}

@@ -5,7 +5,7 @@
 //! # Source
 //! The chapter's disparity aggregation, Eq. 13: a margin in metres is a disparity interval that is not symmetric.
 
-use super::Side;
+use super::{Side, narrow};
 use crate::params::{Margin, Params};
 use crate::rig::Rig;
 use crate::units::{Disparity, quotient};
@@ -23,10 +23,10 @@ pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart:
         return;
     }
     let across_q10 = quotient((own_right - own_left) << 4, apart); // 1/64 px to 1/1024 px
-    left.across_q10 = -across_q10;
-    right.across_q10 = across_q10;
-    left.disparity_q6 = line_q6;
-    right.disparity_q6 = line_q6;
+    left.across_q10 = narrow(-across_q10);
+    right.across_q10 = narrow(across_q10);
+    left.disparity_q6 = line_q6.map(narrow);
+    right.disparity_q6 = line_q6.map(narrow);
 }
 
 /// The margin within which techniques have to agree.

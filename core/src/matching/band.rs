@@ -11,6 +11,7 @@
 use crate::image::Gray;
 use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
 use crate::lines::Segment;
+use crate::units::quotient;
 
 /// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
 pub(crate) const BAND_ROWS: usize = 24;
@@ -173,4 +174,42 @@ fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
     let last = i32::from(image.dims().height) - 1;
     image.row(y.max(0).min(last) as usize).unwrap_or(&[])
+}
+
+/// Every so many rows of the band between two rows, so that there are at most as many as asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct SampledRows {
+    next: i32,
+    last: i32,
+    step: i32,
+}
+
+impl SampledRows {
+    /// At most `most` rows of `first ..= last`.
+    pub(crate) fn new((first, last): (i32, i32), most: i32) -> Self {
+        let there = quotient(last - first + ROW_STEP, ROW_STEP);
+        Self { next: on_band(first + ROW_STEP - 1), last, step: ROW_STEP * quotient(there + most - 1, most).max(1) }
+    }
+
+    pub(crate) fn count(self) -> i32 {
+        if self.next > self.last { 0 } else { quotient(self.last - self.next, self.step) + 1 }
+    }
+}
+
+impl Iterator for SampledRows {
+    type Item = i32;
+
+    fn next(&mut self) -> Option<i32> {
+        let row = self.next;
+        if row > self.last {
+            return None;
+        }
+        self.next += self.step;
+        Some(row)
+    }
+}
+
+/// The nearest row of the band at or above `y`.
+pub(crate) fn on_band(y: i32) -> i32 {
+    y & !(ROW_STEP - 1)
 }

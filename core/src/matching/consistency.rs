@@ -15,8 +15,8 @@
 //! # Cost
 //! Quadratic in the claims of 2 * [`REACH`] rows.
 
-use super::evidence::{Kind, log2_mean_q8};
-use super::{Candidate, Side};
+use super::evidence::log2_mean_q8;
+use super::{Candidate, Side, narrow};
 use crate::lines::MAX_ROWS;
 
 /// Distance at which a neighbour's word counts nothing, px.
@@ -48,14 +48,12 @@ impl Place {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let off = if side == 0 { -OFF_EDGE } else { OFF_EDGE };
         let (dx, dy) = if candidate.segment.near_horizontal { (0, off) } else { (off, 0) };
-        let [d0, d1] = claim.disparity_q6;
-        // A side whose rival costs 0.8 times as much or less says nothing to its neighbours.
-        let weight = 256 - claim.evidence.get(Kind::SideRatio) * 5 / 4;
+        let [d0, d1] = claim.disparity_q6.map(i32::from);
         Self {
             x: (((x0 + x1) >> 6) + dx) as i16,
             y: (((y0 + y1) >> 6) + dy) as i16,
             d_q6: ((d0 + d1) >> 1) as i16,
-            weight_q8: weight.clamp(1, 256) as u16,
+            weight_q8: claim.weight_q8,
             ..Self::EMPTY
         }
     }
@@ -114,9 +112,9 @@ pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [[Plac
     for (candidate, pair) in candidates.iter_mut().zip(places.iter()) {
         for (claim, place) in candidate.sides.iter_mut().zip(pair) {
             if let Some(claim) = claim {
-                claim.evidence.set(Kind::Support, log2_mean_q8(place.agreeing, 256));
+                claim.support_q8 = narrow(log2_mean_q8(place.agreeing, 256));
                 let share = (place.conflicting << 8).checked_div(place.agreeing + place.conflicting + 51).unwrap_or(0);
-                claim.evidence.set(Kind::Conflict, share as i32);
+                claim.conflict_q8 = narrow(share as i32);
             }
         }
     }

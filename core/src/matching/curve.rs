@@ -1,18 +1,22 @@
 //! Cost over disparity: minimum, rival, sub-pixel position.
 //!
+//! Curves live in a [`Workspace`](super::Workspace) of the caller's and are written in place: none is copied, none is on the stack.
+//!
 //! # Source
 //! Rival outside +-2 px and the best/rival ratio: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi
 //! 2001): two lines of equal and opposite slope, the right shape for absolute differences.
 
-use crate::kernel::LANES;
+use crate::kernel::{LANES, lower_curve, lower_sum_curve, lowest, sum_curve};
 use crate::units::quotient;
 
 /// Most disparities of a search.
 pub(crate) const MAX_DISPARITIES: usize = 256;
 /// Disparities on both sides of a minimum that are not its rivals.
 const NEIGHBOURHOOD: i32 = 2;
+/// Curves of a workspace: what one segment needs at a time.
+pub(crate) const CURVES: usize = 13;
 
-/// Cost at disparities `first .. first + len`.
+/// Cost at disparities `first .. first + len`. Whole blocks are computed; entries beyond `len` are the largest cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     costs: [u16; MAX_DISPARITIES],
@@ -33,104 +37,138 @@ impl Curve {
     /// No disparities.
     pub(crate) const EMPTY: Self = Self { costs: [0; MAX_DISPARITIES], first: 0, len: 0 };
 
-    /// Starts again from zero over `len` disparities from `first` on, in place.
-    pub(crate) fn clear(&mut self, (first, len): (i32, i32)) {
+    /// Sums costs over `len` disparities from `first` on; `add` is given whole blocks.
+    pub(crate) fn fill(&mut self, (first, len): (i32, i32), add: impl FnOnce(&mut [u16])) {
+        self.span((first, len));
+        let blocks = self.blocks();
+        blocks.fill(0);
+        add(blocks);
+        let len = self.len;
+        if let Some(beyond) = self.blocks().get_mut(len..) {
+            beyond.fill(u16::MAX);
+        }
+    }
+
+    fn span(&mut self, (first, len): (i32, i32)) {
         self.first = first;
         self.len = usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES);
-        self.blocks().fill(0);
     }
 
-    /// The first disparity.
-    pub(crate) fn first(&self) -> i32 {
-        self.first
-    }
-
-    /// Room for the kernels: whole blocks, of which the last may reach beyond `len`.
-    pub(crate) fn blocks(&mut self) -> &mut [u16] {
+    fn blocks(&mut self) -> &mut [u16] {
         let end = self.len.next_multiple_of(LANES);
         self.costs.get_mut(..end).unwrap_or(&mut [])
     }
 
-    pub(crate) fn costs(&self) -> &[u16] {
-        self.costs.get(..self.len).unwrap_or(&[])
+    fn whole(&self) -> &[u16] {
+        self.costs.get(..self.len.next_multiple_of(LANES)).unwrap_or(&[])
+    }
+
+    /// Number of disparities.
+    pub(crate) fn len(&self) -> usize {
+        self.len
     }
 
     pub(crate) fn at(&self, d: i32) -> Option<u16> {
-        self.costs().get(usize::try_from(d - self.first).ok()?).copied()
+        let index = usize::try_from(d - self.first).ok()?;
+        if index < self.len { self.costs.get(index).copied() } else { None }
     }
 
-    /// Sum of this curve moved by `shift` and the other moved by `shift_other`; entries from outside count as the largest cost.
-    pub(crate) fn shifted_sum(&self, shift: i32, other: &Self, shift_other: i32) -> Self {
-        let mut sum = Self { first: self.first, len: self.len, ..Self::EMPTY };
-        for (cost, d) in sum.costs.iter_mut().zip(self.first..).take(self.len) {
-            *cost = match (self.at(d + shift), other.at(d + shift_other)) {
-                (Some(a), Some(b)) => a.saturating_add(b),
-                _ => u16::MAX,
-            };
+    /// Becomes the entry by entry sum of two curves over the same disparities.
+    pub(crate) fn set_sum(&mut self, a: &Self, b: &Self) {
+        (self.first, self.len) = (a.first, a.len);
+        sum_curve(a.whole(), b.whole(), self.blocks());
+    }
+
+    /// Becomes the entry by entry minimum.
+    pub(crate) fn set_lower(&mut self, a: &Self, b: &Self) {
+        (self.first, self.len) = (a.first, a.len);
+        lower_curve(a.whole(), b.whole(), self.blocks());
+    }
+
+    /// Becomes the entry by entry minimum of `a` and `b`, plus `c`.
+    pub(crate) fn set_lower_sum(&mut self, a: &Self, b: &Self, c: &Self) {
+        (self.first, self.len) = (a.first, a.len);
+        lower_sum_curve(a.whole(), b.whole(), c.whole(), self.blocks());
+    }
+
+    /// Becomes the sum of `a` moved by `shift_a` and `b` moved by `shift_b`; entries from outside count as the largest cost.
+    pub(crate) fn set_shifted_sum(&mut self, a: &Self, shift_a: i32, b: &Self, shift_b: i32) {
+        (self.first, self.len) = (a.first, a.len);
+        self.blocks().fill(u16::MAX);
+        let before = shift_a.min(shift_b).min(0).unsigned_abs() as usize;
+        let from = |shift: i32| usize::try_from(i32::try_from(before).unwrap_or(0) + shift).unwrap_or(0);
+        let tail = |curve: &Self, shift: i32| from(shift)..curve.len;
+        let (ra, rb) = (tail(a, shift_a), tail(b, shift_b));
+        let (Some(ta), Some(tb)) = (a.costs.get(ra), b.costs.get(rb)) else { return };
+        let len = self.len;
+        for ((cost, &x), &y) in self.costs.iter_mut().take(len).skip(before).zip(ta).zip(tb) {
+            *cost = x.saturating_add(y);
         }
-        sum
-    }
-
-    /// Entry by entry sum.
-    pub(crate) fn sum(&self, other: &Self) -> Self {
-        self.combine(other, u16::saturating_add)
-    }
-
-    /// Entry by entry minimum.
-    pub(crate) fn lower(&self, other: &Self) -> Self {
-        self.combine(other, u16::min)
-    }
-
-    fn combine(&self, other: &Self, operation: impl Fn(u16, u16) -> u16) -> Self {
-        let mut result = Self { first: self.first, len: self.len.min(other.len), ..Self::EMPTY };
-        for ((cost, &a), &b) in result.costs.iter_mut().zip(self.costs()).zip(other.costs()) {
-            *cost = operation(a, b);
-        }
-        result
     }
 
     /// The first lowest entry within `centre +- reach`.
     pub(crate) fn minimum_near(&self, centre: i32, reach: i32) -> Minimum {
-        let mut best = Minimum { at: centre, cost: u16::MAX };
-        for d in centre - reach..=centre + reach {
-            if let Some(cost) = self.at(d)
-                && cost < best.cost
-            {
-                best = Minimum { at: d, cost };
-            }
-        }
-        best
+        minimum_near(centre, reach, |d| self.at(d))
     }
 
     /// The first lowest entry.
     pub(crate) fn minimum(&self) -> Minimum {
-        let mut best = Minimum { at: self.first, cost: u16::MAX };
-        for (&cost, at) in self.costs().iter().zip(self.first..) {
-            if cost < best.cost {
-                best = Minimum { at, cost };
-            }
-        }
-        best
+        let cost = lowest(self.whole());
+        let place = self.whole().iter().position(|&c| c == cost).unwrap_or(0);
+        Minimum { at: self.first + i32::try_from(place).unwrap_or(0), cost }
     }
 
     /// Lowest cost outside the neighbourhood of `at`: the rival.
-    pub(crate) fn rival(&self, at: i32) -> u16 {
-        let outside = |(_, d): &(&u16, i32)| (d - at).abs() > NEIGHBOURHOOD;
-        self.costs().iter().zip(self.first..).filter(outside).map(|(&cost, _)| cost).min().unwrap_or(u16::MAX)
+    pub(crate) fn rival(&mut self, at: i32) -> u16 {
+        // The neighbourhood is covered while the rest is looked at.
+        let mut covered = [u16::MAX; 2 * NEIGHBOURHOOD as usize + 1];
+        self.swap_neighbourhood(at, &mut covered);
+        let rival = lowest(self.whole());
+        self.swap_neighbourhood(at, &mut covered);
+        rival
+    }
+
+    fn swap_neighbourhood(&mut self, at: i32, other: &mut [u16]) {
+        for (d, other) in (at - NEIGHBOURHOOD..).zip(other) {
+            if let Ok(index) = usize::try_from(d - self.first)
+                && index < self.len
+                && let Some(cost) = self.costs.get_mut(index)
+            {
+                core::mem::swap(cost, other);
+            }
+        }
     }
 
     /// Sub-pixel position of the minimum at `at`, 1/64 px.
     pub(crate) fn subpixel_q6(&self, at: i32) -> i32 {
-        let (Some(before), Some(here), Some(after)) = (self.at(at - 1), self.at(at), self.at(at + 1)) else {
-            return at << 6;
-        };
-        let (before, here, after) = (i32::from(before), i32::from(here), i32::from(after));
-        let depth = before.max(after) - here;
-        if depth <= 0 {
-            return at << 6;
-        }
-        (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
+        subpixel_q6(at, |d| self.at(d))
     }
+}
+
+/// The first lowest of `cost(centre - reach ..= centre + reach)`.
+pub(crate) fn minimum_near(centre: i32, reach: i32, cost: impl Fn(i32) -> Option<u16>) -> Minimum {
+    let mut best = Minimum { at: centre, cost: u16::MAX };
+    for d in centre - reach..=centre + reach {
+        if let Some(cost) = cost(d)
+            && cost < best.cost
+        {
+            best = Minimum { at: d, cost };
+        }
+    }
+    best
+}
+
+/// Sub-pixel position of the minimum at `at`, 1/64 px.
+pub(crate) fn subpixel_q6(at: i32, cost: impl Fn(i32) -> Option<u16>) -> i32 {
+    let (Some(before), Some(here), Some(after)) = (cost(at - 1), cost(at), cost(at + 1)) else {
+        return at << 6;
+    };
+    let (before, here, after) = (i32::from(before), i32::from(here), i32::from(after));
+    let depth = before.max(after) - here;
+    if depth <= 0 {
+        return at << 6;
+    }
+    (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
 }
 
 /// `256 * (cost + 1) / (rival + 1)`, at most 3 * 256: below 256 the minimum is better than its rival. The ones make two perfect matches a tie.

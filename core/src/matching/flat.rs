@@ -15,12 +15,12 @@
 //! At most 4 blocks of 4 rows of 8 pixels, 126 each: 16 128. Census: at most 12 points a row, 3 rows, 8 bits each.
 
 use super::aggregate::join_sides;
-use super::band::{Band, Search};
+use super::band::{Band, Search, on_band};
 use super::curve::{Curve, Minimum, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Side};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Workspace};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
-use crate::lines::Segment;
+use crate::lines::{MAX_COLUMNS, Segment};
 use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
@@ -68,9 +68,9 @@ impl FlatLine {
 }
 
 /// Window curves of one side: of its two halves and of the whole.
-struct SideWindows {
-    halves: [Curve; 2],
-    whole: Curve,
+struct SideWindows<'w> {
+    halves: [&'w mut Curve; 2],
+    whole: &'w mut Curve,
     pixels: i32,
     best: Minimum,
     rival: u16,
@@ -82,6 +82,7 @@ pub(crate) fn match_flat(
     segment: &Segment,
     context: &MatchContext<'_>,
     band: &Band<'_>,
+    work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
     let line = FlatLine::new(segment);
     let columns = line.columns();
@@ -98,101 +99,105 @@ pub(crate) fn match_flat(
 
     let [above_rows, below_rows] = SIDE_ROWS;
     let [above_points, below_points] = CENSUS_ROWS;
-    let above = SideWindows::new(&line, columns, above_rows, range, band);
-    let below = SideWindows::new(&line, columns, below_rows, range, band);
+    let [a, b, c, d, e, f, census, back, ..] = &mut work.curves;
+    let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
+    let below = SideWindows::new([d, e, f], &line, columns, below_rows, range, band);
+    let mut place = |own: (&SideWindows<'_>, [i32; 2], [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
+        place(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, [census, back])
+    };
     let placed = [
-        place(&line, (&above, above_rows, above_points), &below, shared.with(Kind::WhichSide, -256), context, band),
-        place(&line, (&below, below_rows, below_points), &above, shared.with(Kind::WhichSide, 256), context, band),
+        place((&above, above_rows, above_points), &below, -256),
+        place((&below, below_rows, below_points), &above, 256),
     ];
     let (window_q6, census_q6) = match &placed {
-        [Ok(a), Ok(b)] if b.side.evidence.get(Kind::SideRatio) < a.side.evidence.get(Kind::SideRatio) => b.techniques(),
+        [Ok(a), Ok(b)] if b.evidence.get(Kind::SideRatio) < a.evidence.get(Kind::SideRatio) => b.techniques(),
         [Ok(a), _] => a.techniques(),
         [_, Ok(b)] => b.techniques(),
         // The reason that comes last in the order of tests: the side that came further.
         [Err(a), Err(b)] => return Err(if *a as usize >= *b as usize { *a } else { *b }),
     };
-    let mut sides = placed.map(|side| side.ok().map(|placed| placed.side));
-    if let [Some(a), Some(b)] = &sides {
-        let ([a0, a1], [b0, b1]) = (a.disparity_q6, b.disparity_q6);
-        let line_q6 = [(a0 + b0) / 2, (a1 + b1) / 2];
-        join_sides(&mut sides, [(a0 + a1) / 2, (b0 + b1) / 2], SIDES_APART, line_q6);
-    }
+    let lines_q6 = placed.each_ref().map(|side| side.as_ref().map_or([0; 2], |placed| placed.line_q6));
+    let evidence = placed.map(|side| side.ok().map(|placed| placed.evidence));
+    let [above_q6, below_q6] = lines_q6;
+    let mut sides = work.rate(evidence, |side| if side == 0 { above_q6 } else { below_q6 }, context.models.of(true));
+    let ([a0, a1], [b0, b1]) = (above_q6, below_q6);
+    let line_q6 = [(a0 + b0) / 2, (a1 + b1) / 2];
+    join_sides(&mut sides, [(a0 + a1) / 2, (b0 + b1) / 2], SIDES_APART, line_q6);
     Ok(Candidate::new(*segment, sides, window_q6, census_q6, None))
 }
 
-impl SideWindows {
-    fn new(line: &FlatLine, (first, last): (i32, i32), rows: [i32; 2], range: (i32, i32), band: &Band<'_>) -> Self {
+impl<'w> SideWindows<'w> {
+    fn new(
+        [a, b, whole]: [&'w mut Curve; 3],
+        line: &FlatLine,
+        (first, last): (i32, i32),
+        rows: [i32; 2],
+        range: (i32, i32),
+        band: &Band<'_>,
+    ) -> Self {
         let middle = (first + last) / 2;
-        let mut halves = [const { Curve::EMPTY }; 2];
         let mut pixels = 0;
-        for (curve, columns) in halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
-            curve.clear(range);
-            pixels += add_blocks(line, columns, rows, 0, Search::Forward, band, curve);
+        for (curve, columns) in [&mut *a, &mut *b].into_iter().zip([(first, middle), (middle + 1, last)]) {
+            curve.fill(range, |costs| {
+                pixels += add_blocks(line, columns, rows, (Search::Forward, range.0, 0), band, costs);
+            });
         }
-        let [a, b] = &halves;
-        let whole = a.sum(b);
+        whole.set_sum(a, b);
         let best = whole.minimum();
         let rival = whole.rival(best.at);
-        Self { halves, whole, pixels, best, rival, ratio_q8: ratio_q8(best.cost, rival) }
+        Self { halves: [a, b], whole, pixels, best, rival, ratio_q8: ratio_q8(best.cost, rival) }
     }
 }
 
-/// Adds the cost of one side over `columns`, in blocks of eight that follow the line, moved left by `shift`; returns the pixels compared.
+/// Adds the cost of one side over `columns`, in blocks of eight that follow the line, moved left by `shift`, from disparity `first` on;
+/// returns the pixels compared.
 fn add_blocks(
     line: &FlatLine,
     (from, to): (i32, i32),
     rows: [i32; 2],
-    shift: i32,
-    search: Search,
+    (search, first, shift): (Search, i32, i32),
     band: &Band<'_>,
-    curve: &mut Curve,
+    costs: &mut [u16],
 ) -> i32 {
     const WIDTH: i32 = STRIP as i32;
+    /// Blocks of the longest piece, two rows each.
+    const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP) * 2;
     let blocks = (to - from + WIDTH) / WIDTH;
-    let mut strips: Vec<Strip<'_>, 32> = Vec::new();
-    for block in 0..blocks {
+    let strips = (0..blocks).flat_map(|block| {
         // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
         let y = line.row_q5((start << 5) + 112);
-        for row in rows {
-            if let Some(strip) = band.strip(search, start - shift, (y + row) & !1, curve.first()) {
-                let _ = strips.push(strip); // at most 4 blocks
-            }
-        }
-    }
-    sad_curve(&strips, curve.blocks());
+        rows.into_iter().filter_map(move |row| band.strip(search, start - shift, on_band(y + row), first))
+    });
+    let strips: Vec<Strip<'_>, MOST> = strips.take(MOST).collect();
+    sad_curve(&strips, costs);
     i32::try_from(strips.len()).unwrap_or(0) * WIDTH
 }
 
-/// Census curve of one side, and its points.
+/// Census curve of one side; returns its points.
 fn census_curve(
     line: &FlatLine,
     (from, to): (i32, i32),
     rows: [i32; 2],
     range: (i32, i32),
     band: &Band<'_>,
-) -> (Curve, i32) {
-    let mut curve = Curve::EMPTY;
-    curve.clear(range);
-    let mut count = 0;
-    for row in rows {
-        let mut points: Vec<(u8, &[u8]), 31> = Vec::new();
-        let mut x = from;
-        while x <= to {
-            if let Some(point) = band.census(Search::Forward, x, (line.row(x) + row) & !1, curve.first()) {
-                let _ = points.push(point); // every second of at most 25 columns
-                count += 1;
-            }
-            x += 2;
-        }
-        hamming_curve(&points, curve.blocks());
-    }
-    (curve, count)
+    curve: &mut Curve,
+) -> i32 {
+    /// Every second column of the longest piece, two rows; what one curve of bytes can hold.
+    const MOST: usize = 31;
+    let points = rows.into_iter().flat_map(|row| {
+        let columns = (0..=(to - from) / 2).map(move |i| from + 2 * i);
+        columns.filter_map(move |x| band.census(Search::Forward, x, on_band(line.row(x) + row), range.0))
+    });
+    let points: Vec<(u8, &[u8]), MOST> = points.take(MOST).collect();
+    curve.fill(range, |costs| hamming_curve(&points, costs));
+    i32::try_from(points.len()).unwrap_or(0)
 }
 
 /// A side that passed every test.
 struct Placed {
-    side: Side,
+    evidence: Evidence,
+    line_q6: [i32; 2],
     window_q6: i32,
     census_q6: i32,
 }
@@ -206,18 +211,19 @@ impl Placed {
 /// Places one side by its window, census and the search back.
 fn place(
     line: &FlatLine,
-    (own, window_rows, census_rows): (&SideWindows, [i32; 2], [i32; 2]),
-    other: &SideWindows,
+    (own, window_rows, census_rows): (&SideWindows<'_>, [i32; 2], [i32; 2]),
+    other: &SideWindows<'_>,
     shared: Evidence,
     context: &MatchContext<'_>,
     band: &Band<'_>,
+    [census, back]: [&mut Curve; 2],
 ) -> Result<Placed, Rejection> {
     let at = own.best.at;
     if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 {
         return Err(Rejection::WindowNotUnique);
     }
     let columns = line.columns();
-    let (census, points) = census_curve(line, columns, census_rows, context.range_before(columns.0)?, band);
+    let points = census_curve(line, columns, census_rows, context.range_before(columns.0)?, band, census);
     let census_near = census.minimum_near(at, 1);
     let census_ratio_q8 = ratio_q8(census_near.cost, census.rival(at));
     if census_ratio_q8 > MAX_CENSUS_RATIO_Q8 {
@@ -229,9 +235,10 @@ fn place(
     }
     let census_q6 = census.subpixel_q6(census_near.at);
 
-    let mut back = Curve::EMPTY;
-    back.clear(context.range_after(columns.1 - at));
-    add_blocks(line, columns, window_rows, at, Search::Back, band, &mut back);
+    let range = context.range_after(columns.1 - at);
+    back.fill(range, |costs| {
+        add_blocks(line, columns, window_rows, (Search::Back, range.0, at), band, costs);
+    });
     let back_best = back.minimum();
     let back_gap = (back_best.at - at).abs();
     if back_gap > 1 {
@@ -254,6 +261,6 @@ fn place(
     evidence.set(Kind::OtherRatio, other.ratio_q8);
     evidence.set(Kind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
-    let side = Side::new([first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2], evidence);
-    Ok(Placed { side, window_q6, census_q6 })
+    let line_q6 = [first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2];
+    Ok(Placed { evidence, line_q6, window_q6, census_q6 })
 }

@@ -16,13 +16,15 @@ pub(crate) mod flat;
 pub(crate) mod row_offset;
 pub(crate) mod steep;
 
+use crate::confidence::{Model, Models};
 use crate::image::Dims;
 use crate::lines::Segment;
 use crate::params::Params;
 use crate::result::Rejection;
 use aggregate::Agreement;
 use band::Band;
-use evidence::Evidence;
+use curve::{CURVES, Curve};
+use evidence::{Evidence, Kind};
 
 // The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
 
@@ -45,11 +47,11 @@ pub struct Candidate {
     /// The sides that carry a disparity: left and right of it, or above and below.
     pub sides: [Option<Side>; 2],
     /// Disparity by window, census and (if any) right segment at the middle, 1/64 px.
-    pub window_q6: i32,
+    pub window_q6: i16,
     /// By census.
-    pub census_q6: i32,
+    pub census_q6: i16,
     /// By the line of a right segment.
-    pub feature_q6: Option<i32>,
+    pub feature_q6: Option<i16>,
     /// True when a more probable claim explains the same place in the right image.
     pub(crate) beaten: bool,
     /// Its position in the list of matches.
@@ -64,20 +66,39 @@ impl Candidate {
         census_q6: i32,
         feature_q6: Option<i32>,
     ) -> Self {
-        Self { segment, sides, window_q6, census_q6, feature_q6, beaten: false, listed: None }
+        Self {
+            segment,
+            sides,
+            window_q6: narrow(window_q6),
+            census_q6: narrow(census_q6),
+            feature_q6: feature_q6.map(narrow),
+            beaten: false,
+            listed: None,
+        }
     }
+}
+
+/// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
+pub(crate) fn narrow(value: i32) -> i16 {
+    i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
 }
 
 /// One side's claim.
 #[derive(Clone, Debug, Hash)]
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
-    pub disparity_q6: [i32; 2],
+    pub disparity_q6: [i16; 2],
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
-    pub across_q10: i32,
-    /// What speaks for and against it.
-    pub evidence: Evidence,
-    pub(crate) score_q8: i32,
+    pub across_q10: i16,
+    /// Agreeing neighbours and share of contradicting ones: [`Kind::Support`], [`Kind::Conflict`].
+    pub support_q8: i16,
+    /// See `support_q8`.
+    pub conflict_q8: i16,
+    /// What the neighbours make of its word: 1 ..= 256.
+    pub(crate) weight_q8: u16,
+    /// Log-odds of the side and of the edge, neighbours left out.
+    pub(crate) score_q8: i16,
+    pub(crate) edge_score_q8: i16,
     pub(crate) probability_q16: u16,
     /// Probability that the edge itself has this side's disparity.
     pub(crate) edge_probability_q16: u16,
@@ -86,17 +107,50 @@ pub struct Side {
 }
 
 impl Side {
-    pub(crate) fn new(disparity_q6: [i32; 2], evidence: Evidence) -> Self {
+    fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
+        // A side whose rival costs 0.8 times as much or less says nothing to its neighbours.
+        let weight = 256 - evidence.get(Kind::SideRatio) * 5 / 4;
         Self {
-            disparity_q6,
+            disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
-            evidence,
-            score_q8: 0,
+            support_q8: 0,
+            conflict_q8: 0,
+            weight_q8: weight.clamp(1, 256) as u16,
+            score_q8: narrow(model.score_q8(evidence)),
+            edge_score_q8: narrow(edge_model.score_q8(evidence)),
             probability_q16: 0,
             edge_probability_q16: 0,
             edge_sigma_q6: 0,
             rejected: false,
         }
+    }
+}
+
+/// Memory for the matching of one segment.
+#[derive(Debug)]
+pub(crate) struct Workspace {
+    curves: [Curve; CURVES],
+    /// Evidence of the sides of the last candidate.
+    pub(crate) evidence: [Evidence; 2],
+}
+
+impl Workspace {
+    pub(crate) const EMPTY: Self =
+        Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { Evidence::new() }; 2] };
+
+    /// Sides with their log-odds; their evidence is kept for whoever watches.
+    fn rate(
+        &mut self,
+        evidence: [Option<Evidence>; 2],
+        line_q6: impl Fn(usize) -> [i32; 2],
+        models: (&Model, &Model),
+    ) -> [Option<Side>; 2] {
+        let mut sides = [None, None];
+        for ((i, side), (kept, evidence)) in sides.iter_mut().enumerate().zip(self.evidence.iter_mut().zip(evidence)) {
+            *side = evidence.as_ref().map(|evidence| Side::new(line_q6(i), evidence, models));
+            *kept = evidence.unwrap_or(const { Evidence::new() });
+        }
+        sides
     }
 }
 
@@ -108,10 +162,17 @@ pub(crate) struct MatchContext<'a> {
     pub(crate) right: &'a [Segment],
     pub(crate) row_offset_q5: i32,
     pub(crate) agreement: Agreement,
+    pub(crate) models: &'a Models,
 }
 
 impl<'a> MatchContext<'a> {
-    pub(crate) fn new(params: &Params, dims: Dims, right: &'a [Segment], row_offset_q5: i32) -> Self {
+    pub(crate) fn new(
+        params: &Params,
+        models: &'a Models,
+        dims: Dims,
+        right: &'a [Segment],
+        row_offset_q5: i32,
+    ) -> Self {
         Self {
             width: dims.width.into(),
             min_disparity: params.min_disparity.into(),
@@ -119,6 +180,7 @@ impl<'a> MatchContext<'a> {
             right,
             row_offset_q5,
             agreement: Agreement::new(params),
+            models,
         }
     }
 
@@ -144,10 +206,11 @@ pub(crate) fn match_segment(
     segment: &Segment,
     context: &MatchContext<'_>,
     band: &Band<'_>,
+    work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
     if segment.near_horizontal {
-        flat::match_flat(segment, context, band)
+        flat::match_flat(segment, context, band, work)
     } else {
-        steep::match_steep(segment, context, band)
+        steep::match_steep(segment, context, band, work)
     }
 }

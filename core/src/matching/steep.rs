@@ -17,17 +17,24 @@
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
 
 use super::aggregate::join_sides;
-use super::band::{Band, Search};
-use super::curve::{Curve, Minimum, ratio_q8};
+use super::band::{Band, SampledRows, Search};
+use super::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::feature::{SteepLine, for_each_partner};
-use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Side};
+use super::{
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Workspace,
+};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
-use crate::lines::{MAX_ROWS, Segment};
+use crate::lines::Segment;
 use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
 
+/// Most rows of the band that a half's window, the search back and a census column look at: neighbouring rows say nearly the same
+/// (leave one out: no change in any score against twice as many).
+const HALF_ROWS: i32 = 3;
+const BACK_ROWS: i32 = 4;
+const CENSUS_ROWS: i32 = 4;
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
 /// Between the centres of the two sides' strips.
@@ -50,9 +57,11 @@ struct Extent {
     columns: (i32, i32),
 }
 
-/// Window curves of the upper and lower half, for each of the three strips.
-struct Windows {
-    halves: [[Curve; 3]; 2],
+/// Window curves of the upper and lower half and of both, for each of the three strips.
+struct Windows<'w> {
+    halves: [[&'w mut Curve; 3]; 2],
+    whole: [&'w mut Curve; 3],
+    joint: &'w mut Curve,
     /// Rows that were summed.
     rows: i32,
 }
@@ -68,7 +77,6 @@ struct WindowMatch {
 
 /// Where census matches.
 struct CensusMatch {
-    sides: [Curve; 2],
     points: i32,
     cost: u16,
     ratio_q8: i32,
@@ -89,15 +97,18 @@ pub(crate) fn match_steep(
     segment: &Segment,
     context: &MatchContext<'_>,
     band: &Band<'_>,
+    work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
+    let [a, b, c, d, e, f, g, h, i, joint, census_left, census_right, spare] = &mut work.curves;
     let extent = Extent::new(segment);
-    let windows = Windows::new(&extent, context, band)?;
+    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], joint, rows: 0 };
+    windows.fill(&extent, context, band)?;
     let window = windows.place()?;
-    let census = place_by_census(&extent, context, band)?;
+    let census = place_by_census(&extent, context, band, [census_left, census_right], spare)?;
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
-    let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band)?;
+    let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band, spare)?;
     let (upper_q6, lower_q6) = windows.place_halves(window.best.at)?;
     let (slant_q6, middle_q6) = (lower_q6 - upper_q6, (upper_q6 + lower_q6) / 2);
     let (feature_q6, votes) = count_votes(segment, &extent, middle_q6, context);
@@ -122,13 +133,13 @@ pub(crate) fn match_steep(
 
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
     let line_q6 = [upper_q6 - slant_q6 / 2, lower_q6 + slant_q6 / 2];
-    let [left, right] = windows.ask_sides(window.best.at, upper_q6, lower_q6);
     let at = window.best.at;
-    let [census_left, census_right] = &census.sides;
-    let mut sides = [
-        claim(shared, &left, &right, census_left, at, windows.rows, -256).map(|e| Side::new(line_q6, e)),
-        claim(shared, &right, &left, census_right, at, windows.rows, 256).map(|e| Side::new(line_q6, e)),
+    let [left, right] = windows.ask_sides(at, upper_q6, lower_q6);
+    let evidence = [
+        claim(shared, &left, &right, census_left, at, windows.rows, -256),
+        claim(shared, &right, &left, census_right, at, windows.rows, 256),
     ];
+    let mut sides = work.rate(evidence, |_| line_q6, context.models.of(false));
     if sides.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
@@ -145,70 +156,73 @@ impl Extent {
     }
 }
 
-impl Windows {
-    fn new(extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<Self, Rejection> {
+impl Windows<'_> {
+    fn fill(&mut self, extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<(), Rejection> {
         let range = context.range_before(extent.columns.0)?;
         let (first, last) = extent.rows;
         if last - first < 2 {
             return Err(Rejection::NearBorder);
         }
         let middle = (first + last) / 2;
-        let mut windows = Self { halves: [const { [const { Curve::EMPTY }; 3] }; 2], rows: 0 };
-        for (half, rows) in windows.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
+        for (half, rows) in self.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
+            let rows = SampledRows::new(rows, HALF_ROWS);
             for (curve, column) in half.iter_mut().zip(STRIP_COLUMNS) {
-                curve.clear(range);
-                add_strips(&extent.line, rows, 3, column, Search::Forward, band, curve);
+                curve.fill(range, |costs| {
+                    add_strips(&extent.line, rows, column, (Search::Forward, range.0), band, costs);
+                });
             }
-            windows.rows += quotient(rows.1 - ((rows.0 + 1) & !1), row_step(rows, 3)) + 1;
+            self.rows += rows.count();
         }
-        Ok(windows)
+        let [upper, lower] = &self.halves;
+        for ((whole, upper), lower) in self.whole.iter_mut().zip(upper).zip(lower) {
+            whole.set_sum(upper, lower);
+        }
+        Ok(())
     }
 
     /// Disparities compared.
     fn range(&self) -> u32 {
-        let [[first, ..], _] = &self.halves;
-        u32::try_from(first.costs().len()).unwrap_or(0)
+        u32::try_from(self.joint.len()).unwrap_or(0)
     }
 
     /// The lower of two one-sided windows, so that a depth edge still matches on its nearer side.
-    fn place(&self) -> Result<WindowMatch, Rejection> {
-        let [[upper_left, upper_edge, upper_right], [lower_left, lower_edge, lower_right]] = &self.halves;
-        let edge = upper_edge.sum(lower_edge);
-        let left = upper_left.sum(lower_left).sum(&edge);
-        let right = upper_right.sum(lower_right).sum(&edge);
-        let window = left.lower(&right);
-        let best = window.minimum();
-        let ratio_q8 = ratio_q8(best.cost, window.rival(best.at));
+    fn place(&mut self) -> Result<WindowMatch, Rejection> {
+        let [left, edge, right] = &self.whole;
+        self.joint.set_lower_sum(left, right, edge);
+        let best = self.joint.minimum();
+        let ratio_q8 = ratio_q8(best.cost, self.joint.rival(best.at));
         if ratio_q8 > MAX_WINDOW_RATIO_Q8 {
             return Err(Rejection::WindowNotUnique);
         }
         let [left_column, _, right_column] = STRIP_COLUMNS;
         let better_side = if left.at(best.at) <= right.at(best.at) { left_column } else { right_column };
-        Ok(WindowMatch { best, ratio_q8, disparity_q6: window.subpixel_q6(best.at), better_side })
+        Ok(WindowMatch { best, ratio_q8, disparity_q6: self.joint.subpixel_q6(best.at), better_side })
     }
 
     /// The disparity of each half by its own windows, 1/64 px.
     fn place_halves(&self, at: i32) -> Result<(i32, i32), Rejection> {
         let [upper, lower] = self.halves.each_ref().map(|[left, edge, right]| {
-            let curve = left.sum(edge).lower(&right.sum(edge));
-            curve.subpixel_q6(curve.minimum_near(at, HALF_REACH).at)
+            let cost = |d| Some(left.at(d)?.min(right.at(d)?).saturating_add(edge.at(d)?));
+            subpixel_q6(minimum_near(at, HALF_REACH, cost).at, cost)
         });
         if (lower - upper).abs() > MAX_SLANT_Q6 / 2 { Err(Rejection::Slant) } else { Ok((upper, lower)) }
     }
 
     /// How much better the edge alone matches here than elsewhere.
-    fn edge_ratio_q8(&self, at: i32) -> i32 {
-        let [[_, upper, _], [_, lower, _]] = &self.halves;
-        let edge = upper.sum(lower);
+    fn edge_ratio_q8(&mut self, at: i32) -> i32 {
+        let [_, edge, _] = &mut self.whole;
         ratio_q8(edge.minimum_near(at, 1).cost, edge.rival(at))
     }
 
     /// What the left and the right side's own windows, edge left out, say of the disparity `at`; each half moved by its own slant.
-    fn ask_sides(&self, at: i32, upper_q6: i32, lower_q6: i32) -> [Ownership; 2] {
-        let whole = |q6: i32| (q6 - (at << 6) + 32) >> 6;
+    fn ask_sides(&mut self, at: i32, upper_q6: i32, lower_q6: i32) -> [Ownership; 2] {
+        let [upper_shift, lower_shift] = [upper_q6, lower_q6].map(|q6| (q6 - (at << 6) + 32) >> 6);
         let [[upper_left, _, upper_right], [lower_left, _, lower_right]] = &self.halves;
-        [(upper_left, lower_left), (upper_right, lower_right)].map(|(upper, lower)| {
-            let curve = upper.shifted_sum(whole(upper_q6), lower, whole(lower_q6));
+        let [left, _, right] = &mut self.whole;
+        [(left, upper_left, lower_left), (right, upper_right, lower_right)].map(|(curve, upper, lower)| {
+            if (upper_shift, lower_shift) != (0, 0) {
+                curve.set_shifted_sum(upper, upper_shift, lower, lower_shift);
+            }
             let near = curve.minimum_near(at, 1);
             let rival = curve.rival(at);
             Ownership {
@@ -222,63 +236,49 @@ impl Windows {
     }
 }
 
-/// Rows from one strip to the next: neighbouring rows say nearly the same, so of eight and more every second one is enough
-/// (leave one out: no change in any score at 45 % fewer strips).
-fn row_step(rows: (i32, i32), most: i32) -> i32 {
-    2 * quotient((rows.1 - rows.0 + 2) / 2 + most - 1, most)
-}
-/// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it.
+/// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it, from disparity `first` on.
 fn add_strips(
     line: &SteepLine,
-    rows: (i32, i32),
-    most: i32,
+    rows: SampledRows,
     column: i32,
-    search: Search,
+    (search, first): (Search, i32),
     band: &Band<'_>,
-    curve: &mut Curve,
+    costs: &mut [u16],
 ) {
-    let mut strips: Vec<Strip<'_>, { MAX_ROWS as usize + 2 }> = Vec::new();
-    let mut y = (rows.0 + 1) & !1;
-    while y <= rows.1 {
-        if let Some(strip) = band.strip(search, line.column(y) + column, y, curve.first()) {
-            let _ = strips.push(strip); // a segment has at most MAX_ROWS + 1 rows
-        }
-        y += row_step(rows, most);
-    }
-    sad_curve(&strips, curve.blocks());
+    const MOST: usize = if HALF_ROWS > BACK_ROWS { HALF_ROWS } else { BACK_ROWS } as usize;
+    let strips = rows.filter_map(|y| band.strip(search, line.column(y) + column, y, first));
+    let strips: Vec<Strip<'_>, MOST> = strips.take(MOST).collect();
+    sad_curve(&strips, costs);
 }
 
 /// The lower side's census curve, over three columns of points on each side of the edge.
-fn place_by_census(extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<CensusMatch, Rejection> {
+fn place_by_census(
+    extent: &Extent,
+    context: &MatchContext<'_>,
+    band: &Band<'_>,
+    sides: [&mut Curve; 2],
+    lower: &mut Curve,
+) -> Result<CensusMatch, Rejection> {
+    const MOST: usize = CENSUS_ROWS as usize * 3;
     let range = context.range_before(extent.columns.0)?;
-    let step = row_step(extent.rows, 4);
-    let mut sides = [const { Curve::EMPTY }; 2];
+    let rows = SampledRows::new(extent.rows, CENSUS_ROWS);
+    let [left, right] = sides;
     let mut count = 0;
-    for (curve, columns) in sides.iter_mut().zip(CENSUS_COLUMNS) {
-        curve.clear(range);
-        count = 0;
-        for column in columns {
-            let mut points: Vec<(u8, &[u8]), 31> = Vec::new();
-            let mut y = (extent.rows.0 + 1) & !1;
-            while y <= extent.rows.1 {
-                if let Some(point) = band.census(Search::Forward, extent.line.column(y) + column, y, curve.first()) {
-                    let _ = points.push(point); // at most 17 rows
-                    count += 1;
-                }
-                y += step;
-            }
-            hamming_curve(&points, curve.blocks());
-        }
+    for (curve, columns) in [&mut *left, &mut *right].into_iter().zip(CENSUS_COLUMNS) {
+        let at = |y, column| band.census(Search::Forward, extent.line.column(y) + column, y, range.0);
+        let points = columns.into_iter().flat_map(|column| rows.filter_map(move |y| at(y, column)));
+        let points: Vec<(u8, &[u8]), MOST> = points.take(MOST).collect();
+        count = points.len();
+        curve.fill(range, |costs| hamming_curve(&points, costs));
     }
-    let [left, right] = &sides;
-    let census = left.lower(right);
-    let best = census.minimum();
-    let ratio_q8 = ratio_q8(best.cost, census.rival(best.at));
+    lower.set_lower(left, right);
+    let best = lower.minimum();
+    let ratio_q8 = ratio_q8(best.cost, lower.rival(best.at));
     if ratio_q8 > MAX_CENSUS_RATIO_Q8 {
         return Err(Rejection::CensusNotUnique);
     }
-    let disparity_q6 = census.subpixel_q6(best.at);
-    Ok(CensusMatch { sides, points: count, cost: best.cost, ratio_q8, disparity_q6 })
+    let points = i32::try_from(count).unwrap_or(0);
+    Ok(CensusMatch { points, cost: best.cost, ratio_q8, disparity_q6: lower.subpixel_q6(best.at) })
 }
 
 /// From the place found in the right image back over the whole range: the gap to the segment (1/64 px) and the uniqueness.
@@ -287,13 +287,16 @@ fn search_back(
     window: &WindowMatch,
     context: &MatchContext<'_>,
     band: &Band<'_>,
+    curve: &mut Curve,
 ) -> Result<(i32, i32), Rejection> {
-    let mut curve = Curve::EMPTY;
-    curve.clear(context.range_after(extent.columns.1 - window.best.at));
+    let range = context.range_after(extent.columns.1 - window.best.at);
     let [_, edge_column, _] = STRIP_COLUMNS;
-    for column in [window.better_side, edge_column] {
-        add_strips(&extent.line, extent.rows, 4, column - window.best.at, Search::Back, band, &mut curve);
-    }
+    let rows = SampledRows::new(extent.rows, BACK_ROWS);
+    curve.fill(range, |costs| {
+        for column in [window.better_side, edge_column] {
+            add_strips(&extent.line, rows, column - window.best.at, (Search::Back, range.0), band, costs);
+        }
+    });
     let best = curve.minimum();
     let gap_q6 = ((best.at << 6) - window.disparity_q6).abs();
     if gap_q6 > MAX_BACK_GAP_Q6 {
@@ -321,7 +324,7 @@ fn claim(
     shared: Evidence,
     own: &Ownership,
     other: &Ownership,
-    census: &Curve,
+    census: &mut Curve,
     at: i32,
     rows: i32,
     which_side: i32,

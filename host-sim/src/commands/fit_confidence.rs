@@ -3,7 +3,7 @@
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
-use crate::fitting::{SceneSamples, fit, scene_samples, source_text};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text};
 use crate::frames::{Scene, find_scenes, has_truth, load_scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
@@ -89,8 +89,9 @@ fn load(roots: &[PathBuf]) -> Result<Vec<Scene>> {
 fn sample(scene: &Scene, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
-    engine.run(scene.left.view()?, scene.right.view()?)?;
-    Ok(scene_samples(engine.candidates(), truth, scene.left.dims))
+    let mut log = EvidenceLog::default();
+    engine.run_observed(scene.left.view()?, scene.right.view()?, &mut log)?;
+    Ok(scene_samples(engine.candidates(), &log, truth, scene.left.dims))
 }
 
 /// Scores every scene by models that were fitted without it.

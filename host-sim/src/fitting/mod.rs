@@ -11,7 +11,7 @@ mod logistic;
 mod sample;
 mod source;
 
-pub use sample::{SceneSamples, scene_samples};
+pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::source_text;
 
 use linestereo::{EVIDENCE, Kind, Model, Models};

@@ -1,7 +1,7 @@
 //! Claims with evidence and truth.
 
 use crate::frames::Truth;
-use linestereo::{Candidate, Dims, EVIDENCE, Kind, Params};
+use linestereo::{Candidate, Dims, EVIDENCE, Evidence, Kind, Observer, Params, Step};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
@@ -54,11 +54,23 @@ impl SceneSamples {
     }
 }
 
-/// Samples every claim of `candidates` that has truth.
+/// The evidence of every candidate of a run, which the core itself does not keep.
+#[derive(Clone, Debug, Default)]
+pub struct EvidenceLog(Vec<[Evidence; 2]>);
+
+impl Observer for EvidenceLog {
+    fn ended(&mut self, step: Step<'_>) {
+        if let Step::Segment(Ok((_, &evidence))) = step {
+            self.0.push(evidence);
+        }
+    }
+}
+
+/// Samples every claim of `candidates` that has truth; `log` watched the run that they come from.
 #[must_use]
-pub fn scene_samples(candidates: &[Candidate], truth: &Truth, dims: Dims) -> SceneSamples {
+pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth, dims: Dims) -> SceneSamples {
     let mut samples = Vec::new();
-    for candidate in candidates {
+    for (candidate, logged) in candidates.iter().zip(&log.0) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
             (SampleKind::FlatSide, SampleKind::FlatEdge)
@@ -72,8 +84,11 @@ pub fn scene_samples(candidates: &[Candidate], truth: &Truth, dims: Dims) -> Sce
             near.map(|truth| (truth - d).abs()).reduce(f32::min)
         };
         let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
-        for (index, side) in candidate.sides.iter().enumerate() {
+        for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
             let Some(side) = side else { continue };
+            let mut known = *logged;
+            known.0[Kind::Support as usize] = side.support_q8;
+            known.0[Kind::Conflict as usize] = side.conflict_q8;
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
                 candidate.for_each_pixel(index, distance, dims, |x, y, d_q6| {
@@ -83,7 +98,7 @@ pub fn scene_samples(candidates: &[Candidate], truth: &Truth, dims: Dims) -> Sce
                 if errors.is_empty() {
                     continue;
                 }
-                let mut evidence = side.evidence.0.map(|value| f64::from(value) / 256.0);
+                let mut evidence = known.0.map(|value| f64::from(value) / 256.0);
                 evidence[Kind::Distance as usize] = distance.into();
                 let kind = if distance == 0 { edge_kind } else { side_kind };
                 samples.push(Sample { kind, evidence, errors });
