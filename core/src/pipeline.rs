@@ -49,7 +49,7 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> 
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
     candidates: Vec<Candidate, SEGMENTS>,
-    places: [[Place; 2]; SEGMENTS],
+    places: [Place; SEGMENTS],
     order: Vec<Ranked, SEGMENTS>,
     work: Workspace,
 }
@@ -69,7 +69,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),
-            places: [[Place::EMPTY; 2]; SEGMENTS],
+            places: [Place::EMPTY; SEGMENTS],
             order: Vec::new(),
             work: Workspace::EMPTY,
         }
@@ -136,7 +136,7 @@ struct Memory<'a> {
     left: &'a mut VecView<Segment>,
     right: &'a mut VecView<Segment>,
     candidates: &'a mut VecView<Candidate>,
-    places: &'a mut [[Place; 2]],
+    places: &'a mut [Place],
     order: &'a mut VecView<Ranked>,
     work: &'a mut Workspace,
 }

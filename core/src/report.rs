@@ -8,7 +8,7 @@
 
 use crate::confidence::Models;
 use crate::image::Dims;
-use crate::matching::consistency::{CONTRADICTION_REACH, Place, contradict};
+use crate::matching::consistency::{Place, for_each_contradiction};
 use crate::matching::evidence::Kind;
 use crate::matching::{Candidate, Side, narrow};
 use crate::params::Params;
@@ -33,7 +33,7 @@ pub(crate) struct Report<'a> {
     pub(crate) models: &'a Models,
     pub(crate) dims: Dims,
     pub(crate) candidates: &'a mut [Candidate],
-    pub(crate) places: &'a [[Place; 2]],
+    pub(crate) places: &'a [Place],
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) marks: &'a mut [u32],
 }
@@ -54,33 +54,28 @@ impl Report<'_> {
 
     /// One right position explains one left position: the less probable of two that contradict each other goes.
     fn exclude(&mut self) {
-        for i in 0..self.candidates.len() {
-            for side in 0..2 {
-                let beaten = self.is_beaten(i, side);
-                let least = self.least();
-                if let Some(candidate) = self.candidates.get_mut(i)
-                    && let Some(Some(claim)) = candidate.sides.get_mut(side)
-                {
-                    claim.rejected = beaten || claim.probability_q16 < least;
-                    candidate.beaten |= beaten;
+        let least = self.least();
+        for side in self.candidates.iter_mut().flat_map(|candidate| candidate.sides.iter_mut().flatten()) {
+            side.rejected = side.probability_q16 < least;
+        }
+        // Probabilities stay as they are while claims are rejected, so the order of the pairs does not matter.
+        let candidates = &mut *self.candidates;
+        for_each_contradiction(self.places, candidates.len(), |a, b| {
+            let probability = |(i, side): (usize, usize)| {
+                let sides = candidates.get(i).map(|c: &Candidate| &c.sides);
+                sides.and_then(|sides| sides.get(side)).and_then(Option::as_ref).map_or(0, |side| side.probability_q16)
+            };
+            let (pa, pb) = (probability(a), probability(b));
+            let (i, side) = if pa < pb { a } else { b };
+            if pa != pb
+                && let Some(candidate) = candidates.get_mut(i)
+            {
+                candidate.beaten = true;
+                if let Some(Some(claim)) = candidate.sides.get_mut(side) {
+                    claim.rejected = true;
                 }
             }
-        }
-    }
-
-    fn is_beaten(&self, index: usize, side: usize) -> bool {
-        let own = self.places.get(index).and_then(|pair| pair.get(side));
-        let claim = self.candidates.get(index).and_then(|c| c.sides.get(side)).and_then(Option::as_ref);
-        let (Some(own), Some(claim)) = (own, claim) else { return false };
-        let top = self.candidates.get(index).map_or(0, |c| c.segment.top());
-        let first = self.candidates.partition_point(|c| c.segment.top() < top - CONTRADICTION_REACH);
-        let near = self.candidates.iter().zip(self.places).enumerate().skip(first);
-        near.take_while(|(_, (c, _))| c.segment.top() <= top + CONTRADICTION_REACH).any(|(i, (candidate, pair))| {
-            let beats = |(other, place): (&Option<Side>, &Place)| {
-                other.as_ref().is_some_and(|o| o.probability_q16 > claim.probability_q16) && contradict(*own, *place)
-            };
-            i != index && candidate.sides.iter().zip(pair).any(beats)
-        })
+        });
     }
 
     fn list_matches(&mut self, matches: &mut VecView<Match>, counts: &mut Counts) {
@@ -131,6 +126,11 @@ impl Report<'_> {
                     let probability = model.probability_q16(score);
                     if probability < least {
                         break;
+                    }
+                    if points.is_full() {
+                        let pixels = u32::from(candidate.segment.pixels());
+                        counts.points_dropped = counts.points_dropped.saturating_add(pixels);
+                        continue;
                     }
                     let claim = PointClaim {
                         x: 0,

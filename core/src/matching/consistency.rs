@@ -10,7 +10,7 @@
 //! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much.
 //!
 //! # Bounds
-//! Weight and nearness are at most 256 each; 2 * 4096 claims: sums below 2^29.
+//! Weight is at most 256, nearness 40; 2 * 4096 claims: sums below 2^27.
 //!
 //! # Cost
 //! Quadratic in the claims of 2 * [`REACH`] rows.
@@ -20,7 +20,7 @@ use super::{Candidate, Side, narrow};
 use crate::lines::MAX_ROWS;
 
 /// Distance at which a neighbour's word counts nothing, px.
-const REACH: i32 = 64;
+const REACH: i32 = 40;
 /// Distance of a claim's centre from its edge, px.
 const OFF_EDGE: i32 = 4;
 /// Largest difference of rows and of right columns at which two claims explain the same place, px.
@@ -29,11 +29,20 @@ const SAME_COLUMNS_Q6: i32 = 2 << 6;
 /// Least difference of disparity that makes them contradict each other.
 const OTHER_SURFACE_Q6: i32 = 2 << 6;
 
-/// A claim reduced to what its neighbours need to know.
-#[derive(Clone, Copy, Debug, Default)]
+/// A candidate reduced to what its neighbours need to know: its middle, and what each side says.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     x: i16,
     y: i16,
+    /// First row of the segment.
+    top: i16,
+    near_horizontal: bool,
+    claims: [Claim; 2],
+}
+
+/// What a side says, and what is said of it.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
     d_q6: i16,
     /// 0 = no claim.
     weight_q8: u16,
@@ -42,38 +51,59 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    pub(crate) const EMPTY: Self = Self { x: 0, y: 0, d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
+    pub(crate) const EMPTY: Self = Self { x: 0, y: 0, top: 0, near_horizontal: false, claims: [Claim::EMPTY; 2] };
 
-    fn new(candidate: &Candidate, side: usize, claim: &Side) -> Self {
+    fn new(candidate: &Candidate) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
-        let off = if side == 0 { -OFF_EDGE } else { OFF_EDGE };
-        let (dx, dy) = if candidate.segment.near_horizontal { (0, off) } else { (off, 0) };
-        let [d0, d1] = claim.disparity_q6.map(i32::from);
+        let claim = |side: &Option<Side>| side.as_ref().map_or(Claim::EMPTY, Claim::new);
         Self {
-            x: (((x0 + x1) >> 6) + dx) as i16,
-            y: (((y0 + y1) >> 6) + dy) as i16,
-            d_q6: ((d0 + d1) >> 1) as i16,
-            weight_q8: claim.weight_q8,
-            ..Self::EMPTY
+            x: narrow((x0 + x1) >> 6),
+            y: narrow((y0 + y1) >> 6),
+            top: narrow(candidate.segment.top()),
+            near_horizontal: candidate.segment.near_horizontal,
+            claims: candidate.sides.each_ref().map(claim),
         }
     }
 
-    /// Lets two claims of different segments speak of each other.
+    /// Lets the claims of two segments speak of each other.
     fn weigh(&mut self, other: &mut Self) {
-        if self.weight_q8 == 0 || other.weight_q8 == 0 {
-            return;
-        }
         let dx = i32::from(other.x - self.x).abs();
         let dy = i32::from(other.y - self.y).abs();
         let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3); // within 7 % of the length
         if distance >= REACH {
             return;
         }
-        let nearness = (REACH - distance) as u32; // of 64
-        let (to_self, to_other) =
-            ((u32::from(other.weight_q8) * nearness) >> 6, (u32::from(self.weight_q8) * nearness) >> 6);
+        for own in &mut self.claims {
+            for theirs in &mut other.claims {
+                own.weigh(theirs, distance);
+            }
+        }
+    }
+
+    /// Centre of one side's claim, px.
+    fn centre(&self, side: usize) -> (i32, i32) {
+        let off = if side == 0 { -OFF_EDGE } else { OFF_EDGE };
+        let (x, y) = (i32::from(self.x), i32::from(self.y));
+        if self.near_horizontal { (x, y + off) } else { (x + off, y) }
+    }
+}
+
+impl Claim {
+    const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
+
+    fn new(side: &Side) -> Self {
+        let [d0, d1] = side.disparity_q6.map(i32::from);
+        Self { d_q6: narrow((d0 + d1) >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
+    }
+
+    fn weigh(&mut self, other: &mut Self, distance: i32) {
+        if self.weight_q8 == 0 || other.weight_q8 == 0 {
+            return;
+        }
+        let nearness = (REACH - distance) as u32; // of REACH
+        let (to_self, to_other) = (u32::from(other.weight_q8) * nearness, u32::from(self.weight_q8) * nearness);
         // 0.06 px per px is 4/64.
-        if i32::from(other.d_q6 - self.d_q6).abs() <= 64 + 4 * distance {
+        if (i32::from(other.d_q6) - i32::from(self.d_q6)).abs() <= 64 + 4 * distance {
             self.agreeing += to_self;
             other.agreeing += to_other;
         } else {
@@ -83,52 +113,78 @@ impl Place {
     }
 }
 
-/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one and both offsets on top.
-const TOPS_REACH: i32 = REACH + MAX_ROWS / 2 + 2 * OFF_EDGE;
+/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one on top.
+const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
 
-/// Fills `places` (two per candidate; candidates in the order of their tops) and sets every claim's [`Kind::Support`] and
-/// [`Kind::Conflict`].
-pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [[Place; 2]]) {
-    for (candidate, pair) in candidates.iter().zip(places.iter_mut()) {
-        for (side, (claim, place)) in candidate.sides.iter().zip(pair.iter_mut()).enumerate() {
-            *place = claim.as_ref().map_or(Place::EMPTY, |claim| Place::new(candidate, side, claim));
-        }
+/// Fills `places` (one per candidate; candidates in the order of their tops) and sets every claim's support and conflict.
+pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place]) {
+    for (candidate, place) in candidates.iter().zip(places.iter_mut()) {
+        *place = Place::new(candidate);
     }
-    for i in 0..candidates.len() {
-        let Some((pair, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
-        let Some((own, others)) = candidates.get(i..).and_then(<[_]>::split_first) else { break };
-        let top = own.segment.top();
-        for (other, other_pair) in others.iter().zip(after) {
-            if other.segment.top() - top > TOPS_REACH {
+    let places = places.get_mut(..candidates.len()).unwrap_or(&mut []);
+    for i in 0..places.len() {
+        let Some((place, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+        for neighbour in after {
+            if i32::from(neighbour.top - place.top) > TOPS_REACH {
                 break;
             }
-            for place in pair.iter_mut() {
-                for neighbour in other_pair.iter_mut() {
-                    place.weigh(neighbour);
-                }
-            }
+            place.weigh(neighbour);
         }
     }
-    for (candidate, pair) in candidates.iter_mut().zip(places.iter()) {
-        for (claim, place) in candidate.sides.iter_mut().zip(pair) {
-            if let Some(claim) = claim {
-                claim.support_q8 = narrow(log2_mean_q8(place.agreeing, 256));
-                let share = (place.conflicting << 8).checked_div(place.agreeing + place.conflicting + 51).unwrap_or(0);
-                claim.conflict_q8 = narrow(share as i32);
+    for (candidate, place) in candidates.iter_mut().zip(places.iter()) {
+        for (side, claim) in candidate.sides.iter_mut().zip(&place.claims) {
+            if let Some(side) = side {
+                side.support_q8 = narrow(log2_mean_q8(claim.agreeing, 256 * REACH));
+                let all = claim.agreeing + claim.conflicting + LITTLE;
+                let share = (claim.conflicting << SHARE_BITS).checked_div(all >> (8 - SHARE_BITS)).unwrap_or(0);
+                side.conflict_q8 = narrow(share as i32);
             }
         }
     }
 }
 
-/// Rows between the tops of two segments beyond which their claims cannot contradict each other.
-pub(crate) const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2 + 2 * OFF_EDGE;
+/// A fifth of a neighbour at hand with full weight: so much may contradict without saying anything.
+const LITTLE: u32 = 51 * REACH as u32;
+/// How far the conflicting sum can be shifted: it is below `2 * 4096 * 256 * REACH < 2^27`.
+const SHARE_BITS: u32 = 4;
 
-/// True when two places want the same part of the right image with different disparities: at most one of them is right.
-pub(crate) fn contradict(a: Place, b: Place) -> bool {
-    let right = |p: Place| (i32::from(p.x) << 6) - i32::from(p.d_q6);
-    a.weight_q8 > 0
-        && b.weight_q8 > 0
-        && i32::from(a.y - b.y).abs() <= SAME_ROWS
-        && (right(a) - right(b)).abs() <= SAME_COLUMNS_Q6
-        && i32::from(a.d_q6 - b.d_q6).abs() > OTHER_SURFACE_Q6
+/// Rows between the tops of two segments beyond which their claims cannot contradict each other.
+const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2 + 2 * OFF_EDGE;
+
+/// Calls `found` with the claims `(candidate, side)` of every two of the first `count` that want the same part of the right image with
+/// different disparities: at most one of them is right.
+pub(crate) fn for_each_contradiction(
+    places: &[Place],
+    count: usize,
+    mut found: impl FnMut((usize, usize), (usize, usize)),
+) {
+    let places = places.get(..count).unwrap_or(&[]);
+    for (i, place) in places.iter().enumerate() {
+        for (other, j) in places.get(i + 1..).unwrap_or(&[]).iter().zip(i + 1..) {
+            if i32::from(other.top - place.top) > CONTRADICTION_REACH {
+                break;
+            }
+            if i32::from(other.y - place.y).abs() > SAME_ROWS + 2 * OFF_EDGE {
+                continue;
+            }
+            for side in 0..2 {
+                for other_side in 0..2 {
+                    if contradict((place, side), (other, other_side)) {
+                        found((i, side), (j, other_side));
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn contradict((a, a_side): (&Place, usize), (b, b_side): (&Place, usize)) -> bool {
+    let (Some(claim_a), Some(claim_b)) = (a.claims.get(a_side), b.claims.get(b_side)) else { return false };
+    let ((ax, ay), (bx, by)) = (a.centre(a_side), b.centre(b_side));
+    let (da, db) = (i32::from(claim_a.d_q6), i32::from(claim_b.d_q6));
+    claim_a.weight_q8 > 0
+        && claim_b.weight_q8 > 0
+        && (ay - by).abs() <= SAME_ROWS
+        && (((ax << 6) - da) - ((bx << 6) - db)).abs() <= SAME_COLUMNS_Q6
+        && (da - db).abs() > OTHER_SURFACE_Q6
 }
