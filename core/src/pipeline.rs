@@ -31,11 +31,10 @@ impl fmt::Display for SizeMismatch {
 
 impl core::error::Error for SizeMismatch {}
 
-/// Words of marks for images of this size: two bits per pixel.
+/// Words of marks for images of this size: a bit per pixel.
 #[must_use]
 pub const fn mark_words(dims: Dims) -> usize {
-    let (width, height) = (dims.width as usize, dims.height as usize);
-    (height.div_ceil(2) * width + width.div_ceil(2) * height).div_ceil(32) + 2
+    (dims.width as usize * dims.height as usize).div_ceil(32)
 }
 
 /// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.

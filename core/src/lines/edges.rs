@@ -8,7 +8,6 @@
 //! # Source
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
-use super::fit::Run;
 use super::{Chain, LineParams};
 use crate::image::Gray;
 use crate::units::quotient;
@@ -39,8 +38,6 @@ pub(crate) struct Axis {
     across: usize,
     steps: i32,
     breadth: i32,
-    /// Bit of the first mark of this direction.
-    marks: i32,
 }
 
 /// An image with its marks: the state of the drawing.
@@ -92,13 +89,8 @@ impl<'a> Edges<'a> {
     fn axis(&self, direction: Direction) -> Axis {
         let (width, height) = (self.width, self.height);
         match direction {
-            Direction::Down => {
-                Axis { direction, along: self.stride, across: 1, steps: height, breadth: width, marks: 0 }
-            }
-            Direction::Along => {
-                let marks = (height + STEP - 1) / STEP * width;
-                Axis { direction, along: 1, across: self.stride, steps: width, breadth: height, marks }
-            }
+            Direction::Down => Axis { direction, along: self.stride, across: 1, steps: height, breadth: width },
+            Direction::Along => Axis { direction, along: 1, across: self.stride, steps: width, breadth: height },
         }
     }
 
@@ -107,8 +99,9 @@ impl<'a> Edges<'a> {
         &mut self,
         direction: Direction,
         positions: &mut [u16],
-        mut emit: impl FnMut(&mut Self, Axis, Chain<'_>),
+        mut emit: impl FnMut(Chain<'_>),
     ) {
+        self.marks.fill(0);
         let axis = self.axis(direction);
         let mut t = BORDER;
         while t < axis.steps - BORDER {
@@ -118,7 +111,7 @@ impl<'a> Edges<'a> {
                 if let Some(anchor) = self.strongest(axis, t, from, to)
                     && let Some(chain) = self.draw(axis, t, anchor, positions)
                 {
-                    emit(self, axis, chain);
+                    emit(chain);
                 }
                 from = to;
             }
@@ -205,31 +198,13 @@ impl<'a> Edges<'a> {
             (1, g2, g3, (self.smoothed(axis, t, u + 3) - e) * sign, d3 + 2 * d4 + d5)
         };
         let u = u + shift;
-        if mid < self.edge || lengthwise.abs() > 2 * mid || self.marked(axis, t, u) {
+        if mid < self.edge || lengthwise.abs() > mid + mid / 4 || self.marked(axis, t, u) {
             return None;
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
         Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid })
-    }
-
-    /// Marks the pixels of a run for the other direction as well, so that no edge near 45 degrees is listed twice.
-    pub(crate) fn claim(&mut self, axis: Axis, chain: Chain<'_>, run: &Run) {
-        let other = self.axis(match axis.direction {
-            Direction::Down => Direction::Along,
-            Direction::Along => Direction::Down,
-        });
-        for step in run.first..=run.last {
-            let t = chain.first + step * STEP;
-            let u = (run.at_q5(step) + 16) >> 5;
-            // The other direction knows every second column: the nearest two.
-            let first = (u - 1) & !(STEP - 1);
-            for k in [first, first + STEP] {
-                self.mark(other, k, t);
-                self.mark(other, k, t + 1);
-            }
-        }
     }
 
     #[inline]
@@ -290,9 +265,9 @@ impl<'a> Edges<'a> {
         side(t + 1) - side(t - 1)
     }
 
-    /// Word and bit of a mark: every direction has its own plane of bits, a row for each step.
+    /// Word and bit of a mark: a row of bits for each step.
     fn mark_at(axis: Axis, t: i32, u: i32) -> (usize, u32) {
-        let bit = axis.marks.wrapping_add((t / STEP).wrapping_mul(axis.breadth)).wrapping_add(u) as usize;
+        let bit = (t / STEP).wrapping_mul(axis.breadth).wrapping_add(u) as usize;
         (bit >> 5, 1 << (bit & 31))
     }
 

@@ -101,16 +101,14 @@ pub struct LineScratch<'a> {
 /// Lists the segments of `image`, sorted by their top row; returns how many did not fit (the shortest are dropped).
 pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
     out.clear();
-    scratch.marks.fill(0);
     let mut list = KeepLongest { out, dropped: 0 };
     let mut edges = Edges::new(image, params, scratch.marks);
     for direction in [Direction::Down, Direction::Along] {
-        edges.for_each_chain(direction, scratch.chain, |edges, axis, chain| {
+        edges.for_each_chain(direction, scratch.chain, |chain| {
             fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
                 if run.slope_q12.abs() > STEP << 12 {
                     return; // the other direction draws it with more positions
                 }
-                edges.claim(axis, chain, &run);
                 cut(&run, chain, direction, &mut list);
             });
         });
