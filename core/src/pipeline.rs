@@ -236,12 +236,14 @@ impl Plan {
         observer.ended(Step::LinesLeft(m.left));
         out.counts.segments_right_dropped =
             lines::detect(right, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
+        lines::sort_by_top(m.right);
         observer.ended(Step::LinesRight(m.right));
         out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);
         out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 =
             row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
         let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
+        lines::sort_by_top(m.left);
         out.counts.reject_many(Rejection::LessProminent, lost);
         observer.ended(Step::Selection(row_offset_q5, m.left));
 

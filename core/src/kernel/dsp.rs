@@ -30,18 +30,6 @@ two_operands!(halving_add, "uhadd8 {r}, {a}, {b}");
 two_operands!(saturating_add, "uqadd8 {r}, {a}, {b}");
 two_operands!(saturating_sub, "uqsub8 {r}, {a}, {b}");
 
-/// `sum` plus the absolute differences of the four bytes.
-#[inline(always)]
-fn add_differences(a: u32, b: u32, sum: u32) -> u32 {
-    let result: u32;
-    // SAFETY: as above.
-    unsafe {
-        asm!("usada8 {r}, {a}, {b}, {c}", r = lateout(reg) result, a = in(reg) a, b = in(reg) b, c = in(reg) sum,
-            options(pure, nomem, nostack, preserves_flags));
-    }
-    result
-}
-
 /// In each byte `bits` where `a < b`, else 0.
 #[inline(always)]
 fn where_less(a: u32, b: u32, bits: u32) -> u32 {

@@ -98,7 +98,7 @@ pub struct LineScratch<'a> {
     pub chain: &'a mut [u16],
 }
 
-/// Lists the segments of `image`, sorted by their top row; returns how many did not fit (the shortest are dropped).
+/// Lists the segments of `image` in the order in which they are drawn; returns how many did not fit (the shortest are dropped).
 pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
     out.clear();
     let mut list = KeepLongest { out, dropped: 0 };
@@ -114,11 +114,15 @@ pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, ou
         });
     }
     let dropped = list.dropped;
-    sort_by_key(out, |s| {
-        let (x0, y0, x1, y1) = s.ends_q5();
-        (y0.min(y1), x0, y0, x1)
-    });
     dropped
+}
+
+/// Sorts segments by their first row, and from left to right within it.
+pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
+    sort_by_key(list, |s| {
+        let [a, b] = s.ends.map(|end| (u32::from(end.y.to_bits()) << 16) | u32::from(end.x.to_bits()));
+        a.min(b)
+    });
 }
 
 /// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; returns how many
