@@ -102,19 +102,18 @@ pub struct LineScratch<'a> {
 pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
     out.clear();
     let mut list = KeepLongest { out, dropped: 0 };
-    let mut edges = Edges::new(image, params, scratch.marks);
-    for direction in [Direction::Down, Direction::Along] {
-        edges.for_each_chain(direction, scratch.chain, |chain| {
-            fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
-                if run.slope_q12.abs() > STEP << 12 {
-                    return; // the other direction draws it with more positions
-                }
+    let mut runs = |chain: Chain<'_>, direction: Direction| {
+        fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
+            // A slope above 1: the other direction draws it with more positions.
+            if run.slope_q12.abs() <= STEP << 12 {
                 cut(&run, chain, direction, &mut list);
-            });
+            }
         });
-    }
-    let dropped = list.dropped;
-    dropped
+    };
+    let (marks, chain) = (scratch.marks, scratch.chain);
+    Edges::<true>::new(image, params, marks).for_each_chain(chain, |chain| runs(chain, Direction::Down));
+    Edges::<false>::new(image, params, marks).for_each_chain(chain, |chain| runs(chain, Direction::Along));
+    list.dropped
 }
 
 /// Sorts segments by their first row, and from left to right within it.
