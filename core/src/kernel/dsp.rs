@@ -8,7 +8,7 @@
 //! # Source
 //! Armv7-M Architecture Reference Manual, A7.7: USADA8, USUB8, SEL, UHADD8, UQADD8, UQSUB8.
 
-use super::portable::{self, FLAT, LANES, STRIP, Strip};
+use super::portable::{self, FLAT, LANES, LargestStep, STRIP, Strip};
 use core::arch::asm;
 
 macro_rules! two_operands {
@@ -383,4 +383,96 @@ pub fn lowest(curve: &[u16]) -> u16 {
     let (pairs, rest) = curve.as_chunks();
     let [low, high] = unpacked(pairs.iter().fold(u32::MAX, |lowest, &pair| lower_16(lowest, packed(pair))));
     low.min(high).min(portable::lowest(rest))
+}
+
+/// See [`portable::largest_step`].
+#[inline]
+pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
+    let there = count.checked_sub(1).and_then(|last| last.checked_mul(stride)).is_some_and(|last| last < pixels.len());
+    if !there || count < 3 {
+        return portable::largest_step(pixels, stride, count);
+    }
+    let mut best = LargestStep { place: 0, step: 0 };
+    let mut size = 0;
+    // SAFETY: the last of `count` pixels was just found to exist; `after` is two pixels ahead of `before`.
+    unsafe {
+        let mut before = pixels.as_ptr();
+        let mut after = before.add(2 * stride);
+        for place in 0..count as i32 - 2 {
+            let step = i32::from(*after) - i32::from(*before);
+            if step.abs() > size {
+                size = step.abs();
+                best = LargestStep { place, step };
+            }
+            before = before.wrapping_add(stride);
+            after = after.wrapping_add(stride);
+        }
+    }
+    best
+}
+
+/// See [`portable::smooth_rows`].
+#[inline]
+pub fn smooth_rows(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
+    let last = stride.checked_mul(2)?.checked_add(first)?.checked_add(5)?;
+    if last > pixels.len() {
+        return None;
+    }
+    // SAFETY: the last pixel read is at `first + 2 * stride + 4`.
+    unsafe {
+        let above = pixels.as_ptr().add(first);
+        let here = above.add(stride);
+        let below = here.add(stride);
+        Some(core::array::from_fn(|i| {
+            i32::from(*above.add(i)) + 2 * i32::from(*here.add(i)) + i32::from(*below.add(i))
+        }))
+    }
+}
+
+/// See [`portable::smooth_columns`].
+#[inline]
+pub fn smooth_columns(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
+    let last = stride.checked_mul(4)?.checked_add(first)?.checked_add(3)?;
+    if last > pixels.len() {
+        return None;
+    }
+    // SAFETY: the last pixel read is at `first + 4 * stride + 2`.
+    unsafe {
+        let mut at = pixels.as_ptr().add(first);
+        Some(core::array::from_fn(|_| {
+            let sum = i32::from(*at) + 2 * i32::from(*at.add(1)) + i32::from(*at.add(2));
+            at = at.wrapping_add(stride);
+            sum
+        }))
+    }
+}
+
+/// See [`portable::across_rows`].
+#[inline]
+pub fn across_rows(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
+    if stride.checked_mul(2)?.checked_add(first)?.checked_add(3)? > pixels.len() {
+        return None;
+    }
+    // SAFETY: the last pixel read is at `first + 2 * stride + 2`.
+    unsafe {
+        let above = pixels.as_ptr().add(first);
+        let below = above.add(2 * stride);
+        let sum = |row: *const u8| i32::from(*row) + 2 * i32::from(*row.add(1)) + i32::from(*row.add(2));
+        Some(sum(below) - sum(above))
+    }
+}
+
+/// See [`portable::across_columns`].
+#[inline]
+pub fn across_columns(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
+    if stride.checked_mul(2)?.checked_add(first)?.checked_add(3)? > pixels.len() {
+        return None;
+    }
+    // SAFETY: the last pixel read is at `first + 2 * stride + 2`.
+    unsafe {
+        let a = pixels.as_ptr().add(first);
+        let (b, c) = (a.add(stride), a.add(2 * stride));
+        let step = |row: *const u8| i32::from(*row.add(2)) - i32::from(*row);
+        Some(step(a) + 2 * step(b) + step(c))
+    }
 }

@@ -139,3 +139,78 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
 pub fn lowest(curve: &[u16]) -> u16 {
     curve.iter().fold(u16::MAX, |lowest, &cost| lowest.min(cost))
 }
+
+/// The largest difference between two neighbours of a pixel: pixels from the second to the last but one, counted from 0; the first of equals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LargestStep {
+    /// Which pixel.
+    pub place: i32,
+    /// The next pixel minus the one before.
+    pub step: i32,
+}
+
+/// Over `count` pixels, `stride` apart; a slice that ends before them counts as far as it goes.
+#[must_use]
+pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
+    let mut best = LargestStep { place: 0, step: 0 };
+    for (place, i) in (0..).zip(2..count) {
+        let (Some(&after), Some(&before)) =
+            (pixels.get(i.wrapping_mul(stride)), pixels.get((i - 2).wrapping_mul(stride)))
+        else {
+            break;
+        };
+        let step = i32::from(after) - i32::from(before);
+        if step.abs() > best.step.abs() {
+            best = LargestStep { place, step };
+        }
+    }
+    best
+}
+
+/// `[1 2 1]` along three rows at five neighbouring columns, the first of them at `first`.
+#[must_use]
+pub fn smooth_rows(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
+    let row = |start: usize| pixels.get(start..).and_then(|row| row.first_chunk::<5>());
+    let second = first.checked_add(stride)?;
+    let (above, here, below) = (row(first)?, row(second)?, row(second.checked_add(stride)?)?);
+    let mut sums = [0; 5];
+    for (((sum, &a), &b), &c) in sums.iter_mut().zip(above).zip(here).zip(below) {
+        *sum = i32::from(a) + 2 * i32::from(b) + i32::from(c);
+    }
+    Some(sums)
+}
+
+/// `[1 2 1]` along three columns at five neighbouring rows, the first of them at `first`.
+#[must_use]
+pub fn smooth_columns(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
+    let mut sums = [0; 5];
+    let mut start = first;
+    for sum in &mut sums {
+        let &[a, b, c] = pixels.get(start..)?.first_chunk::<3>()?;
+        *sum = i32::from(a) + 2 * i32::from(b) + i32::from(c);
+        start = start.checked_add(stride)?;
+    }
+    Some(sums)
+}
+
+/// Difference between the third and the first of three rows, `[1 2 1]` over three columns from `first` on.
+#[must_use]
+pub fn across_rows(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
+    let row = |start: usize| pixels.get(start..).and_then(|row| row.first_chunk::<3>()).map(weighted);
+    Some(row(stride.checked_mul(2)?.checked_add(first)?)? - row(first)?)
+}
+
+/// Difference between the third and the first of three columns, `[1 2 1]` over three rows from `first` on.
+#[must_use]
+pub fn across_columns(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
+    let mut sum = 0;
+    for (k, weight) in [1, 2, 1].into_iter().enumerate() {
+        let &[a, _, c] = pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<3>()?;
+        sum += weight * (i32::from(c) - i32::from(a));
+    }
+    Some(sum)
+}
+
+fn weighted(&[a, b, c]: &[u8; 3]) -> i32 {
+    i32::from(a) + 2 * i32::from(b) + i32::from(c)
+}

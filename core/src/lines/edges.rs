@@ -10,6 +10,7 @@
 
 use super::{Chain, LineParams};
 use crate::image::Gray;
+use crate::kernel::{across_columns, across_rows, largest_step, smooth_columns, smooth_rows};
 use crate::units::quotient;
 
 /// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
@@ -43,17 +44,8 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     marks: &'a mut [u32],
 }
 
-/// Three rows by five pixels across an edge.
-struct Patch {
-    /// Smoothed along the edge.
-    smoothed: [i32; 5],
-    /// Difference of the rows after and before.
-    lengthwise: [i32; 5],
-}
-
 /// Where the ridge is on one row.
 struct Ridge {
-    u: i32,
     position_q5: i32,
     /// Across the edge, of the edge's sign.
     gradient: i32,
@@ -100,13 +92,8 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// The pixel with the largest grey step between its neighbours, if it is one at which an edge may start.
     #[inline]
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
-        let start = self.index(t, from - 1);
-        let count = usize::try_from(to - from + 2).ok()?;
-        let largest = if DOWN {
-            largest_step(self.pixels.get(start..)?.get(..count)?, 1)
-        } else {
-            largest_step(self.pixels.get(start..)?.get(..(count - 1) * self.stride + 1)?, self.stride)
-        };
+        let pixels = self.pixels.get(self.index(t, from - 1)..)?;
+        let largest = largest_step(pixels, if DOWN { 1 } else { self.stride }, usize::try_from(to - from + 2).ok()?);
         let size = largest.step.abs();
         (size * 4 >= self.anchor).then(|| Anchor { u: from + largest.place, sign: largest.step.signum() })
     }
@@ -155,19 +142,25 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         if u < BORDER || u >= self.breadth - BORDER {
             return None;
         }
-        let Patch { smoothed: [b, c, d, e, f], lengthwise: [d1, d2, d3, d4, d5] } = self.patch(t, u)?;
+        let [b, c, d, e, f] = self.smooth(t, u - 2)?;
         let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];
-        let (shift, low, mid, high, lengthwise) = if g2 >= g1 && g2 >= g3 {
-            (0, g1, g2, g3, d2 + 2 * d3 + d4)
+        let (shift, low, mid, high) = if g2 >= g1 && g2 >= g3 {
+            (0, g1, g2, g3)
         } else if g1 >= g3 {
-            (-1, (c - self.smoothed(t, u - 3)) * sign, g1, g2, d1 + 2 * d2 + d3)
+            let [a, ..] = self.smooth(t, u - 3)?;
+            (-1, (c - a) * sign, g1, g2)
         } else {
-            (1, g2, g3, (self.smoothed(t, u + 3) - e) * sign, d3 + 2 * d4 + d5)
+            let [.., g] = self.smooth(t, u - 1)?;
+            (1, g2, g3, (g - e) * sign)
         };
-        if mid < self.edge || lengthwise.abs() > mid + mid / 4 {
+        let u = u + shift;
+        if mid < self.edge {
             return None;
         }
-        let u = u + shift;
+        let lengthwise = self.lengthwise(t, u)?;
+        if lengthwise.abs() > mid + mid / 4 {
+            return None;
+        }
         let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
         let mark = self.marks.get_mut(bit >> 5)?;
         let mask = 1 << (bit & 31);
@@ -178,43 +171,29 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
-        Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid, lengthwise })
+        Some(Ridge { position_q5: (u << 5) + offset_q5, gradient: mid, lengthwise })
     }
 
-    /// [1 2 1] along the edge.
+    /// [1 2 1] along the edge at five pixels across it, from `u` on.
     #[inline]
-    fn smoothed(&self, t: i32, u: i32) -> i32 {
+    fn smooth(&self, t: i32, u: i32) -> Option<[i32; 5]> {
         let first = self.index(t - 1, u);
-        let pixel = |i: usize| i32::from(self.pixels.get(first.wrapping_add(i)).copied().unwrap_or(0));
-        let along = if DOWN { self.stride } else { 1 };
-        pixel(0) + 2 * pixel(along) + pixel(2 * along)
+        if DOWN {
+            smooth_rows(self.pixels, first, self.stride)
+        } else {
+            smooth_columns(self.pixels, first, self.stride)
+        }
     }
 
-    /// Three rows by five pixels around `(t, u)`.
+    /// Sobel gradient along the edge.
     #[inline]
-    fn patch(&self, t: i32, u: i32) -> Option<Patch> {
-        let pixels = self.pixels.get(self.index(t - 1, u - 2)..)?;
-        let mut patch = Patch { smoothed: [0; 5], lengthwise: [0; 5] };
-        let out = patch.smoothed.iter_mut().zip(&mut patch.lengthwise);
-        let both = |a: u8, b: u8, c: u8| {
-            let (a, b, c) = (i32::from(a), i32::from(b), i32::from(c));
-            (a + 2 * b + c, c - a)
-        };
+    fn lengthwise(&self, t: i32, u: i32) -> Option<i32> {
+        let first = self.index(t - 1, u - 1);
         if DOWN {
-            let row = |start: usize| pixels.get(start..).and_then(|row| row.first_chunk::<5>());
-            let (above, here, below) = (row(0)?, row(self.stride)?, row(2 * self.stride)?);
-            for ((((s, l), &a), &b), &c) in out.zip(above).zip(here).zip(below) {
-                (*s, *l) = both(a, b, c);
-            }
+            across_rows(self.pixels, first, self.stride)
         } else {
-            let mut rest = pixels;
-            for (s, l) in out {
-                let &[a, b, c] = rest.first_chunk::<3>()?;
-                (*s, *l) = both(a, b, c);
-                rest = rest.get(self.stride..).unwrap_or(&[]);
-            }
+            across_columns(self.pixels, first, self.stride)
         }
-        Some(patch)
     }
 
     #[inline]
@@ -228,31 +207,4 @@ fn keep(positions: &mut [u16], t: i32, ridge: &Ridge) {
     if let Some(slot) = usize::try_from(t / STEP).ok().and_then(|t| positions.get_mut(t)) {
         *slot = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
     }
-}
-
-/// The largest difference between a pixel's neighbours.
-struct LargestStep {
-    /// Pixels after the second one.
-    place: i32,
-    step: i32,
-}
-
-/// Over pixels `stride` apart, from the second to the last but one; the first of equals.
-#[inline]
-fn largest_step(pixels: &[u8], stride: usize) -> LargestStep {
-    let mut best = LargestStep { place: 0, step: 0 };
-    let mut size = 0;
-    let after = pixels.get(2 * stride..).unwrap_or(&[]);
-    let mut place = 0;
-    let mut at = 0;
-    while let (Some(&a), Some(&b)) = (after.get(at), pixels.get(at)) {
-        let step = i32::from(a) - i32::from(b);
-        if step.abs() > size {
-            size = step.abs();
-            best = LargestStep { place, step };
-        }
-        place += 1;
-        at += stride;
-    }
-    best
 }
