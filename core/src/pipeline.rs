@@ -230,12 +230,15 @@ impl Plan {
             anchor: self.params.anchor_gradient.into(),
             edge: self.params.edge_gradient.into(),
             min_extent: self.params.min_extent.into(),
+            column_scan: lines::SCAN_STEP,
         };
+        // Near-horizontal segments of the right image only tell the row offset.
+        let right_lines = LineParams { column_scan: 3 * lines::SCAN_STEP, ..lines };
         out.counts.segments_left_dropped =
             lines::detect(left, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.left);
         observer.ended(Step::LinesLeft(m.left));
         out.counts.segments_right_dropped =
-            lines::detect(right, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
+            lines::detect(right, &right_lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
         lines::sort_by_top(m.right);
         observer.ended(Step::LinesRight(m.right));
         out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);

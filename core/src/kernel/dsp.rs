@@ -115,23 +115,24 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
     // SAFETY: every read ends at `x + 8 <= width`, every write at `x + 6 <= width`, and all slices are that long.
     unsafe {
-        let codes = |x: usize| {
-            let (t, r, b) = (top.as_ptr(), row.as_ptr(), bottom.as_ptr());
-            let centre = word(r, x + 2);
+        let codes = |t: *const u8, r: *const u8, b: *const u8| {
+            let centre = word(r, 2);
             let darker = |bytes: *const u8, at: usize| where_less(word(bytes, at), centre, 0x0101_0101);
-            let mut code = darker(b, x + 4);
-            for (bytes, at) in [(b, x + 2), (b, x), (r, x + 4), (r, x), (t, x + 4), (t, x + 2), (t, x)] {
+            let mut code = darker(b, 4);
+            for (bytes, at) in [(b, 2), (b, 0), (r, 4), (r, 0), (t, 4), (t, 2), (t, 0)] {
                 code = darker(bytes, at).wrapping_add(code << 1);
             }
             code
         };
-        let mut x = 0;
-        while x + 8 <= width {
-            out.as_mut_ptr().add(x + 2).cast::<u32>().write_unaligned(codes(x));
-            x += 4;
+        let (mut t, mut r, mut b, mut o) = (top.as_ptr(), row.as_ptr(), bottom.as_ptr(), out.as_mut_ptr().add(2));
+        for _ in 0..(width - 4) / 4 {
+            o.cast::<u32>().write_unaligned(codes(t, r, b));
+            (t, r, b, o) = (t.add(4), r.add(4), b.add(4), o.add(4));
         }
         // The last pixels, some of them twice.
-        out.as_mut_ptr().add(width - 6).cast::<u32>().write_unaligned(codes(width - 8));
+        let last = width - 8;
+        let code = codes(top.as_ptr().add(last), row.as_ptr().add(last), bottom.as_ptr().add(last));
+        out.as_mut_ptr().add(last + 2).cast::<u32>().write_unaligned(code);
     }
     for range in [0..2, width - 2..width] {
         if let Some(edge) = out.get_mut(range) {
@@ -394,18 +395,33 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     }
     let mut best = LargestStep { place: 0, step: 0 };
     let mut size = 0;
-    // SAFETY: the last of `count` pixels was just found to exist; `after` is two pixels ahead of `before`.
+    let mut compare = |place: usize, step: i32| {
+        // Outside -size ..= size.
+        if step.wrapping_add(size) as u32 > 2 * size as u32 {
+            size = step.abs();
+            best = LargestStep { place: place as i32, step };
+        }
+    };
+    // SAFETY: the last of `count` pixels was just found to exist; `at` stays on pixels before it.
     unsafe {
-        let mut before = pixels.as_ptr();
-        let mut after = before.add(2 * stride);
-        for place in 0..count as i32 - 2 {
-            let step = i32::from(*after) - i32::from(*before);
-            if step.abs() > size {
-                size = step.abs();
-                best = LargestStep { place, step };
-            }
-            before = before.wrapping_add(stride);
-            after = after.wrapping_add(stride);
+        let mut at = pixels.as_ptr();
+        let mut next = || {
+            let pixel = i32::from(*at);
+            at = at.wrapping_add(stride);
+            pixel
+        };
+        let (mut even, mut odd) = (next(), next());
+        let steps = count - 2;
+        let mut place = 0;
+        while place + 2 <= steps {
+            let (a, b) = (next(), next());
+            compare(place, a - even);
+            compare(place + 1, b - odd);
+            (even, odd) = (a, b);
+            place += 2;
+        }
+        if place < steps {
+            compare(place, next() - even);
         }
     }
     best

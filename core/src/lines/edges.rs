@@ -16,7 +16,7 @@ use crate::units::quotient;
 /// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
 pub(crate) const STEP: i32 = 2;
 /// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
-const SCAN_STEP: i32 = 6;
+pub(crate) const SCAN_STEP: i32 = 6;
 /// A scan starts at most one edge, the strongest, per stretch of this many pixels: what bounds the work on texture and noise.
 const STRETCH: i32 = 16;
 /// Pixels next to the border that hold no edge: the ridge test reads that far.
@@ -72,7 +72,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
 
     /// Draws every edge and hands each chain to `emit`.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, positions: &mut [u16], mut emit: impl FnMut(Chain<'_>)) {
+    pub(crate) fn for_each_chain(&mut self, scan: i32, positions: &mut [u16], mut emit: impl FnMut(Chain<'_>)) {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
@@ -85,7 +85,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
                 }
                 from = to;
             }
-            t += SCAN_STEP;
+            t += scan;
         }
     }
 

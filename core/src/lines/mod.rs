@@ -29,6 +29,7 @@ use crate::result::Point;
 use crate::sort::sort_by_key;
 use crate::units::Position;
 use crate::units::quotient;
+pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
 use heapless::vec::VecView;
 
@@ -87,6 +88,8 @@ pub struct LineParams {
     pub edge: i32,
     /// Least extent of a segment, rows or columns.
     pub min_extent: i32,
+    /// Columns between two scans for edges along the columns, even.
+    pub column_scan: i32,
 }
 
 /// Working memory of the detector: one bit per pixel and direction, one position per row or column.
@@ -111,8 +114,9 @@ pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, ou
         });
     };
     let (marks, chain) = (scratch.marks, scratch.chain);
-    Edges::<true>::new(image, params, marks).for_each_chain(chain, |chain| runs(chain, Direction::Down));
-    Edges::<false>::new(image, params, marks).for_each_chain(chain, |chain| runs(chain, Direction::Along));
+    Edges::<true>::new(image, params, marks).for_each_chain(SCAN_STEP, chain, |chain| runs(chain, Direction::Down));
+    Edges::<false>::new(image, params, marks)
+        .for_each_chain(params.column_scan, chain, |chain| runs(chain, Direction::Along));
     list.dropped
 }
 
