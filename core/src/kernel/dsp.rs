@@ -8,7 +8,7 @@
 //! # Source
 //! Armv7-M Architecture Reference Manual, A7.7: USADA8, USUB8, SEL, UHADD8, UQADD8, UQSUB8.
 
-use super::portable::{self, FLAT, LANES, LargestStep, STRIP, Strip};
+use super::portable::{self, Crossing, FLAT, LANES, LargestStep, STRIP, Strip};
 use core::arch::asm;
 
 macro_rules! two_operands {
@@ -427,68 +427,29 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     best
 }
 
-/// See [`portable::smooth_rows`].
+/// See [`portable::crossing_of_rows`].
 #[inline]
-pub fn smooth_rows(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
-    let last = stride.checked_mul(2)?.checked_add(first)?.checked_add(5)?;
-    if last > pixels.len() {
+pub fn crossing_of_rows(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
+    if first.checked_add(stride)?.checked_add(7)? > pixels.len() {
         return None;
     }
-    // SAFETY: the last pixel read is at `first + 2 * stride + 4`.
+    // SAFETY: the last of seven pixels of the second row was just found to exist.
     unsafe {
         let above = pixels.as_ptr().add(first);
-        let here = above.add(stride);
-        let below = here.add(stride);
-        Some(core::array::from_fn(|i| {
-            i32::from(*above.add(i)) + 2 * i32::from(*here.add(i)) + i32::from(*below.add(i))
-        }))
+        let below = above.add(stride);
+        Some(portable::crossing(|u| *above.add(u), |u| *below.add(u), sign))
     }
 }
 
-/// See [`portable::smooth_columns`].
+/// See [`portable::crossing_of_columns`].
 #[inline]
-pub fn smooth_columns(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
-    let last = stride.checked_mul(4)?.checked_add(first)?.checked_add(3)?;
-    if last > pixels.len() {
+pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
+    if stride.checked_mul(6)?.checked_add(first)?.checked_add(2)? > pixels.len() {
         return None;
     }
-    // SAFETY: the last pixel read is at `first + 4 * stride + 2`.
+    // SAFETY: the last of the pairs in seven rows was just found to exist.
     unsafe {
-        let mut at = pixels.as_ptr().add(first);
-        Some(core::array::from_fn(|_| {
-            let sum = i32::from(*at) + 2 * i32::from(*at.add(1)) + i32::from(*at.add(2));
-            at = at.wrapping_add(stride);
-            sum
-        }))
-    }
-}
-
-/// See [`portable::across_rows`].
-#[inline]
-pub fn across_rows(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
-    if stride.checked_mul(2)?.checked_add(first)?.checked_add(3)? > pixels.len() {
-        return None;
-    }
-    // SAFETY: the last pixel read is at `first + 2 * stride + 2`.
-    unsafe {
-        let above = pixels.as_ptr().add(first);
-        let below = above.add(2 * stride);
-        let sum = |row: *const u8| i32::from(*row) + 2 * i32::from(*row.add(1)) + i32::from(*row.add(2));
-        Some(sum(below) - sum(above))
-    }
-}
-
-/// See [`portable::across_columns`].
-#[inline]
-pub fn across_columns(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
-    if stride.checked_mul(2)?.checked_add(first)?.checked_add(3)? > pixels.len() {
-        return None;
-    }
-    // SAFETY: the last pixel read is at `first + 2 * stride + 2`.
-    unsafe {
-        let a = pixels.as_ptr().add(first);
-        let (b, c) = (a.add(stride), a.add(2 * stride));
-        let step = |row: *const u8| i32::from(*row.add(2)) - i32::from(*row);
-        Some(step(a) + 2 * step(b) + step(c))
+        let at = pixels.as_ptr().add(first);
+        Some(portable::crossing(|u| *at.add(u * stride), |u| *at.add(u * stride + 1), sign))
     }
 }

@@ -12,19 +12,19 @@ mod dsp;
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
 mod sse2;
 
-pub use portable::{FLAT, LANES, LargestStep, STRIP, Strip};
+pub use portable::{Crossing, FLAT, LANES, LargestStep, STRIP, Strip};
 
 #[cfg(dsp)]
 pub use dsp::{
-    across_columns, across_rows, census_row, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve,
-    lowest, sad_curve, smooth_columns, smooth_rows, sum_curve,
+    census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve,
+    lowest, sad_curve, sum_curve,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64")))]
 pub use portable::sad_curve;
 #[cfg(not(dsp))]
 pub use portable::{
-    across_columns, across_rows, census_row, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve,
-    lowest, smooth_columns, smooth_rows, sum_curve,
+    census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve,
+    lowest, sum_curve,
 };
 #[cfg(target_arch = "x86_64")]
 pub use sse2::sad_curve;

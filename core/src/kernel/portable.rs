@@ -167,50 +167,55 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     best
 }
 
-/// `[1 2 1]` along three rows at five neighbouring columns, the first of them at `first`.
-#[must_use]
-pub fn smooth_rows(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
-    let row = |start: usize| pixels.get(start..).and_then(|row| row.first_chunk::<5>());
-    let second = first.checked_add(stride)?;
-    let (above, here, below) = (row(first)?, row(second)?, row(second.checked_add(stride)?)?);
-    let mut sums = [0; 5];
-    for (((sum, &a), &b), &c) in sums.iter_mut().zip(above).zip(here).zip(below) {
-        *sum = i32::from(a) + 2 * i32::from(b) + i32::from(c);
-    }
-    Some(sums)
+/// An edge seen in two neighbouring rows (columns), summed: gradients across it at the strongest of three places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// -1, 0 or 1: which of the three.
+    pub shift: i32,
+    /// Gradient before the strongest place, there and after it, of the wanted sign: four times grey levels per pixel.
+    pub gradients: [i32; 3],
+    /// Gradient along the edge, `[1 2 1]` across it: the same unit.
+    pub along: i32,
 }
 
-/// `[1 2 1]` along three columns at five neighbouring rows, the first of them at `first`.
+/// The crossing of rows `y` and `y + 1` next to column `x`, where `first` is the index of `(x - 3, y)`; `sign` is 1 or -1.
 #[must_use]
-pub fn smooth_columns(pixels: &[u8], first: usize, stride: usize) -> Option<[i32; 5]> {
-    let mut sums = [0; 5];
+pub fn crossing_of_rows(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
+    let above = pixels.get(first..)?.first_chunk::<7>()?;
+    let below = pixels.get(first.checked_add(stride)?..)?.first_chunk::<7>()?;
+    let byte = |row: &[u8; 7], u: usize| row.get(u).copied().unwrap_or(0);
+    Some(crossing(|u| byte(above, u), |u| byte(below, u), sign))
+}
+
+/// The crossing of columns `x` and `x + 1` next to row `y`, where `first` is the index of `(x, y - 3)`; `sign` is 1 or -1.
+#[must_use]
+pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
+    let mut pairs = [[0; 2]; 7];
     let mut start = first;
-    for sum in &mut sums {
-        let &[a, b, c] = pixels.get(start..)?.first_chunk::<3>()?;
-        *sum = i32::from(a) + 2 * i32::from(b) + i32::from(c);
+    for pair in &mut pairs {
+        *pair = *pixels.get(start..)?.first_chunk::<2>()?;
         start = start.checked_add(stride)?;
     }
-    Some(sums)
+    let byte = |u: usize, k: usize| pairs.get(u).and_then(|pair| pair.get(k)).copied().unwrap_or(0);
+    Some(crossing(|u| byte(u, 0), |u| byte(u, 1), sign))
 }
 
-/// Difference between the third and the first of three rows, `[1 2 1]` over three columns from `first` on.
-#[must_use]
-pub fn across_rows(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
-    let row = |start: usize| pixels.get(start..).and_then(|row| row.first_chunk::<3>()).map(weighted);
-    Some(row(stride.checked_mul(2)?.checked_add(first)?)? - row(first)?)
-}
-
-/// Difference between the third and the first of three columns, `[1 2 1]` over three rows from `first` on.
-#[must_use]
-pub fn across_columns(pixels: &[u8], first: usize, stride: usize) -> Option<i32> {
-    let mut sum = 0;
-    for (k, weight) in [1, 2, 1].into_iter().enumerate() {
-        let &[a, _, c] = pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<3>()?;
-        sum += weight * (i32::from(c) - i32::from(a));
-    }
-    Some(sum)
-}
-
-fn weighted(&[a, b, c]: &[u8; 3]) -> i32 {
-    i32::from(a) + 2 * i32::from(b) + i32::from(c)
+/// From seven pixels of two rows; the middle one has number 3.
+#[inline(always)]
+pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
+    let sum = |u: usize| i32::from(first(u)) + i32::from(second(u));
+    let (b, c, d, e, f) = (sum(1), sum(2), sum(3), sum(4), sum(5));
+    let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];
+    let (shift, gradients) = if g2 >= g1 && g2 >= g3 {
+        (0, [g1, g2, g3])
+    } else if g1 >= g3 {
+        (-1, [(c - sum(0)) * sign, g1, g2])
+    } else {
+        (1, [g2, g3, (sum(6) - e) * sign])
+    };
+    let step = |u: i32| {
+        let u = (3 + shift + u) as usize;
+        i32::from(second(u)) - i32::from(first(u))
+    };
+    Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
 }

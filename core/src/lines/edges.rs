@@ -10,7 +10,7 @@
 
 use super::{Chain, LineParams};
 use crate::image::Gray;
-use crate::kernel::{across_columns, across_rows, largest_step, smooth_columns, smooth_rows};
+use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
 use crate::units::quotient;
 
 /// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
@@ -50,7 +50,7 @@ struct Ridge {
     /// Across the edge, of the edge's sign.
     gradient: i32,
     /// Along the edge.
-    lengthwise: i32,
+    along: i32,
 }
 
 /// The strongest edge of a stretch.
@@ -104,7 +104,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let start = self.ridge(t, anchor.u, sign)?;
         keep(positions, t, &start);
         // An edge runs at right angles to its gradient: so much across per step, 1/32 px.
-        let lean_q5 = quotient(-start.lengthwise * sign * STEP << 5, start.gradient);
+        let lean_q5 = quotient(-start.along * sign * STEP << 5, start.gradient);
         let (mut sum, mut first, mut last) = (start.gradient, t, t);
         for step in [-STEP, STEP] {
             let mut at = t + step;
@@ -131,7 +131,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             first,
             positions: positions.get(range)?,
             rising: sign > 0,
-            contrast: u8::try_from(mean >> 2).unwrap_or(u8::MAX),
+            contrast: u8::try_from(mean >> 1).unwrap_or(u8::MAX),
         })
     }
 
@@ -142,25 +142,13 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         if u < BORDER || u >= self.breadth - BORDER {
             return None;
         }
-        let [b, c, d, e, f] = self.smooth(t, u - 2)?;
-        let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];
-        let (shift, low, mid, high) = if g2 >= g1 && g2 >= g3 {
-            (0, g1, g2, g3)
-        } else if g1 >= g3 {
-            let [a, ..] = self.smooth(t, u - 3)?;
-            (-1, (c - a) * sign, g1, g2)
-        } else {
-            let [.., g] = self.smooth(t, u - 1)?;
-            (1, g2, g3, (g - e) * sign)
-        };
+        let first = self.index(t, u - 3);
+        let crossing = if DOWN { crossing_of_rows } else { crossing_of_columns };
+        let Crossing { shift, gradients: [low, mid, high], along } = crossing(self.pixels, first, self.stride, sign)?;
+        if mid * 2 < self.edge || along.abs() > mid + mid / 4 {
+            return None;
+        }
         let u = u + shift;
-        if mid < self.edge {
-            return None;
-        }
-        let lengthwise = self.lengthwise(t, u)?;
-        if lengthwise.abs() > mid + mid / 4 {
-            return None;
-        }
         let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
         let mark = self.marks.get_mut(bit >> 5)?;
         let mask = 1 << (bit & 31);
@@ -171,29 +159,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
-        Some(Ridge { position_q5: (u << 5) + offset_q5, gradient: mid, lengthwise })
-    }
-
-    /// [1 2 1] along the edge at five pixels across it, from `u` on.
-    #[inline]
-    fn smooth(&self, t: i32, u: i32) -> Option<[i32; 5]> {
-        let first = self.index(t - 1, u);
-        if DOWN {
-            smooth_rows(self.pixels, first, self.stride)
-        } else {
-            smooth_columns(self.pixels, first, self.stride)
-        }
-    }
-
-    /// Sobel gradient along the edge.
-    #[inline]
-    fn lengthwise(&self, t: i32, u: i32) -> Option<i32> {
-        let first = self.index(t - 1, u - 1);
-        if DOWN {
-            across_rows(self.pixels, first, self.stride)
-        } else {
-            across_columns(self.pixels, first, self.stride)
-        }
+        Some(Ridge { position_q5: (u << 5) + offset_q5, gradient: mid, along })
     }
 
     #[inline]

@@ -178,7 +178,7 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
         let t0 = run.first + quotient(length * piece, pieces);
         let t1 = run.first + quotient(length * (piece + 1), pieces);
         let end = |t: i32| {
-            let along = position((chain.first + t * STEP) << 5);
+            let along = position(((chain.first + t * STEP) << 5) + 16);
             let across = position(run.at_q5(t));
             if near_horizontal { Point { x: along, y: across } } else { Point { x: across, y: along } }
         };
