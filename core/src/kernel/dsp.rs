@@ -63,20 +63,23 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let (a, r, b, g) = (above.as_ptr(), row.as_ptr(), below.as_ptr(), out.as_mut_ptr());
     // SAFETY: reads end at `x + 8 <= width`, writes at `x + 5 <= width`; all four slices are that long.
     unsafe {
-        let mean = |x: usize| halving_add(halving_add(word(a, x), word(b, x)), word(r, x));
-        let mut x = 0;
-        let mut here = mean(0);
-        while x + 8 <= width {
-            let next = mean(x + 4);
+        let mean = |a: *const u8, r: *const u8, b: *const u8| {
+            halving_add(halving_add(word(a, 0), word(b, 0)), word(r, 0))
+        };
+        let (mut a, mut r, mut b, mut g) = (a, r, b, g.add(1));
+        let mut here = mean(a, r, b);
+        for _ in 0..(width - 4) / 4 {
+            (a, r, b) = (a.add(4), r.add(4), b.add(4));
+            let next = mean(a, r, b);
             // Pixels x + 1 ..= x + 4: their left neighbours are `here`, their right ones two bytes further on.
             let right = (here >> 16) | (next << 16);
             let rising = saturating_add(saturating_sub(right, here), CLIP);
             let falling = saturating_add(saturating_sub(here, right), CLIP);
             // At most one of the two differs from CLIP, so no byte of the result leaves 1 ..= 63.
             let gradients = rising.wrapping_sub(falling).wrapping_add(ZERO);
-            g.add(x + 1).cast::<u32>().write_unaligned(gradients);
+            g.cast::<u32>().write_unaligned(gradients);
+            g = g.add(4);
             here = next;
-            x += 4;
         }
     }
     // What is left of the row: fewer than eight pixels, once more from a few pixels before.
@@ -381,9 +384,35 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
 
 /// See [`portable::lowest`].
 pub fn lowest(curve: &[u16]) -> u16 {
-    let (pairs, rest) = curve.as_chunks();
-    let [low, high] = unpacked(pairs.iter().fold(u32::MAX, |lowest, &pair| lower_16(lowest, packed(pair))));
+    let (blocks, rest) = curve.as_chunks::<8>();
+    let mut lowest = u32::MAX;
+    for &[a, b, c, d, e, f, g, h] in blocks {
+        for pair in [[a, b], [c, d], [e, f], [g, h]] {
+            lowest = lower_16(lowest, packed(pair));
+        }
+    }
+    let [low, high] = unpacked(lowest);
     low.min(high).min(portable::lowest(rest))
+}
+
+/// See [`portable::reverse_row`].
+pub fn reverse_row(row: &mut [u8]) {
+    let (words, rest) = row.as_chunks_mut::<4>();
+    if !rest.is_empty() {
+        return portable::reverse_row(row);
+    }
+    let (head, tail) = words.split_at_mut(words.len() / 2);
+    for (a, b) in head.iter_mut().zip(tail.iter_mut().rev()) {
+        let (from_head, from_tail) = (u32::from_le_bytes(*a), u32::from_le_bytes(*b));
+        *a = from_tail.swap_bytes().to_le_bytes();
+        *b = from_head.swap_bytes().to_le_bytes();
+    }
+    // The middle of an odd number of words.
+    if tail.len() > head.len()
+        && let Some(middle) = tail.first_mut()
+    {
+        middle.reverse();
+    }
 }
 
 /// See [`portable::largest_step`].

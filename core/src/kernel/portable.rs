@@ -134,6 +134,11 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
     }
 }
 
+/// Reverses a row.
+pub fn reverse_row(row: &mut [u8]) {
+    row.reverse();
+}
+
 /// The lowest entry; the largest value where there is none.
 #[must_use]
 pub fn lowest(curve: &[u16]) -> u16 {

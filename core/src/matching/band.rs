@@ -9,7 +9,7 @@
 //! `4 * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
 use crate::image::Gray;
-use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row};
+use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row, reverse_row};
 use crate::lines::Segment;
 use crate::units::quotient;
 
@@ -101,11 +101,11 @@ impl<'a> Band<'a> {
             }
             if let Some(out) = self.gradient.right_mirrored.get_mut(slot.clone()) {
                 fill_gradient(right, y + self.row_offset, out);
-                out.reverse();
+                reverse_row(out);
             }
             if let Some(out) = self.census.right_mirrored.get_mut(slot) {
                 fill_census(right, y + self.row_offset, out);
-                out.reverse();
+                reverse_row(out);
             }
         }
     }

@@ -80,11 +80,10 @@ impl Place {
         }
     }
 
-    /// Centre of one side's claim, px.
-    fn centre(&self, side: usize) -> (i32, i32) {
-        let off = if side == 0 { -OFF_EDGE } else { OFF_EDGE };
-        let (x, y) = (i32::from(self.x), i32::from(self.y));
-        if self.near_horizontal { (x, y + off) } else { (x + off, y) }
+    /// Column in the right image that one side's claim wants, 1/64 px.
+    fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
+        let off = if self.near_horizontal { 0 } else if side == 0 { -OFF_EDGE } else { OFF_EDGE };
+        ((i32::from(self.x) + off) << 6) - d_q6
     }
 }
 
@@ -149,7 +148,7 @@ const LITTLE: u32 = 51 * REACH as u32;
 const SHARE_BITS: u32 = 4;
 
 /// Rows between the tops of two segments beyond which their claims cannot contradict each other.
-const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2 + 2 * OFF_EDGE;
+const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;
 
 /// Calls `found` with the claims `(candidate, side)` of every two of the first `count` that want the same part of the right image with
 /// different disparities: at most one of them is right.
@@ -164,7 +163,7 @@ pub(crate) fn for_each_contradiction(
             if i32::from(other.top - place.top) > CONTRADICTION_REACH {
                 break;
             }
-            if i32::from(other.y - place.y).abs() > SAME_ROWS + 2 * OFF_EDGE {
+            if i32::from(other.y - place.y).abs() > SAME_ROWS {
                 continue;
             }
             for side in 0..2 {
@@ -180,11 +179,9 @@ pub(crate) fn for_each_contradiction(
 
 fn contradict((a, a_side): (&Place, usize), (b, b_side): (&Place, usize)) -> bool {
     let (Some(claim_a), Some(claim_b)) = (a.claims.get(a_side), b.claims.get(b_side)) else { return false };
-    let ((ax, ay), (bx, by)) = (a.centre(a_side), b.centre(b_side));
     let (da, db) = (i32::from(claim_a.d_q6), i32::from(claim_b.d_q6));
     claim_a.weight_q8 > 0
         && claim_b.weight_q8 > 0
-        && (ay - by).abs() <= SAME_ROWS
-        && (((ax << 6) - da) - ((bx << 6) - db)).abs() <= SAME_COLUMNS_Q6
+        && (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6
         && (da - db).abs() > OTHER_SURFACE_Q6
 }

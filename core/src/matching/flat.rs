@@ -163,13 +163,17 @@ fn add_blocks(
     /// Blocks of the longest piece, two rows each.
     const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP) * 2;
     let blocks = (to - from + WIDTH) / WIDTH;
-    let strips = (0..blocks).flat_map(|block| {
+    let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
+    for block in 0..blocks {
         // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
         let y = line.row_q5((start << 5) + 112);
-        rows.into_iter().filter_map(move |row| band.strip(search, start - shift, on_band(y + row), first))
-    });
-    let strips: Vec<Strip<'_>, MOST> = strips.take(MOST).collect();
+        for row in rows {
+            if let Some(strip) = band.strip(search, start - shift, on_band(y + row), first) {
+                let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
+            }
+        }
+    }
     sad_curve(&strips, costs);
     i32::try_from(strips.len()).unwrap_or(0) * WIDTH
 }
@@ -183,13 +187,20 @@ fn census_curve(
     band: &Band<'_>,
     curve: &mut Curve,
 ) -> i32 {
-    /// Every second column of the longest piece, two rows; what one curve of bytes can hold.
-    const MOST: usize = 31;
-    let points = rows.into_iter().flat_map(|row| {
-        let columns = (0..=(to - from) / 2).map(move |i| from + 2 * i);
-        columns.filter_map(move |x| band.census(Search::Forward, x, on_band(line.row(x) + row), range.0))
-    });
-    let points: Vec<(u8, &[u8]), MOST> = points.take(MOST).collect();
+    /// Columns from one point to the next: each tells of a neighbour two columns off.
+    const STEP: i32 = 3;
+    const MOST: usize = (MAX_COLUMNS / STEP + 1) as usize * 2;
+    let mut points: Vec<(u8, &[u8]), MOST> = Vec::new();
+    let mut x = from;
+    while x <= to {
+        let y = line.row(x);
+        for row in rows {
+            if let Some(point) = band.census(Search::Forward, x, on_band(y + row), range.0) {
+                let _ = points.push(point); // a piece is at most MAX_COLUMNS long
+            }
+        }
+        x += STEP;
+    }
     curve.fill(range, |costs| hamming_curve(&points, costs));
     i32::try_from(points.len()).unwrap_or(0)
 }

@@ -33,14 +33,14 @@ use heapless::Vec;
 /// Most rows of the band that a half's window, the search back and a census column look at: neighbouring rows say nearly the same
 /// (leave one out: no change in any score against twice as many).
 const HALF_ROWS: i32 = 3;
-const BACK_ROWS: i32 = 4;
+const BACK_ROWS: i32 = 3;
 const CENSUS_ROWS: i32 = 4;
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
 /// Between the centres of the two sides' strips.
 const SIDES_APART: i32 = 11;
 /// Columns of the census points of each side, relative to the edge.
-const CENSUS_COLUMNS: [[i32; 3]; 2] = [[-5, -3, -1], [1, 3, 5]];
+const CENSUS_COLUMNS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
 /// Largest difference between the window's disparity and the one found searching back, 1/64 px.
 const MAX_BACK_GAP_Q6: i32 = 96;
 /// Largest distance of a right segment's disparity that is still a vote for this one, 1/64 px.
@@ -246,12 +246,16 @@ fn add_strips(
     costs: &mut [u16],
 ) {
     const MOST: usize = if HALF_ROWS > BACK_ROWS { HALF_ROWS } else { BACK_ROWS } as usize;
-    let strips = rows.filter_map(|y| band.strip(search, line.column(y) + column, y, first));
-    let strips: Vec<Strip<'_>, MOST> = strips.take(MOST).collect();
+    let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
+    for y in rows {
+        if let Some(strip) = band.strip(search, line.column(y) + column, y, first) {
+            let _ = strips.push(strip); // at most so many rows are sampled
+        }
+    }
     sad_curve(&strips, costs);
 }
 
-/// The lower side's census curve, over three columns of points on each side of the edge.
+/// The lower side's census curve, over two columns of points on each side of the edge.
 fn place_by_census(
     extent: &Extent,
     context: &MatchContext<'_>,
@@ -259,15 +263,21 @@ fn place_by_census(
     sides: [&mut Curve; 2],
     lower: &mut Curve,
 ) -> Result<CensusMatch, Rejection> {
-    const MOST: usize = CENSUS_ROWS as usize * 3;
+    const MOST: usize = CENSUS_ROWS as usize * 2;
     let range = context.range_before(extent.columns.0)?;
     let rows = SampledRows::new(extent.rows, CENSUS_ROWS);
     let [left, right] = sides;
     let mut count = 0;
     for (curve, columns) in [&mut *left, &mut *right].into_iter().zip(CENSUS_COLUMNS) {
-        let at = |y, column| band.census(Search::Forward, extent.line.column(y) + column, y, range.0);
-        let points = columns.into_iter().flat_map(|column| rows.filter_map(move |y| at(y, column)));
-        let points: Vec<(u8, &[u8]), MOST> = points.take(MOST).collect();
+        let mut points: Vec<(u8, &[u8]), MOST> = Vec::new();
+        for y in rows {
+            let edge = extent.line.column(y);
+            for column in columns {
+                if let Some(point) = band.census(Search::Forward, edge + column, y, range.0) {
+                    let _ = points.push(point); // at most CENSUS_ROWS rows
+                }
+            }
+        }
         count = points.len();
         curve.fill(range, |costs| hamming_curve(&points, costs));
     }
