@@ -30,18 +30,6 @@ two_operands!(halving_add, "uhadd8 {r}, {a}, {b}");
 two_operands!(saturating_add, "uqadd8 {r}, {a}, {b}");
 two_operands!(saturating_sub, "uqsub8 {r}, {a}, {b}");
 
-/// In each byte `bits` where `a < b`, else 0.
-#[inline(always)]
-fn where_less(a: u32, b: u32, bits: u32) -> u32 {
-    let result: u32;
-    // SAFETY: as above; the flags between the two instructions are nobody else's.
-    unsafe {
-        asm!("usub8 {r}, {a}, {b}", "sel {r}, {zero}, {bits}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
-            zero = in(reg) 0_u32, bits = in(reg) bits, options(pure, nomem, nostack));
-    }
-    result
-}
-
 /// The four bytes from `at` on.
 ///
 /// # Safety
@@ -63,9 +51,8 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let (a, r, b, g) = (above.as_ptr(), row.as_ptr(), below.as_ptr(), out.as_mut_ptr());
     // SAFETY: reads end at `x + 8 <= width`, writes at `x + 5 <= width`; all four slices are that long.
     unsafe {
-        let mean = |a: *const u8, r: *const u8, b: *const u8| {
-            halving_add(halving_add(word(a, 0), word(b, 0)), word(r, 0))
-        };
+        let mean =
+            |a: *const u8, r: *const u8, b: *const u8| halving_add(halving_add(word(a, 0), word(b, 0)), word(r, 0));
         let (mut a, mut r, mut b, mut g) = (a, r, b, g.add(1));
         let mut here = mean(a, r, b);
         for _ in 0..(width - 4) / 4 {
@@ -109,6 +96,67 @@ fn first_eight(bytes: &[u8]) -> [u8; 8] {
     eight
 }
 
+/// Four codes at a time, `count` times, at least once.
+///
+/// # Safety
+/// `4 * count + 4` bytes can be read from each row, `4 * count` written.
+#[inline(always)]
+unsafe fn census_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
+    let [top, row, bottom] = rows;
+    // SAFETY: the caller's; the flags between two instructions are nobody else's.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {centre}, [{row}, #2]",
+            "ldr {other}, [{bottom}, #4]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {code}, {zero}, {ones}",
+            "ldr {other}, [{bottom}, #2]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{bottom}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{row}, #4]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{row}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{top}, #4]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{top}, #2]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "ldr {other}, [{top}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {code}, {other}, {code}, lsl #1",
+            "str {code}, [{out}], #4",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            top = inout(reg) top => _,
+            row = inout(reg) row => _,
+            bottom = inout(reg) bottom => _,
+            out = inout(reg) out => _,
+            count = inout(reg) count => _,
+            centre = out(reg) _,
+            other = out(reg) _,
+            code = out(reg) _,
+            zero = in(reg) 0_u32,
+            ones = in(reg) 0x0101_0101_u32,
+            options(nostack),
+        );
+    }
+}
+
 /// See [`portable::census_row`].
 pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     let [top, row, bottom] = rows;
@@ -116,26 +164,18 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     if width < 8 || top.len() < width || bottom.len() < width || out.len() < width {
         return portable::census_row(rows, out);
     }
-    // SAFETY: every read ends at `x + 8 <= width`, every write at `x + 6 <= width`, and all slices are that long.
+    // SAFETY: reads end at `x + 8 <= width`, writes at `x + 6 <= width`, and all slices are that long.
     unsafe {
-        let codes = |t: *const u8, r: *const u8, b: *const u8| {
-            let centre = word(r, 2);
-            let darker = |bytes: *const u8, at: usize| where_less(word(bytes, at), centre, 0x0101_0101);
-            let mut code = darker(b, 4);
-            for (bytes, at) in [(b, 2), (b, 0), (r, 4), (r, 0), (t, 4), (t, 2), (t, 0)] {
-                code = darker(bytes, at).wrapping_add(code << 1);
-            }
-            code
+        let mut codes = |x: usize, count: usize| {
+            census_words(
+                [top.as_ptr().add(x), row.as_ptr().add(x), bottom.as_ptr().add(x)],
+                out.as_mut_ptr().add(x + 2),
+                count,
+            );
         };
-        let (mut t, mut r, mut b, mut o) = (top.as_ptr(), row.as_ptr(), bottom.as_ptr(), out.as_mut_ptr().add(2));
-        for _ in 0..(width - 4) / 4 {
-            o.cast::<u32>().write_unaligned(codes(t, r, b));
-            (t, r, b, o) = (t.add(4), r.add(4), b.add(4), o.add(4));
-        }
+        codes(0, (width - 4) / 4);
         // The last pixels, some of them twice.
-        let last = width - 8;
-        let code = codes(top.as_ptr().add(last), row.as_ptr().add(last), bottom.as_ptr().add(last));
-        out.as_mut_ptr().add(last + 2).cast::<u32>().write_unaligned(code);
+        codes(width - 8, 1);
     }
     for range in [0..2, width - 2..width] {
         if let Some(edge) = out.get_mut(range) {
@@ -273,17 +313,18 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     let code = |reference: u8| u32::from(reference).wrapping_mul(0x0101_0101);
     // A byte per disparity holds the sum of all points; a nibble that of three.
     let mut sums = [0_u32; MAX_WORDS];
+    let Some(sums) = sums.get_mut(..len / 4) else { return portable::hamming_curve(points, curve) };
     loop {
         let Some(&(reference_a, a)) = long.next() else { break };
         let Some(&(reference_b, b)) = long.next() else {
-            add_codes(&mut sums, len, |d| {
+            add_codes(sums, |d| {
                 // SAFETY: `a` is as long as the curve.
                 nibble_counts(unsafe { word(a.as_ptr(), d) } ^ code(reference_a))
             });
             break;
         };
         let Some(&(reference_c, c)) = long.next() else {
-            add_codes(&mut sums, len, |d| {
+            add_codes(sums, |d| {
                 // SAFETY: `a` and `b` are as long as the curve.
                 unsafe {
                     nibble_counts(word(a.as_ptr(), d) ^ code(reference_a))
@@ -292,7 +333,7 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
             });
             break;
         };
-        add_codes(&mut sums, len, |d| {
+        add_codes(sums, |d| {
             // SAFETY: all three are as long as the curve.
             unsafe {
                 nibble_counts(word(a.as_ptr(), d) ^ code(reference_a))
@@ -301,7 +342,7 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
             }
         });
     }
-    for (four, sum) in whole.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
+    for (four, &mut sum) in whole.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
         for (cost, sum) in four.iter_mut().zip(sum.to_le_bytes()) {
             *cost = cost.wrapping_add(u16::from(sum));
         }
@@ -313,9 +354,9 @@ const MAX_WORDS: usize = 64;
 
 /// Adds nibble counts to the bytes of four disparities at a time.
 #[inline(always)]
-fn add_codes(sums: &mut [u32; MAX_WORDS], len: usize, counts: impl Fn(usize) -> u32) {
-    for (sum, d) in sums.iter_mut().zip((0..len).step_by(4)) {
-        let nibbles = counts(d);
+fn add_codes(sums: &mut [u32], counts: impl Fn(usize) -> u32) {
+    for (i, sum) in sums.iter_mut().enumerate() {
+        let nibbles = counts(4 * i);
         *sum = sum.wrapping_add((nibbles & 0x0f0f_0f0f) + ((nibbles >> 4) & 0x0f0f_0f0f));
     }
 }
@@ -419,23 +460,18 @@ pub fn reverse_row(row: &mut [u8]) {
 #[inline]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     let there = count.checked_sub(1).and_then(|last| last.checked_mul(stride)).is_some_and(|last| last < pixels.len());
-    if !there || count < 3 {
+    if !there || !(3..0xffff).contains(&count) {
         return portable::largest_step(pixels, stride, count);
     }
-    let mut best = LargestStep { place: 0, step: 0 };
-    let mut size = 0;
-    let mut compare = |place: usize, step: i32| {
-        // Outside -size ..= size.
-        if step.wrapping_add(size) as u32 > 2 * size as u32 {
-            size = step.abs();
-            best = LargestStep { place: place as i32, step };
-        }
-    };
+    let mut best = 0;
+    // Size above, distance from the end below: the first of equals is the largest.
+    let mut compare =
+        |place: usize, a: u32, b: u32| best = best.max(absolute_difference(a, b) << 16 | (0xffff - place as u32));
     // SAFETY: the last of `count` pixels was just found to exist; `at` stays on pixels before it.
     unsafe {
         let mut at = pixels.as_ptr();
         let mut next = || {
-            let pixel = i32::from(*at);
+            let pixel = u32::from(*at);
             at = at.wrapping_add(stride);
             pixel
         };
@@ -444,16 +480,33 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
         let mut place = 0;
         while place + 2 <= steps {
             let (a, b) = (next(), next());
-            compare(place, a - even);
-            compare(place + 1, b - odd);
+            compare(place, a, even);
+            compare(place + 1, b, odd);
             (even, odd) = (a, b);
             place += 2;
         }
         if place < steps {
-            compare(place, next() - even);
+            compare(place, next(), even);
         }
+        if best >> 16 == 0 {
+            return LargestStep { place: 0, step: 0 };
+        }
+        let place = 0xffff - (best & 0xffff);
+        let before = pixels.as_ptr().add(place as usize * stride);
+        LargestStep { place: place as i32, step: i32::from(*before.add(2 * stride)) - i32::from(*before) }
     }
-    best
+}
+
+/// Of two bytes.
+#[inline(always)]
+fn absolute_difference(a: u32, b: u32) -> u32 {
+    let result: u32;
+    // SAFETY: as above.
+    unsafe {
+        asm!("usad8 {r}, {a}, {b}", r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
+            options(pure, nomem, nostack, preserves_flags));
+    }
+    result
 }
 
 /// See [`portable::crossing_of_rows`].

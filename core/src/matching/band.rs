@@ -122,11 +122,27 @@ impl<'a> Band<'a> {
 
     /// Eight gradients at `x..x + 8` of row `y` of the reference image, and the row they are sought in from disparity `first` on.
     pub(crate) fn strip(&self, search: Search, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
+        let [strip] = self.strips(search, [x], y, first)?;
+        Some(strip)
+    }
+
+    /// Several strips of the same row.
+    pub(crate) fn strips<const N: usize>(
+        &self,
+        search: Search,
+        columns: [i32; N],
+        y: i32,
+        first: i32,
+    ) -> Option<[Strip<'_>; N]> {
         let (reference, other) = self.rows(&self.gradient, search, y)?;
-        let (at, sought) = self.places(search, x, STRIP as i32, first)?;
-        let mut pixels = *reference.get(at..)?.first_chunk::<STRIP>()?;
-        pixels.reverse();
-        Some(Strip { reference: pixels, other: other.get(sought..)? })
+        let mut strips = [const { Strip { reference: [0; STRIP], other: &[] } }; N];
+        for (strip, x) in strips.iter_mut().zip(columns) {
+            let (at, sought) = self.places(search, x, STRIP as i32, first)?;
+            let mut pixels = *reference.get(at..)?.first_chunk::<STRIP>()?;
+            pixels.reverse();
+            *strip = Strip { reference: pixels, other: other.get(sought..)? };
+        }
+        Some(strips)
     }
 
     /// The census code at `(x, y)` of the reference image, and the codes it is compared with from disparity `first` on.

@@ -82,7 +82,13 @@ impl Place {
 
     /// Column in the right image that one side's claim wants, 1/64 px.
     fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
-        let off = if self.near_horizontal { 0 } else if side == 0 { -OFF_EDGE } else { OFF_EDGE };
+        let off = if self.near_horizontal {
+            0
+        } else if side == 0 {
+            -OFF_EDGE
+        } else {
+            OFF_EDGE
+        };
         ((i32::from(self.x) + off) << 6) - d_q6
     }
 }

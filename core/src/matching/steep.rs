@@ -166,10 +166,9 @@ impl Windows<'_> {
         let middle = (first + last) / 2;
         for (half, rows) in self.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
             let rows = SampledRows::new(rows, HALF_ROWS);
-            for (curve, column) in half.iter_mut().zip(STRIP_COLUMNS) {
-                curve.fill(range, |costs| {
-                    add_strips(&extent.line, rows, column, (Search::Forward, range.0), band, costs);
-                });
+            let strips = gather(&extent.line, rows, STRIP_COLUMNS, (Search::Forward, range.0), band);
+            for (curve, strips) in half.iter_mut().zip(&strips) {
+                curve.fill(range, |costs| sad_curve(strips, costs));
             }
             self.rows += rows.count();
         }
@@ -236,23 +235,27 @@ impl Windows<'_> {
     }
 }
 
-/// Adds the cost of one strip of eight columns that follows the line over `rows`, `column` columns off it, from disparity `first` on.
-fn add_strips(
+/// Most strips of one column.
+const STRIPS: usize = if HALF_ROWS > BACK_ROWS { HALF_ROWS } else { BACK_ROWS } as usize;
+
+/// Strips of eight columns that follow the line over `rows`, each list `column` columns off it, sought from disparity `first` on.
+fn gather<'b, const N: usize>(
     line: &SteepLine,
     rows: SampledRows,
-    column: i32,
+    columns: [i32; N],
     (search, first): (Search, i32),
-    band: &Band<'_>,
-    costs: &mut [u16],
-) {
-    const MOST: usize = if HALF_ROWS > BACK_ROWS { HALF_ROWS } else { BACK_ROWS } as usize;
-    let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
+    band: &'b Band<'_>,
+) -> [Vec<Strip<'b>, STRIPS>; N] {
+    let mut lists = [const { Vec::new() }; N];
     for y in rows {
-        if let Some(strip) = band.strip(search, line.column(y) + column, y, first) {
-            let _ = strips.push(strip); // at most so many rows are sampled
+        let edge = line.column(y);
+        if let Some(strips) = band.strips(search, columns.map(|column| edge + column), y, first) {
+            for (list, strip) in lists.iter_mut().zip(strips) {
+                let _ = list.push(strip); // at most so many rows are sampled
+            }
         }
     }
-    sad_curve(&strips, costs);
+    lists
 }
 
 /// The lower side's census curve, over two columns of points on each side of the edge.
@@ -302,11 +305,9 @@ fn search_back(
     let range = context.range_after(extent.columns.1 - window.best.at);
     let [_, edge_column, _] = STRIP_COLUMNS;
     let rows = SampledRows::new(extent.rows, BACK_ROWS);
-    curve.fill(range, |costs| {
-        for column in [window.better_side, edge_column] {
-            add_strips(&extent.line, rows, column - window.best.at, (Search::Back, range.0), band, costs);
-        }
-    });
+    let columns = [window.better_side, edge_column].map(|column| column - window.best.at);
+    let strips = gather(&extent.line, rows, columns, (Search::Back, range.0), band);
+    curve.fill(range, |costs| strips.iter().for_each(|strips| sad_curve(strips, costs)));
     let best = curve.minimum();
     let gap_q6 = ((best.at << 6) - window.disparity_q6).abs();
     if gap_q6 > MAX_BACK_GAP_Q6 {
