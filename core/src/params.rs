@@ -56,7 +56,7 @@ impl Params {
         max_disparity: 64,
         rig: None,
         anchor_gradient: 40,
-        edge_gradient: 24,
+        edge_gradient: 20,
         min_extent: 6,
         cell: 16,
         margin: Margin::Pixels(Disparity::ONE),

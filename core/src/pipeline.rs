@@ -245,6 +245,8 @@ impl Plan {
         out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 =
             row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
+        // The line of a near-horizontal segment says nothing about disparity: no votes.
+        m.right.retain(|segment| !segment.near_horizontal);
         let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
         lines::sort_by_top(m.left);
         out.counts.reject_many(Rejection::LessProminent, lost);

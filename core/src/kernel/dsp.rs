@@ -27,9 +27,6 @@ macro_rules! two_operands {
 }
 
 two_operands!(halving_add, "uhadd8 {r}, {a}, {b}");
-two_operands!(saturating_add, "uqadd8 {r}, {a}, {b}");
-two_operands!(saturating_sub, "uqsub8 {r}, {a}, {b}");
-
 /// The four bytes from `at` on.
 ///
 /// # Safety
@@ -40,10 +37,56 @@ unsafe fn word(bytes: *const u8, at: usize) -> u32 {
     unsafe { bytes.add(at).cast::<u32>().read_unaligned() }
 }
 
-/// See [`portable::gradient_row`].
-pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+/// Four gradients at a time, `count` times, at least once; `here` is the mean of the first four columns.
+///
+/// # Safety
+/// `4 * count + 4` bytes can be read from each row, `4 * count` written.
+#[inline(always)]
+unsafe fn gradient_words(rows: [*const u8; 3], out: *mut u8, here: u32, count: usize) {
     const CLIP: u32 = 0xe0e0_e0e0; // 255 - 31
     const ZERO: u32 = u32::from_ne_bytes([FLAT; 4]);
+    let [above, row, below] = rows;
+    // SAFETY: the caller's.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {next}, [{above}, #4]!",
+            "ldr {t}, [{below}, #4]!",
+            "uhadd8 {next}, {next}, {t}",
+            "ldr {t}, [{row}, #4]!",
+            "uhadd8 {next}, {next}, {t}",
+            // Pixels x + 1 ..= x + 4: their left neighbours are `here`, their right ones two bytes further on.
+            "lsr {right}, {here}, #16",
+            "orr {right}, {right}, {next}, lsl #16",
+            "uqsub8 {t}, {right}, {here}",
+            "uqsub8 {right}, {here}, {right}",
+            "uqadd8 {t}, {t}, {clip}",
+            "uqadd8 {right}, {right}, {clip}",
+            // At most one of the two differs from CLIP, so no byte of the result leaves 1 ..= 63.
+            "sub {t}, {t}, {right}",
+            "add {t}, {t}, {zero}",
+            "mov {here}, {next}",
+            "str {t}, [{out}], #4",
+            "subs {count}, {count}, #1",
+            "bne 2b",
+            above = inout(reg) above => _,
+            row = inout(reg) row => _,
+            below = inout(reg) below => _,
+            out = inout(reg) out => _,
+            here = inout(reg) here => _,
+            count = inout(reg) count => _,
+            next = out(reg) _,
+            right = out(reg) _,
+            t = out(reg) _,
+            clip = in(reg) CLIP,
+            zero = in(reg) ZERO,
+            options(nostack),
+        );
+    }
+}
+
+/// See [`portable::gradient_row`].
+pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     if width < 12 || above.len() < width || below.len() < width || out.len() < width {
         return portable::gradient_row(above, row, below, out);
@@ -53,21 +96,7 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     unsafe {
         let mean =
             |a: *const u8, r: *const u8, b: *const u8| halving_add(halving_add(word(a, 0), word(b, 0)), word(r, 0));
-        let (mut a, mut r, mut b, mut g) = (a, r, b, g.add(1));
-        let mut here = mean(a, r, b);
-        for _ in 0..(width - 4) / 4 {
-            (a, r, b) = (a.add(4), r.add(4), b.add(4));
-            let next = mean(a, r, b);
-            // Pixels x + 1 ..= x + 4: their left neighbours are `here`, their right ones two bytes further on.
-            let right = (here >> 16) | (next << 16);
-            let rising = saturating_add(saturating_sub(right, here), CLIP);
-            let falling = saturating_add(saturating_sub(here, right), CLIP);
-            // At most one of the two differs from CLIP, so no byte of the result leaves 1 ..= 63.
-            let gradients = rising.wrapping_sub(falling).wrapping_add(ZERO);
-            g.cast::<u32>().write_unaligned(gradients);
-            g = g.add(4);
-            here = next;
-        }
+        gradient_words([a, r, b], g.add(1), mean(a, r, b), (width - 4) / 4);
     }
     // What is left of the row: fewer than eight pixels, once more from a few pixels before.
     let done = (width - 8) / 4 * 4 + 4;

@@ -166,7 +166,8 @@ impl Windows<'_> {
         let middle = (first + last) / 2;
         for (half, rows) in self.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
             let rows = SampledRows::new(rows, HALF_ROWS);
-            let strips = gather(&extent.line, rows, STRIP_COLUMNS, (Search::Forward, range.0), band);
+            let mut strips = [const { Vec::new() }; 3];
+            gather(&extent.line, rows, STRIP_COLUMNS, (Search::Forward, range.0), band, &mut strips);
             for (curve, strips) in half.iter_mut().zip(&strips) {
                 curve.fill(range, |costs| sad_curve(strips, costs));
             }
@@ -245,8 +246,8 @@ fn gather<'b, const N: usize>(
     columns: [i32; N],
     (search, first): (Search, i32),
     band: &'b Band<'_>,
-) -> [Vec<Strip<'b>, STRIPS>; N] {
-    let mut lists = [const { Vec::new() }; N];
+    lists: &mut [Vec<Strip<'b>, STRIPS>; N],
+) {
     for y in rows {
         let edge = line.column(y);
         if let Some(strips) = band.strips(search, columns.map(|column| edge + column), y, first) {
@@ -255,7 +256,6 @@ fn gather<'b, const N: usize>(
             }
         }
     }
-    lists
 }
 
 /// The lower side's census curve, over two columns of points on each side of the edge.
@@ -306,7 +306,8 @@ fn search_back(
     let [_, edge_column, _] = STRIP_COLUMNS;
     let rows = SampledRows::new(extent.rows, BACK_ROWS);
     let columns = [window.better_side, edge_column].map(|column| column - window.best.at);
-    let strips = gather(&extent.line, rows, columns, (Search::Back, range.0), band);
+    let mut strips = [const { Vec::new() }; 2];
+    gather(&extent.line, rows, columns, (Search::Back, range.0), band, &mut strips);
     curve.fill(range, |costs| strips.iter().for_each(|strips| sad_curve(strips, costs)));
     let best = curve.minimum();
     let gap_q6 = ((best.at << 6) - window.disparity_q6).abs();
