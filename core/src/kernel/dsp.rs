@@ -489,40 +489,27 @@ pub fn reverse_row(row: &mut [u8]) {
 #[inline]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     let there = count.checked_sub(1).and_then(|last| last.checked_mul(stride)).is_some_and(|last| last < pixels.len());
-    if !there || !(3..0xffff).contains(&count) {
+    if !there || !(2..0xffff).contains(&count) {
         return portable::largest_step(pixels, stride, count);
     }
     let mut best = 0;
-    // Size above, distance from the end below: the first of equals is the largest.
-    let mut compare =
-        |place: usize, a: u32, b: u32| best = best.max(absolute_difference(a, b) << 16 | (0xffff - place as u32));
     // SAFETY: the last of `count` pixels was just found to exist; `at` stays on pixels before it.
     unsafe {
         let mut at = pixels.as_ptr();
-        let mut next = || {
-            let pixel = u32::from(*at);
+        let mut before = u32::from(*at);
+        for left in (1..count as u32).rev() {
             at = at.wrapping_add(stride);
-            pixel
-        };
-        let (mut even, mut odd) = (next(), next());
-        let steps = count - 2;
-        let mut place = 0;
-        while place + 2 <= steps {
-            let (a, b) = (next(), next());
-            compare(place, a, even);
-            compare(place + 1, b, odd);
-            (even, odd) = (a, b);
-            place += 2;
-        }
-        if place < steps {
-            compare(place, next(), even);
+            let after = u32::from(*at);
+            // Size above, distance from the end below: the first of equals is the largest.
+            best = best.max(absolute_difference(after, before) << 16 | left);
+            before = after;
         }
         if best >> 16 == 0 {
             return LargestStep { place: 0, step: 0 };
         }
-        let place = 0xffff - (best & 0xffff);
-        let before = pixels.as_ptr().add(place as usize * stride);
-        LargestStep { place: place as i32, step: i32::from(*before.add(2 * stride)) - i32::from(*before) }
+        let place = count - 1 - (best & 0xffff) as usize;
+        let first = pixels.as_ptr().add(place * stride);
+        LargestStep { place: place as i32, step: i32::from(*first.add(stride)) - i32::from(*first) }
     }
 }
 

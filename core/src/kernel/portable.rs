@@ -145,22 +145,22 @@ pub fn lowest(curve: &[u16]) -> u16 {
     curve.iter().fold(u16::MAX, |lowest, &cost| lowest.min(cost))
 }
 
-/// The largest difference between two neighbours of a pixel: pixels from the second to the last but one, counted from 0; the first of equals.
+/// The largest difference between two pixels that follow each other in a sequence; the first of equals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LargestStep {
-    /// Which pixel.
+    /// Position of the first of the two in the sequence.
     pub place: i32,
-    /// The next pixel minus the one before.
+    /// The second minus the first.
     pub step: i32,
 }
 
-/// Over `count` pixels, `stride` apart; a slice that ends before them counts as far as it goes.
+/// Over the sequence of `count` pixels, `stride` apart; a slice that ends before them counts as far as it goes.
 #[must_use]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     let mut best = LargestStep { place: 0, step: 0 };
-    for (place, i) in (0..).zip(2..count) {
+    for (place, i) in (0..).zip(1..count) {
         let (Some(&after), Some(&before)) =
-            (pixels.get(i.wrapping_mul(stride)), pixels.get((i - 2).wrapping_mul(stride)))
+            (pixels.get(i.wrapping_mul(stride)), pixels.get((i - 1).wrapping_mul(stride)))
         else {
             break;
         };

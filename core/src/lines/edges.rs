@@ -93,9 +93,11 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     #[inline]
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
         let pixels = self.pixels.get(self.index(t, from - 1)..)?;
-        let largest = largest_step(pixels, if DOWN { 1 } else { self.stride }, usize::try_from(to - from + 2).ok()?);
+        // An edge shows in the difference across every second pixel, whichever it lies at.
+        let stride = if DOWN { 2 } else { 2 * self.stride };
+        let largest = largest_step(pixels, stride, usize::try_from((to - from + 1) / 2 + 1).ok()?);
         let size = largest.step.abs();
-        (size * 4 >= self.anchor).then(|| Anchor { u: from + largest.place, sign: largest.step.signum() })
+        (size * 4 >= self.anchor).then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
     }
 
     /// Follows the ridge from an anchor in both ways; positions end up in `positions[t / STEP]`.
