@@ -17,10 +17,11 @@
 //! ```
 //!
 //! ```
-//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, row_bytes};
+//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, most_candidates, row_bytes};
 //!
 //! const DIMS: Dims = Dims { width: 64, height: 48 };
-//! let mut scratch: Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64> = Scratch::new(); // in a static on a board
+//! // In a static on a board.
+//! let mut scratch: Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, { most_candidates(DIMS, 16) }> = Scratch::new();
 //! let mut output: Output<64, 1024> = Output::new();
 //! let plan = Params { max_disparity: 32, ..Params::default() }.plan(DIMS)?;
 //!
@@ -67,7 +68,7 @@ pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use params::{Margin, ParamError, Params};
-pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words};
+pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
 pub use rig::{Rig, RigError};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

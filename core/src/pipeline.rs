@@ -37,23 +37,32 @@ pub const fn mark_words(dims: Dims) -> usize {
     (dims.width as usize * dims.height as usize).div_ceil(32)
 }
 
+/// Segments that are matched at most in images of this size: one per square of `cell` px.
+#[must_use]
+pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
+    (dims.width as usize).div_ceil(cell as usize) * (dims.height as usize).div_ceil(cell as usize)
+}
+
 /// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.
 ///
-/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments.
+/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
+/// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough.
 #[derive(Debug)]
-pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> {
+pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> {
     marks: [u32; MARKS],
-    chain: [u16; 1280],
+    chain: [u16; lines::MAX_POSITIONS],
     rows: [[[u8; ROW]; BAND_ROWS]; 4],
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
-    candidates: Vec<Candidate, SEGMENTS>,
-    places: [Place; SEGMENTS],
-    order: Vec<Ranked, SEGMENTS>,
+    candidates: Vec<Candidate, CANDIDATES>,
+    places: [Place; CANDIDATES],
+    order: Vec<Ranked, CANDIDATES>,
     work: Workspace,
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, MARKS, SEGMENTS> {
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize>
+    Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>
+{
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
 
@@ -63,12 +72,12 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
         const { assert!(SEGMENTS <= lines::MAX_SEGMENTS, "a scratch memory lists at most 4096 segments") };
         Self {
             marks: [0; MARKS],
-            chain: [0; 1280],
+            chain: [0; lines::MAX_POSITIONS],
             rows: [[[0; ROW]; BAND_ROWS]; 4],
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),
-            places: [Place::EMPTY; SEGMENTS],
+            places: [Place::EMPTY; CANDIDATES],
             order: Vec::new(),
             work: Workspace::EMPTY,
         }
@@ -80,7 +89,9 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Scratch<ROW, M
     }
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize> Default for Scratch<ROW, MARKS, SEGMENTS> {
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> Default
+    for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>
+{
     fn default() -> Self {
         Self::new()
     }
@@ -158,22 +169,29 @@ impl Plan {
     ///
     /// The memory must be large enough for the planned size: see [`Scratch`]. A smaller one is refused by [`Plan::check_scratch`]; run with it
     /// all the same, it gives an empty result.
-    pub fn run<const R: usize, const M: usize, const S: usize, const OS: usize, const OP: usize>(
+    pub fn run<const R: usize, const M: usize, const S: usize, const C: usize, const OS: usize, const OP: usize>(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S>,
+        scratch: &mut Scratch<R, M, S, C>,
         out: &mut Output<OS, OP>,
     ) -> Result<(), SizeMismatch> {
         self.run_observed(left, right, scratch, out, &mut ())
     }
 
     /// [`Plan::run`], telling `observer` of every step.
-    pub fn run_observed<const R: usize, const M: usize, const S: usize, const OS: usize, const OP: usize>(
+    pub fn run_observed<
+        const R: usize,
+        const M: usize,
+        const S: usize,
+        const C: usize,
+        const OS: usize,
+        const OP: usize,
+    >(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S>,
+        scratch: &mut Scratch<R, M, S, C>,
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch> {
@@ -193,9 +211,9 @@ impl Plan {
     }
 
     /// Says whether this scratch memory is large enough for the planned size.
-    pub fn check_scratch<const R: usize, const M: usize, const S: usize>(
+    pub fn check_scratch<const R: usize, const M: usize, const S: usize, const C: usize>(
         &self,
-        _: &Scratch<R, M, S>,
+        _: &Scratch<R, M, S, C>,
     ) -> Result<(), ParamError> {
         let (row, marks) = (row_bytes(self.dims.width), mark_words(self.dims));
         if R < row {
@@ -247,7 +265,12 @@ impl Plan {
             row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
         // The line of a near-horizontal segment says nothing about disparity: no votes.
         m.right.retain(|segment| !segment.near_horizontal);
-        let lost = lines::keep_prominent(m.left, self.params.cell.into(), self.dims.width.into(), m.marks);
+        let lost = lines::keep_prominent(
+            m.left,
+            (self.params.cell.into(), m.candidates.capacity()),
+            self.dims.width.into(),
+            m.marks,
+        );
         lines::sort_by_top(m.left);
         out.counts.reject_many(Rejection::LessProminent, lost);
         observer.ended(Step::Selection(row_offset_q5, m.left));
@@ -262,7 +285,7 @@ impl Plan {
             match matching::match_segment(segment, &context, &band, m.work) {
                 Ok(candidate) => {
                     observer.ended(Step::Segment(Ok((&candidate, &m.work.evidence))));
-                    let _ = m.candidates.push(candidate); // as many places as segments
+                    let _ = m.candidates.push(candidate); // as many places as segments were kept
                 }
                 Err(reason) => {
                     observer.ended(Step::Segment(Err(reason)));

@@ -6,9 +6,7 @@
 /// At most `2 n log2 n` comparisons, whatever the input.
 pub(crate) fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     let len = items.len();
-    for root in (0..len / 2).rev() {
-        sift_down(items, root, &key);
-    }
+    make_heap(items, &key);
     for end in (1..len).rev() {
         swap(items, 0, end);
         if let Some(heap) = items.get_mut(..end) {
@@ -17,8 +15,15 @@ pub(crate) fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> 
     }
 }
 
+/// Orders items so that none is smaller than its children: the largest is the first.
+pub(crate) fn make_heap<T: Copy, K: Ord>(items: &mut [T], key: &impl Fn(&T) -> K) {
+    for root in (0..items.len() / 2).rev() {
+        sift_down(items, root, key);
+    }
+}
+
 /// Moves the item at `root` down until no child is larger.
-fn sift_down<T: Copy, K: Ord>(heap: &mut [T], mut root: usize, key: &impl Fn(&T) -> K) {
+pub(crate) fn sift_down<T: Copy, K: Ord>(heap: &mut [T], mut root: usize, key: &impl Fn(&T) -> K) {
     loop {
         let child = 2 * root + 1;
         let Some(left) = heap.get(child) else { return };

@@ -11,12 +11,13 @@ pub struct Workspace<
     const ROW: usize,
     const MARKS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     const MATCHES: usize,
     const POINTS: usize,
 > {
     left: [u8; PIXELS],
     right: [u8; PIXELS],
-    scratch: Scratch<ROW, MARKS, SEGMENTS>,
+    scratch: Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>,
     output: Output<MATCHES, POINTS>,
 }
 
@@ -58,9 +59,10 @@ impl<
     const ROW: usize,
     const MARKS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     const MATCHES: usize,
     const POINTS: usize,
-> Workspace<PIXELS, ROW, MARKS, SEGMENTS, MATCHES, POINTS>
+> Workspace<PIXELS, ROW, MARKS, SEGMENTS, CANDIDATES, MATCHES, POINTS>
 {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
@@ -77,9 +79,10 @@ impl<
     const ROW: usize,
     const MARKS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     const MATCHES: usize,
     const POINTS: usize,
-> Default for Workspace<PIXELS, ROW, MARKS, SEGMENTS, MATCHES, POINTS>
+> Default for Workspace<PIXELS, ROW, MARKS, SEGMENTS, CANDIDATES, MATCHES, POINTS>
 {
     fn default() -> Self {
         Self::new()
@@ -91,9 +94,10 @@ impl<
     const ROW: usize,
     const MARKS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     const MATCHES: usize,
     const POINTS: usize,
-> Memory for Workspace<PIXELS, ROW, MARKS, SEGMENTS, MATCHES, POINTS>
+> Memory for Workspace<PIXELS, ROW, MARKS, SEGMENTS, CANDIDATES, MATCHES, POINTS>
 {
     fn fits(&self, dims: Dims) -> bool {
         row_bytes(dims.width) <= ROW

@@ -13,7 +13,7 @@ pub const MAX_POINTS: usize = 131_072;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 
-type PcScratch = Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, MAX_MATCHES>;
+type PcScratch = Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, MAX_MATCHES, MAX_MATCHES>;
 
 /// An owned 8-bit grey image without padding.
 #[derive(Clone, Debug, PartialEq, Eq)]

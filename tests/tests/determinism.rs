@@ -7,7 +7,7 @@ use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::with_padding;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512>;
+type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512>;
 type Lists = Output<512, 16384>;
 
 /// What `digest` gave for [`scenes`] when it was last looked at. A change that is meant to change the output changes it: run the test and

@@ -1,6 +1,9 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
-use linestereo::kernel::{FLAT, LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, portable, sad_curve};
+use linestereo::kernel::{
+    Crossing, FLAT, LANES, LargestStep, STRIP, Strip, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve,
+};
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
 
@@ -18,20 +21,28 @@ fn rows(count: usize) -> Vec<Vec<Vec<u8>>> {
 }
 
 #[test]
-fn gradient_is_half_the_clipped_sobel() {
+fn gradient_is_a_quarter_of_the_clipped_sobel() {
     for rows in rows(3) {
         let width = rows[0].len();
         let image = painted(width as u16, 3, |x, y| rows[usize::from(y)][usize::from(x)]);
         let mut found = vec![7; width];
         gradient_row(&rows[0], &rows[1], &rows[2], &mut found);
-        let expected: Vec<u8> = (0..width)
-            .map(|x| match x {
-                0 => FLAT,
-                x if x + 1 == width => FLAT,
-                x => (sobel(&image, x as i32, 1).0.div_euclid(2).clamp(-63, 63) + i32::from(FLAT)) as u8,
-            })
-            .collect();
-        assert_eq!(found, expected, "{rows:?}");
+        for (x, &found) in found.iter().enumerate() {
+            let found = i32::from(found) - i32::from(FLAT);
+            if x == 0 || x + 1 == width {
+                assert_eq!(found, 0, "column {x} of {rows:?}");
+                continue;
+            }
+            // Two means, each of which two halvings rounded down: by three quarters at most.
+            let sobel = sobel(&image, x as i32, 1).0;
+            let exact = sobel.clamp(-31 * 4, 31 * 4);
+            assert!((4 * found - exact).abs() <= 3, "column {x} of {rows:?}: {found} for {sobel}/4");
+            let mean = |x: usize| {
+                let [a, b, c] = [0, 1, 2].map(|y| i32::from(rows[y][x]));
+                ((a + c).div_euclid(2) + b).div_euclid(2)
+            };
+            assert_eq!(found, (mean(x + 1) - mean(x - 1)).clamp(-31, 31), "column {x} of {rows:?}");
+        }
     }
 }
 
@@ -47,7 +58,7 @@ fn census_tells_the_darker_neighbours_at_distance_two() {
         let width = rows[0].len();
         let image = painted(width as u16, 5, |x, y| rows[usize::from(y)][usize::from(x)]);
         let mut found = vec![7; width];
-        census_row([&rows[0], &rows[1], &rows[2], &rows[3], &rows[4]], &mut found);
+        census_row([&rows[0], &rows[2], &rows[4]], &mut found);
         for (x, &found) in found.iter().enumerate() {
             let expected = if x < 2 || x + 2 >= width {
                 0
@@ -102,6 +113,98 @@ fn census_curves_are_sums_of_hamming_distances() {
             let expected: Vec<u16> =
                 (0..len).map(|d| 9 + points.iter().map(|(r, o)| (r ^ o[d]).count_ones() as u16).sum::<u16>()).collect();
             assert_eq!(found, expected, "{count} points, {len} disparities");
+        }
+    }
+}
+
+#[test]
+fn curves_are_combined_entry_by_entry() {
+    let mut random = Random(4);
+    for len in 0..=70 {
+        let mut curve = || -> Vec<u16> {
+            let entry = |random: &mut Random| match random.below(8) {
+                0 => u16::MAX,
+                _ => u16::from_le_bytes([random.grey(), random.grey()]),
+            };
+            (0..len).map(|_| entry(&mut random)).collect()
+        };
+        let (a, b, c) = (curve(), curve(), curve());
+        let combined = |kernel: &dyn Fn(&mut [u16])| {
+            let mut out = vec![7; len];
+            kernel(&mut out);
+            out
+        };
+        let each = |f: &dyn Fn(u32, u32, u32) -> u32| -> Vec<u16> {
+            let wide = |i: usize| f(a[i].into(), b[i].into(), c[i].into()).min(0xffff) as u16;
+            (0..len).map(wide).collect()
+        };
+        assert_eq!(combined(&|out| sum_curve(&a, &b, out)), each(&|a, b, _| a + b), "{a:?} {b:?}");
+        assert_eq!(combined(&|out| lower_curve(&a, &b, out)), each(&|a, b, _| a.min(b)), "{a:?} {b:?}");
+        assert_eq!(
+            combined(&|out| lower_sum_curve(&a, &b, &c, out)),
+            each(&|a, b, c| a.min(b) + c),
+            "{a:?} {b:?} {c:?}"
+        );
+        assert_eq!(lowest(&a), a.iter().copied().min().unwrap_or(u16::MAX), "{a:?}");
+    }
+}
+
+#[test]
+fn rows_are_reversed() {
+    for rows in rows(1) {
+        let mut found = rows[0].clone();
+        reverse_row(&mut found);
+        assert_eq!(found, rows[0].iter().rev().copied().collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn the_largest_step_is_the_first_of_the_largest() {
+    for rows in rows(1) {
+        let row = &rows[0];
+        for stride in 1..=5 {
+            for count in 0..=row.len() / stride + 2 {
+                let sequence: Vec<i32> = row.iter().step_by(stride).take(count).map(|&pixel| pixel.into()).collect();
+                let steps: Vec<i32> = sequence.windows(2).map(|two| two[1] - two[0]).collect();
+                let size = steps.iter().map(|step| step.abs()).max().unwrap_or(0);
+                let place = steps.iter().position(|step| step.abs() == size && size > 0).unwrap_or(0);
+                let expected = LargestStep { place: place as i32, step: if size > 0 { steps[place] } else { 0 } };
+                assert_eq!(largest_step(row, stride, count), expected, "{count} of {row:?}, {stride} apart");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_crossing_is_the_strongest_of_three_gradients() {
+    let mut random = Random(5);
+    for round in 0..2000 {
+        // Seven pixels across an edge, in two neighbouring rows; a few levels only, so that ties occur.
+        let levels = if round % 2 == 0 { 4 } else { 256 };
+        let across: Vec<[i32; 2]> = (0..7).map(|_| [0, 0].map(|_| random.below(levels) as i32)).collect();
+        for sign in [1, -1] {
+            let gradient = |u: usize| sign * (across[u + 1].iter().sum::<i32>() - across[u - 1].iter().sum::<i32>());
+            let three = [gradient(2), gradient(3), gradient(4)];
+            let shift = if three[1] == *three.iter().max().unwrap() {
+                0
+            } else if three[0] >= three[2] {
+                -1
+            } else {
+                1
+            };
+            let at = (3 + shift) as usize;
+            let step = |u: usize| across[u][1] - across[u][0];
+            let expected = Some(Crossing {
+                shift,
+                gradients: [gradient(at - 1), gradient(at), gradient(at + 1)],
+                along: step(at - 1) + 2 * step(at) + step(at + 1),
+            });
+            let rows: Vec<u8> = (0..2).flat_map(|k| across.iter().map(move |pair| pair[k] as u8)).collect();
+            assert_eq!(crossing_of_rows(&rows, 0, 7, sign), expected, "{across:?}");
+            let columns: Vec<u8> = across.iter().flatten().map(|&pixel| pixel as u8).collect();
+            assert_eq!(crossing_of_columns(&columns, 0, 2, sign), expected, "{across:?}");
+            assert_eq!(crossing_of_rows(&rows, 1, 7, sign), None, "beyond the last row");
+            assert_eq!(crossing_of_columns(&columns, 1, 2, sign), None, "beyond the last column");
         }
     }
 }

@@ -75,6 +75,7 @@ fn bars() -> (linestereo::Output<64, 512>, Dims) {
             { linestereo::row_bytes(96) },
             { linestereo::mark_words(Dims { width: 96, height: 64 }) },
             64,
+            64,
         >,
     > = Box::default();
     let mut output = linestereo::Output::new();

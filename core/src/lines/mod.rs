@@ -24,11 +24,12 @@
 mod edges;
 mod fit;
 
-use crate::image::Gray;
+use crate::image::{Gray, MAX_HEIGHT, MAX_WIDTH};
 use crate::result::Point;
-use crate::sort::sort_by_key;
+use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;
 use crate::units::quotient;
+use core::cmp::Reverse;
 pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
 use heapless::vec::VecView;
@@ -40,6 +41,9 @@ pub(crate) const MAX_COLUMNS: i32 = 24;
 
 /// Most segments of a list: their positions in it take twelve bits where prominence is compared.
 pub const MAX_SEGMENTS: usize = 4096;
+
+/// Positions of the longest chain.
+pub(crate) const MAX_POSITIONS: usize = if MAX_WIDTH > MAX_HEIGHT { MAX_WIDTH } else { MAX_HEIGHT } as usize / 2;
 
 /// A straight edge, as detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -97,7 +101,7 @@ pub struct LineParams {
 pub struct LineScratch<'a> {
     /// [`mark_words`](crate::mark_words) of the image.
     pub marks: &'a mut [u32],
-    /// The longer side of the image.
+    /// One position per two rows or columns, along the longer side.
     pub chain: &'a mut [u16],
 }
 
@@ -128,11 +132,28 @@ pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
     });
 }
 
-/// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; returns how many
-/// were removed. `marks` is scratch.
+/// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; of larger squares
+/// while more than `most` remain. Returns how many were removed. `marks` is scratch.
 ///
 /// Few, prominent and evenly spread: matching cost is bounded by the area, not by what the image shows.
-pub(crate) fn keep_prominent(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) -> u16 {
+pub(crate) fn keep_prominent(
+    list: &mut VecView<Segment>,
+    (cell, most): (i32, usize),
+    width: i32,
+    marks: &mut [u32],
+) -> u16 {
+    let before = list.len();
+    let mut cell = cell;
+    keep_one_per_square(list, cell, width, marks);
+    while list.len() > most && cell < i32::from(MAX_WIDTH) {
+        cell += cell / 2;
+        keep_one_per_square(list, cell, width, marks);
+    }
+    list.truncate(most); // only where not even one fits
+    u16::try_from(before - list.len()).unwrap_or(u16::MAX)
+}
+
+fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) {
     marks.fill(0);
     let per_row = quotient(width, cell) + 1;
     let place = |s: &Segment| {
@@ -149,14 +170,12 @@ pub(crate) fn keep_prominent(list: &mut VecView<Segment>, cell: i32, width: i32,
             *best = (*best).max(rank(segment, i));
         }
     }
-    let before = list.len();
     let mut i = 0;
     list.retain(|s| {
         let keep = marks.get(place(s)).is_none_or(|&best| best == rank(s, i));
         i += 1;
         keep
     });
-    u16::try_from(before - list.len()).unwrap_or(u16::MAX)
 }
 
 /// A chain of one position per row (column): where it starts and what it saw.
@@ -195,7 +214,8 @@ fn position(q5: i32) -> Position {
     Position::from_bits(u16::try_from(q5.max(0)).unwrap_or(u16::MAX))
 }
 
-/// A bounded list that gives up its shortest entries.
+/// A bounded list that gives up its shortest entries. Once full it is a heap with the shortest first: an entry costs
+/// `log2` of the length, whatever comes.
 struct KeepLongest<'a> {
     out: &'a mut VecView<Segment>,
     dropped: u16,
@@ -204,11 +224,16 @@ struct KeepLongest<'a> {
 impl KeepLongest<'_> {
     fn push(&mut self, segment: Segment) {
         let Err(segment) = self.out.push(segment) else { return };
+        let shortest_first = |s: &Segment| Reverse(s.extent_q5());
+        if self.dropped == 0 {
+            make_heap(self.out, &shortest_first);
+        }
         self.dropped = self.dropped.saturating_add(1);
-        if let Some(shortest) = self.out.iter_mut().min_by_key(|s| s.extent_q5())
+        if let Some(shortest) = self.out.first_mut()
             && shortest.extent_q5() < segment.extent_q5()
         {
             *shortest = segment;
+            sift_down(self.out, 0, &shortest_first);
         }
     }
 }

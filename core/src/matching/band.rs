@@ -13,8 +13,9 @@ use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row, reverse_row};
 use crate::lines::Segment;
 use crate::units::quotient;
 
-/// Rows held: the tallest window (32 rows, or a near-horizontal piece's slope and its 7 rows on each side) and the search over rows.
-pub(crate) const BAND_ROWS: usize = 24;
+/// Rows held, every second one of the image: those of the tallest segment (33) that starts as high as the current one, and the reach of
+/// the current one's window above it.
+pub(crate) const BAND_ROWS: usize = 22;
 /// Rows from one row of the band to the next.
 pub(crate) const ROW_STEP: i32 = 2;
 /// Pixels without content on both sides of a row: a window's half, a slant's shift, and the tail of a block of disparities.
@@ -26,8 +27,8 @@ pub const fn row_bytes(width: u16) -> usize {
     width as usize + 2 * PAD
 }
 
-/// Rows that a window reaches above and below its segment.
-const WINDOW_REACH: i32 = 8;
+/// Rows that a window reaches above and below a near-horizontal segment; other windows end with their segment.
+const WINDOW_REACH: i32 = 6;
 
 /// Which image the reference pixels come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +84,8 @@ impl<'a> Band<'a> {
     /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before.
     pub(crate) fn advance_for(&mut self, segment: &Segment) {
         let (_, y0, _, y1) = segment.ends_q5();
-        self.advance(((y0.max(y1) + 31) >> 5) + WINDOW_REACH);
+        let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
+        self.advance(((y0.max(y1) + 31) >> 5) + reach);
     }
 
     /// Computes rows up to and including `last`; rows before `last + 1 - BAND_ROWS` are forgotten.

@@ -2,12 +2,14 @@
 
 use super::{Board, pixels};
 use crate::memory;
-use linestereo::{Dims, mark_words, row_bytes};
+use linestereo::{Dims, Params, mark_words, most_candidates, row_bytes};
 
 const LARGEST: Dims = Dims { width: 160, height: 120 };
 const SEGMENTS: usize = 256;
-const MATCHES: usize = 128;
-const POINTS: usize = 512;
+/// One per square of the default size: a list of matches is never full.
+const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
+const MATCHES: usize = CANDIDATES;
+const POINTS: usize = 256;
 
 /// Its description.
 pub const BOARD: Board = Board {
@@ -26,6 +28,7 @@ pub type Workspace = memory::Workspace<
     { row_bytes(LARGEST.width) },
     { mark_words(LARGEST) },
     SEGMENTS,
+    CANDIDATES,
     MATCHES,
     POINTS,
 >;

@@ -11,7 +11,7 @@ use linestereo::{
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512>;
+type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512, 300>;
 type BoardOutput = Output<256, 4096>;
 
 unsafe extern "C" {
