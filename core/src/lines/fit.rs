@@ -80,7 +80,7 @@ impl Sums {
 pub(crate) fn for_each_run(positions: &[u16], min_extent: i32, mut emit: impl FnMut(Run)) {
     let count = i32::try_from(positions.len()).unwrap_or(0);
     let mut first = 0;
-    while first + SEED.max(min_extent) < count {
+    while first + (SEED - 1).max(min_extent) < count {
         let Some(run) = grow(positions, first) else {
             first += 1;
             continue;

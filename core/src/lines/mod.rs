@@ -39,6 +39,11 @@ pub(crate) const MAX_ROWS: i32 = 32;
 /// Longest piece of a near-horizontal segment, in columns.
 pub(crate) const MAX_COLUMNS: i32 = 24;
 
+/// Largest slopes of the two directions: 1.05 and its inverse. They part at 46.4 degrees and not at 45, which is common: no edge near there
+/// should depend on noise to be drawn once.
+const DOWN_SLOPE_Q12: i32 = 4301;
+const ALONG_SLOPE_Q12: i32 = 3901;
+
 /// Most segments of a list: their positions in it take twelve bits where prominence is compared.
 pub const MAX_SEGMENTS: usize = 4096;
 
@@ -111,8 +116,9 @@ pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, ou
     let mut list = KeepLongest { out, dropped: 0 };
     let mut runs = |chain: Chain<'_>, direction: Direction| {
         fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
-            // A slope above 1: the other direction draws it with more positions.
-            if run.slope_q12.abs() <= STEP << 12 {
+            // Steeper than that, the other direction draws it with more positions.
+            let largest_q12 = if direction == Direction::Down { DOWN_SLOPE_Q12 } else { ALONG_SLOPE_Q12 };
+            if run.slope_q12.abs() <= STEP * largest_q12 {
                 cut(&run, chain, direction, &mut list);
             }
         });

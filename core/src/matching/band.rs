@@ -209,6 +209,11 @@ impl SampledRows {
         Self { next: on_band(first + ROW_STEP - 1), last, step: ROW_STEP * quotient(there + most - 1, most).max(1) }
     }
 
+    /// Their mean, in half rows.
+    pub(crate) fn centre_q1(self) -> i32 {
+        2 * self.next + self.step * (self.count() - 1).max(0)
+    }
+
     pub(crate) fn count(self) -> i32 {
         if self.next > self.last { 0 } else { quotient(self.last - self.next, self.step) + 1 }
     }

@@ -64,6 +64,8 @@ struct Windows<'w> {
     joint: &'w mut Curve,
     /// Rows that were summed.
     rows: i32,
+    /// Mean row of each half, in half rows.
+    centres_q1: [i32; 2],
 }
 
 /// Where the whole segment's window matches.
@@ -101,7 +103,7 @@ pub(crate) fn match_steep(
 ) -> Result<Candidate, Rejection> {
     let [a, b, c, d, e, f, g, h, i, joint, census_left, census_right, spare] = &mut work.curves;
     let extent = Extent::new(segment);
-    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], joint, rows: 0 };
+    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], joint, rows: 0, centres_q1: [0; 2] };
     windows.fill(&extent, context, band)?;
     let window = windows.place()?;
     let census = place_by_census(&extent, context, band, [census_left, census_right], spare)?;
@@ -131,8 +133,7 @@ pub(crate) fn match_steep(
     shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
     shared.set(Kind::EdgeRatio, windows.edge_ratio_q8(window.best.at));
 
-    // The halves' disparities hold at the quarter points; the line through them reaches the ends.
-    let line_q6 = [upper_q6 - slant_q6 / 2, lower_q6 + slant_q6 / 2];
+    let line_q6 = windows.line_q6(upper_q6, lower_q6, extent.rows);
     let at = window.best.at;
     let [left, right] = windows.ask_sides(at, upper_q6, lower_q6);
     let evidence = [
@@ -164,8 +165,10 @@ impl Windows<'_> {
             return Err(Rejection::NearBorder);
         }
         let middle = (first + last) / 2;
-        for (half, rows) in self.halves.iter_mut().zip([(first, middle), (middle + 1, last)]) {
+        let halves = self.halves.iter_mut().zip(&mut self.centres_q1);
+        for ((half, centre), rows) in halves.zip([(first, middle), (middle + 1, last)]) {
             let rows = SampledRows::new(rows, HALF_ROWS);
+            *centre = rows.centre_q1();
             let mut strips = [const { Vec::new() }; 3];
             gather(&extent.line, rows, STRIP_COLUMNS, (Search::Forward, range.0), band, &mut strips);
             for (curve, strips) in half.iter_mut().zip(&strips) {
@@ -206,6 +209,13 @@ impl Windows<'_> {
             subpixel_q6(minimum_near(at, HALF_REACH, cost).at, cost)
         });
         if (lower - upper).abs() > MAX_SLANT_Q6 / 2 { Err(Rejection::Slant) } else { Ok((upper, lower)) }
+    }
+
+    /// The line through the halves' disparities, each at the mean of the rows that it was seen in, at the first and the last row.
+    fn line_q6(&self, upper_q6: i32, lower_q6: i32, (first, last): (i32, i32)) -> [i32; 2] {
+        let [upper, lower] = self.centres_q1;
+        let slant_q6 = lower_q6 - upper_q6;
+        [first, last].map(|row| upper_q6 + quotient(slant_q6 * (2 * row - upper), lower - upper))
     }
 
     /// How much better the edge alone matches here than elsewhere.
