@@ -204,8 +204,12 @@ impl Windows<'_> {
 
     /// The disparity of each half by its own windows, 1/64 px.
     fn place_halves(&self, at: i32) -> Result<(i32, i32), Rejection> {
+        // One side throughout: the lower of two sides at each disparity would be no curve of absolute differences.
+        let [left, _, right] = &self.whole;
+        let left_is_better = left.at(at) <= right.at(at);
         let [upper, lower] = self.halves.each_ref().map(|[left, edge, right]| {
-            let cost = |d| Some(left.at(d)?.min(right.at(d)?).saturating_add(edge.at(d)?));
+            let side = if left_is_better { left } else { right };
+            let cost = |d| Some(side.at(d)?.saturating_add(edge.at(d)?));
             subpixel_q6(minimum_near(at, HALF_REACH, cost).at, cost)
         });
         if (lower - upper).abs() > MAX_SLANT_Q6 / 2 { Err(Rejection::Slant) } else { Ok((upper, lower)) }
