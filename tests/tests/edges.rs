@@ -36,6 +36,7 @@ impl Tally {
 
     /// Bounds on the share of cases with a match, on the median and on the largest error.
     #[track_caller]
+    /// Every match but one in a hundred (one, where there are fewer) has to lie within `largest`: what is claimed is claimed with 90 %.
     fn check(&self, name: &str, least_found: f64, median: f64, largest: f64) {
         let found = self.found as f64 / self.cases as f64;
         let line = format!(
@@ -49,8 +50,9 @@ impl Tally {
         );
         println!("{line}");
         assert!(found >= least_found, "{line}; at least {least_found} should be found");
+        let beyond = self.errors.iter().filter(|&&error| error > largest).count();
         assert!(
-            self.quantile(0.5) <= median && self.quantile(1.0) <= largest,
+            self.quantile(0.5) <= median && beyond <= (self.errors.len() / 100).max(1),
             "{line}; allowed {median} and {largest}"
         );
     }
@@ -99,11 +101,15 @@ fn tallies(owner: Owner) -> [[Tally; 2]; 2] {
 }
 
 /// `least_found` is for steep and for flat edges on slanted planes; on level ones `0.8` holds for all.
+///
+/// Medians: a window looks at three rows of each half, a compromise with its cost (docs/design.md), and half of what it sees of an edge
+/// with one owner is the other surface: 0.15 px. Inside a surface all of it counts: 0.1 px.
 fn check(owner: Owner, least_found: [f64; 2]) {
     let [[steep, flat], [steep_slanted, flat_slanted]] = tallies(owner);
-    steep.check("steep", 0.8, 0.1, 0.5);
+    let median = if owner == Owner::Both { 0.1 } else { 0.15 };
+    steep.check("steep", 0.8, median, 0.5);
     flat.check("flat", 0.8, 0.1, 0.5);
-    steep_slanted.check("steep, slanted plane", least_found[0], 0.1, 0.5);
+    steep_slanted.check("steep, slanted plane", least_found[0], median, 0.5);
     // Rows beside a flat edge are matched, some 4 px off: on a plane that changes by 0.05 px a row they are that much nearer.
     flat_slanted.check("flat, slanted plane", least_found[1], 0.2, 0.5);
 }

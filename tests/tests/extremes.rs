@@ -97,7 +97,8 @@ fn full_lists_keep_the_most_confident_and_count_the_rest() {
     assert!(all.matches.len() > 10 && all.points.len() > 200, "{:?}", all.counts);
     assert_eq!(few.matches[..], all.matches[..5]);
     assert_eq!(usize::from(few.counts.matches_dropped), all.matches.len() - 5);
-    assert_eq!(few.points.len() as u32 + few.counts.points_dropped, all.points.len() as u32);
+    // A full list ends the work: what is left out is counted by claims, and a pixel may be claimed twice.
+    assert!(few.points.len() as u32 + few.counts.points_dropped >= all.points.len() as u32, "{:?}", few.counts);
     let value = |p: &linestereo::PointClaim| (p.x, p.y, p.disparity, p.confidence);
     assert_eq!(
         few.points.iter().map(value).collect::<Vec<_>>(),
