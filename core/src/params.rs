@@ -55,7 +55,7 @@ impl Params {
         min_disparity: 0,
         max_disparity: 64,
         rig: None,
-        anchor_gradient: 40,
+        anchor_gradient: 48,
         edge_gradient: 20,
         min_extent: 6,
         cell: 16,

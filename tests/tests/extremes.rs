@@ -118,7 +118,7 @@ fn every_parameter_out_of_range_is_named() {
         ("anchor_gradient", Params { anchor_gradient: 3, ..base }),
         ("anchor_gradient", Params { anchor_gradient: 1021, ..base }),
         ("edge_gradient", Params { edge_gradient: 3, ..base }),
-        ("edge_gradient", Params { edge_gradient: 41, ..base }),
+        ("edge_gradient", Params { edge_gradient: 49, ..base }),
         ("min_extent", Params { min_extent: 3, ..base }),
         ("min_extent", Params { min_extent: 33, ..base }),
         ("cell", Params { cell: 7, ..base }),
