@@ -1,7 +1,15 @@
 //! The inner loops, as free functions over slices.
 //!
-//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a particular core must equal it bit for bit, is
-//! chosen at compile time, and stands here only because it was measured to pay.
+//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a particular core must equal it bit for bit
+//! for every input, and stands here only because it was measured to pay. The target chooses, when it is compiled for:
+//!
+//! ```text
+//! thumbv7em (Cortex-M4, M7)   dsp       every kernel; `cfg(dsp)` is set by build.rs
+//! x86_64                      sse2      sad_curve; the others are portable
+//! any other                   portable
+//! ```
+//!
+//! `firmware/src/programs/kernels.rs` compares the chosen kernels with the portable ones, on boards and on a PC.
 
 pub mod portable;
 

@@ -1,9 +1,9 @@
 //! Portable kernels: horizontal gradient and census of a row; cost curves over disparity.
 //!
 //! # Bounds
-//! Gradients are 1 ..= 127, so an absolute difference is at most 126 and two of them fit in `u8`. A curve sums at most 32 strips of 8:
-//! 32 * 8 * 126 = 32 256, and callers add at most two curves: fits `u16`. Hamming distances are at most 8 per point, and at most
-//! 31 points are summed per curve before widening: 248 fits `u8`.
+//! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
+//! callers add at most two curves: fits `u16`, at which sums of anything else wrap. Hamming distances are at most 8 per point, and at
+//! most 31 points are summed per curve before widening: 248 fits `u8`, at which more would wrap.
 
 /// Value of a zero gradient.
 pub const FLAT: u8 = 32;
@@ -22,8 +22,8 @@ pub struct Strip<'a> {
     pub other: &'a [u8],
 }
 
-/// Sobel x of the middle of three rows, halved, clipped to +-63 and shifted by [`FLAT`]: 1 ..= 127. A
-/// brightness offset between the cameras cancels. The first and last pixel are flat.
+/// A quarter of Sobel x of the middle of three rows, clipped to +-31 and shifted by [`FLAT`]: 1 ..= 63. A brightness offset between the
+/// cameras cancels. The first and last pixel are flat, and so is what `out` is longer than the row.
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     out.fill(FLAT);
@@ -38,8 +38,8 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     }
 }
 
-/// Census of the middle one of three rows, each two below the one before: one bit per neighbour at distance 2 (eight directions), set where the neighbour is darker.
-/// The first and last two pixels are 0.
+/// Census of the middle one of three rows, each two below the one before: one bit per neighbour at distance 2 (eight directions), set
+/// where the neighbour is darker. The first and last two pixels are 0, and so is what `out` is longer than the row.
 pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(0);
     let [top, row, bottom] = rows;
@@ -65,8 +65,8 @@ fn from(row: &[u8], start: usize) -> &[u8] {
     row.get(start..).unwrap_or(&[])
 }
 
-/// Adds the sum of absolute differences of all strips to each entry of `curve` (a multiple of [`LANES`] long; every strip's `other` holds
-/// `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
+/// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every
+/// strip's `other` holds `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     let needed = curve.len() + STRIP - 1;
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
@@ -81,9 +81,9 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
                     continue;
                 };
                 for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
-                    // max - min vectorises where `abs_diff` widens to 32 bits; two differences fit in eight bits.
+                    // max - min vectorises where `abs_diff` widens to 32 bits.
                     let (a, b) = (p.max(r0) - p.min(r0), q.max(r1) - q.min(r1));
-                    *sum = sum.wrapping_add(u16::from(a.wrapping_add(b)));
+                    *sum = sum.wrapping_add(u16::from(a) + u16::from(b));
                 }
             }
         }
@@ -93,7 +93,8 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     }
 }
 
-/// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve` (at most 31 points).
+/// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve` (whole blocks of [`LANES`], entries
+/// beyond stay; at most 31 points; a point counts in the blocks that its slice covers).
 pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
@@ -113,21 +114,21 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     }
 }
 
-/// Entry by entry sum, saturating. All curves are equally long.
+/// Entry by entry sum, saturating, as far as the shortest curve goes.
 pub fn sum_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = a.saturating_add(b);
     }
 }
 
-/// Entry by entry minimum.
+/// Entry by entry minimum, as far as the shortest curve goes.
 pub fn lower_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = a.min(b);
     }
 }
 
-/// Entry by entry minimum of `a` and `b`, plus `c`, saturating.
+/// Entry by entry minimum of `a` and `b`, plus `c`, saturating, as far as the shortest curve goes.
 pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
     for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
         *out = a.min(b).saturating_add(c);

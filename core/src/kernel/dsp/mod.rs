@@ -1,0 +1,55 @@
+//! Kernels for cores with the Armv7E-M DSP extension (Cortex-M4 and M7): four bytes or two half words per instruction.
+//!
+//! In and out as the [`portable`](super::portable) versions, the same bits for every input: what a loop here cannot do goes to them.
+//!
+//! ```text
+//! rows    gradient, census, reversal of a row
+//! curves  costs over disparity: sums of strips and points, and what is made of several curves
+//! edges   the largest step along a row or column, gradients where an edge crosses
+//! ```
+//!
+//! # Bounds
+//! Words are read and written at any address, which these cores do for single words (Armv7-M Architecture Reference Manual, A3.2.1).
+//! `firmware/src/programs/kernels.rs` compares every kernel with its portable version between fences of forbidden memory.
+//!
+//! # Cost
+//! In the modules.
+//!
+//! # Source
+//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16.
+
+mod curves;
+mod edges;
+mod rows;
+
+pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
+pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
+pub use rows::{census_row, gradient_row, reverse_row};
+
+/// A function of two words that is one instruction.
+macro_rules! two_operands {
+    ($(#[$doc:meta])* $name:ident, $instruction:literal) => {
+        $(#[$doc])*
+        #[inline(always)]
+        fn $name(a: u32, b: u32) -> u32 {
+            let result: u32;
+            // SAFETY: the instruction reads and writes registers alone; every core this module is compiled for has it.
+            unsafe {
+                core::arch::asm!($instruction, r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
+                    options(pure, nomem, nostack, preserves_flags));
+            }
+            result
+        }
+    };
+}
+use two_operands;
+
+/// The four bytes from `at` on.
+///
+/// # Safety
+/// They can be read.
+#[inline(always)]
+unsafe fn word(at: *const u8) -> u32 {
+    // SAFETY: the caller's.
+    unsafe { at.cast::<u32>().read_unaligned() }
+}
