@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! bin/            one line each: a program on the chosen board
-//! programs/       selftest, bench, replay, live: generic over the ports, tested on a PC with fakes
+//! programs/       selftest, kernels, bench, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! memory          frames, scratch memory and output, in one static
-//! startup, fault, stack, semihosting    only on a board: the only unsafe code
+//! startup, fault, fence, stack, semihosting    only on a board: the only unsafe code
 //! ```
 //!
 //! Everything but the last line also compiles on a PC, where the tests and the simulator use it.
@@ -26,6 +26,8 @@ pub mod session;
 
 #[cfg(target_os = "none")]
 pub mod fault;
+#[cfg(target_os = "none")]
+pub mod fence;
 #[cfg(target_os = "none")]
 pub mod semihosting;
 #[cfg(target_os = "none")]

@@ -4,6 +4,7 @@ use core::time::Duration;
 use linestereo::{Confidence, Dims, Params};
 use linestereo_firmware::boards::Board;
 use linestereo_firmware::cases::Case;
+use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::startup::Exit;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::{TARGET, Toolchain};
@@ -48,6 +49,28 @@ fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
         let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
         assert_eq!(ended.log.len(), Case::all(&board).count(), "{:?}", ended.log);
+    }
+}
+
+#[test]
+fn every_kernel_equals_the_portable_one_between_fences() {
+    for board in Board::ALL {
+        let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+        let elf = firmware::build(&toolchain, &board, "kernels", Logs::Semihosting).unwrap();
+        let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
+        let Some(ended) = run(&[]) else { return };
+        let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
+        assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
+        assert_eq!(ended.log.len(), Kernels::COUNT, "{:?}", ended.log);
+
+        // Controls: kernels that give other bits are all found; one that reads a byte too far is stopped.
+        let Some(ended) = run(&["wrong"]) else { return };
+        assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
+        let found = ended.log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
+        assert_eq!(found.count(), Kernels::COUNT, "{:?}", ended.log);
+        let Some(ended) = run(&["beyond"]) else { return };
+        assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
+        assert!(ended.errors.contains("fault: pc ") && ended.errors.contains("address 2000"), "{}", ended.errors);
     }
 }
 

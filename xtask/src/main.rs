@@ -79,6 +79,8 @@ enum Command {
     },
     /// Compare what the boards compute with what the PC computes, stage by stage.
     Selftest(Boards),
+    /// Compare the boards' kernels with the portable ones: every length and alignment, between fences of forbidden memory.
+    Kernels(Boards),
     /// Count instructions by stage: built-in pairs, and captured ones when they are given.
     Bench {
         #[command(flatten)]
@@ -128,6 +130,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
+        Command::Kernels(boards) => kernels(&boards),
         Command::Bench { boards, frames } => bench::run(&boards.list()?, frames.as_deref()),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
         Command::Stack(boards) => {
@@ -207,15 +210,29 @@ fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String
 }
 
 fn selftest(boards: &Boards) -> Result<()> {
-    let mut different = Vec::new();
-    for board in boards.list()? {
-        println!("{}", board.name);
-        if run_program(&board, "selftest", &[])?.success("selftest", &board).is_err() {
-            different.push(board.name);
-        }
-    }
+    let different = unsuccessful(boards, "selftest")?;
     if !different.is_empty() {
         bail!("not as on the PC: {}; when the output was meant to change: cargo xtask bless", different.join(", "));
     }
     Ok(())
+}
+
+fn kernels(boards: &Boards) -> Result<()> {
+    let different = unsuccessful(boards, "kernels")?;
+    if !different.is_empty() {
+        bail!("not as the portable kernels: {}", different.join(", "));
+    }
+    Ok(())
+}
+
+/// The boards on which a program finds a difference.
+fn unsuccessful(boards: &Boards, program: &str) -> Result<Vec<&'static str>> {
+    let mut different = Vec::new();
+    for board in boards.list()? {
+        println!("{}", board.name);
+        if run_program(&board, program, &[])?.success(program, &board).is_err() {
+            different.push(board.name);
+        }
+    }
+    Ok(different)
 }

@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod expected;
+pub mod kernels;
 pub mod live;
 pub mod replay;
 pub mod selftest;

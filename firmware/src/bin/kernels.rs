@@ -1,0 +1,37 @@
+//! Do the kernels of this board equal the portable ones? Exit code 0 if so.
+//!
+//! Controls, as argument: `wrong` compares kernels that are wrong, `beyond` one that reads a byte too far.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn kernels() -> linestereo_firmware::startup::Exit {
+    use linestereo_firmware::programs::kernels::{self, Kernels};
+    use linestereo_firmware::semihosting::Arguments;
+    use linestereo_firmware::{error, fence, info, startup::Exit};
+
+    /// As the portable one, but for a byte too many.
+    fn beyond(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+        // SAFETY: not safe: the byte behind the row, as a wrong kernel might read it.
+        unsafe { row.as_ptr().add(row.len()).read_volatile() };
+        linestereo::kernel::portable::gradient_row(above, row, below, out);
+    }
+
+    let arguments = Arguments::ask();
+    let kernels = match arguments.get(0) {
+        None => Kernels::CHOSEN,
+        Some("wrong") => Kernels::WRONG,
+        Some("beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
+        Some(_) => return Exit::Usage,
+    };
+    let Some(rooms) = fence::take() else { return Exit::Usage };
+    let all_equal = kernels::run(&kernels, rooms, |compared| match compared.first {
+        None => info!("{=str}: {=u32} comparisons, all equal", compared.kernel, compared.comparisons),
+        Some(at) => error!(
+            "{=str} differs: length {=usize}, count {=usize}, stride {=usize}, alignments {=[u8; 4]}",
+            compared.kernel, at.length, at.count, at.stride, at.alignments
+        ),
+    });
+    if all_equal { Exit::Success } else { Exit::Difference }
+}
+
+linestereo_firmware::program!(kernels);
