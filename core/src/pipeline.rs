@@ -3,7 +3,7 @@
 use crate::confidence::{FITTED, Models};
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
-use crate::matching::band::{BAND_ROWS, Band, row_bytes};
+use crate::matching::band::{BAND_ROWS, Band, PLANES, row_bytes};
 use crate::matching::consistency::{self, Place};
 use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset};
 use crate::observe::{Observer, Step};
@@ -51,7 +51,7 @@ pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
 pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> {
     marks: [u32; MARKS],
     chain: [u16; lines::MAX_POSITIONS],
-    rows: [[[u8; ROW]; BAND_ROWS]; 4],
+    rows: [[[u8; ROW]; BAND_ROWS]; PLANES],
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
     candidates: Vec<Candidate, CANDIDATES>,
@@ -73,7 +73,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
         Self {
             marks: [0; MARKS],
             chain: [0; lines::MAX_POSITIONS],
-            rows: [[[0; ROW]; BAND_ROWS]; 4],
+            rows: [[[0; ROW]; BAND_ROWS]; PLANES],
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),

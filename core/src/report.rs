@@ -95,7 +95,7 @@ impl Report<'_> {
         sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
         for (rank, ranked) in (0..).zip(self.order.iter()) {
             let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else { continue };
-            let Some(found) = to_match(candidate, self.params) else { continue };
+            let Some(found) = to_match(candidate, self.params, self.models) else { continue };
             if matches.push(found).is_ok() {
                 candidate.listed = Some(rank);
             } else {
@@ -173,14 +173,15 @@ fn rate(candidate: &mut Candidate, models: &Models) {
         side.probability_q16 = model.probability_q16(side.score_q8.into());
         let edge_score = edge_model.with_neighbours_q8(side.edge_score_q8, side.support_q8, side.conflict_q8);
         side.edge_probability_q16 = edge_model.probability_q16(edge_score);
-        side.edge_sigma_q6 = edge_model.sigma_q6(edge_score);
+        side.edge_score_q8 = narrow(edge_score);
     }
 }
 
-fn to_match(candidate: &Candidate, params: &Params) -> Option<Match> {
+fn to_match(candidate: &Candidate, params: &Params, models: &Models) -> Option<Match> {
     let side = candidate.edge_side()?;
     let disparity_q6 = side.disparity_q6;
-    let sigma = disparity_from_q6(side.edge_sigma_q6.into());
+    let (_, edge_model) = models.of(candidate.segment.near_horizontal);
+    let sigma = disparity_from_q6(edge_model.sigma_q6(side.edge_score_q8.into()).into());
     let mut found = Match {
         ends: candidate.segment.ends,
         disparity: disparity_q6.map(Disparity::from_bits),

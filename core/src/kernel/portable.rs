@@ -44,25 +44,27 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(0);
     let [top, row, bottom] = rows;
     let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
-    let centre = from(row, 2).iter();
-    let upper = top.iter().zip(from(top, 2)).zip(from(top, 4));
-    let middle = row.iter().zip(from(row, 4));
-    let lower = bottom.iter().zip(from(bottom, 2)).zip(from(bottom, 4));
-    for ((((c, ((a, b), d)), (e, f)), ((g, h), i)), code) in centre.zip(upper).zip(middle).zip(lower).zip(inner) {
-        let darker = |neighbour: &u8, bit: u8| u8::from(neighbour < c) << bit;
-        *code = darker(a, 0)
-            | darker(b, 1)
-            | darker(d, 2)
-            | darker(e, 3)
-            | darker(f, 4)
-            | darker(g, 5)
-            | darker(h, 6)
-            | darker(i, 7);
+    for (((t, r), b), code) in top.windows(5).zip(row.windows(5)).zip(bottom.windows(5)).zip(inner) {
+        if let (Some(t), Some(r), Some(b)) = (t.first_chunk(), r.first_chunk(), b.first_chunk()) {
+            *code = census_of(t, r, b);
+        }
     }
 }
 
-fn from(row: &[u8], start: usize) -> &[u8] {
-    row.get(start..).unwrap_or(&[])
+/// The same of one pixel, two columns right of and two rows below `first`; rows are `stride` bytes apart.
+#[must_use]
+pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
+    let row = |k: usize| pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<5>();
+    Some(census_of(row(0)?, row(2)?, row(4)?))
+}
+
+#[inline]
+pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8; 5], &[f, _, g, _, h]: &[u8; 5]) -> u8 {
+    let mut code = 0;
+    for neighbour in [h, g, f, e, d, c, b, a] {
+        code = code << 1 | u8::from(neighbour < centre);
+    }
+    code
 }
 
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every

@@ -6,20 +6,22 @@
 //! addresses, in both directions of search: one kernel serves both.
 //!
 //! # Cost
-//! `4 * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
+//! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
 use crate::image::Gray;
-use crate::kernel::{FLAT, STRIP, Strip, census_row, gradient_row, reverse_row};
+use crate::kernel::{FLAT, STRIP, Strip, census_code, census_row, gradient_row, reverse_row};
 use crate::lines::Segment;
 use crate::units::quotient;
 
 /// Rows held, every second one of the image: those of the tallest segment (33) that starts as high as the current one, and the reach of
 /// the current one's window above it.
 pub(crate) const BAND_ROWS: usize = 22;
+/// Gradients of both images, census of the right one.
+pub(crate) const PLANES: usize = 3;
 /// Rows from one row of the band to the next.
 pub(crate) const ROW_STEP: i32 = 2;
 /// Pixels without content on both sides of a row: a window's half, a slant's shift, and the tail of a block of disparities.
-pub(crate) const PAD: usize = 48;
+pub(crate) const PAD: usize = 44;
 
 /// Bytes of one padded row.
 #[must_use]
@@ -49,7 +51,8 @@ struct Planes<'a> {
 pub(crate) struct Band<'a> {
     images: [Gray<'a>; 2],
     gradient: Planes<'a>,
-    census: Planes<'a>,
+    /// Of the right image, mirrored; of the left one only the points asked for are computed.
+    census: &'a mut [u8],
     width: usize,
     height: i32,
     stride: usize,
@@ -59,20 +62,19 @@ pub(crate) struct Band<'a> {
 }
 
 impl<'a> Band<'a> {
-    /// A band over `rows`, which holds four planes of [`BAND_ROWS`] padded rows.
+    /// A band over `rows`, which holds three planes of [`BAND_ROWS`] padded rows.
     pub(crate) fn new(left: Gray<'a>, right: Gray<'a>, row_offset: i32, rows: &'a mut [u8]) -> Option<Self> {
         let dims = left.dims();
         let stride = row_bytes(dims.width);
         let plane = stride * BAND_ROWS;
-        let rows = rows.get_mut(..plane * 4)?;
+        let rows = rows.get_mut(..plane * PLANES)?;
         rows.fill(FLAT);
-        let (gradients, codes) = rows.split_at_mut_checked(plane * 2)?;
+        let (gradients, census) = rows.split_at_mut_checked(plane * 2)?;
         let (left_gradient, right_gradient) = gradients.split_at_mut_checked(plane)?;
-        let (left_census, right_census) = codes.split_at_mut_checked(plane)?;
         Some(Self {
             images: [left, right],
             gradient: Planes { left: left_gradient, right_mirrored: right_gradient },
-            census: Planes { left: left_census, right_mirrored: right_census },
+            census,
             width: dims.width.into(),
             height: dims.height.into(),
             stride,
@@ -98,14 +100,11 @@ impl<'a> Band<'a> {
             if let Some(out) = self.gradient.left.get_mut(slot.clone()) {
                 fill_gradient(left, y, out);
             }
-            if let Some(out) = self.census.left.get_mut(slot.clone()) {
-                fill_census(left, y, out);
-            }
             if let Some(out) = self.gradient.right_mirrored.get_mut(slot.clone()) {
                 fill_gradient(right, y + self.row_offset, out);
                 reverse_row(out);
             }
-            if let Some(out) = self.census.right_mirrored.get_mut(slot) {
+            if let Some(out) = self.census.get_mut(slot) {
                 fill_census(right, y + self.row_offset, out);
                 reverse_row(out);
             }
@@ -147,15 +146,39 @@ impl<'a> Band<'a> {
         Some(strips)
     }
 
-    /// The census code at `(x, y)` of the reference image, and the codes it is compared with from disparity `first` on.
-    pub(crate) fn census(&self, search: Search, x: i32, y: i32, first: i32) -> Option<(u8, &[u8])> {
-        let (reference, other) = self.rows(&self.census, search, y)?;
-        let (at, sought) = self.places(search, x, 1, first)?;
-        Some((*reference.get(at)?, other.get(sought..)?))
+    /// The census code at `(x, y)` of the left image, and the codes it is compared with from disparity `first` on.
+    pub(crate) fn census(&self, x: i32, y: i32, first: i32) -> Option<(u8, &[u8])> {
+        if !self.holds(y) || x < 0 || x >= self.width as i32 {
+            return None;
+        }
+        let other = Self::row(self.census, self.stride, y)?;
+        let (_, sought) = self.places(Search::Forward, x, 1, first)?;
+        let code = if x < 2 || x + 2 >= self.width as i32 { 0 } else { self.left_code(x, y) };
+        Some((code, other.get(sought..)?))
+    }
+
+    fn left_code(&self, x: i32, y: i32) -> u8 {
+        let [left, _] = self.images;
+        let (pixels, stride) = left.as_slice();
+        if y >= 2 && y + 2 < self.height {
+            let first = (y as usize - 2).wrapping_mul(stride).wrapping_add(x as usize - 2);
+            return census_code(pixels, first, stride).unwrap_or(0);
+        }
+        // Next to the border the nearest row counts.
+        let mut patch = [0; 25];
+        for (five, y) in patch.as_chunks_mut::<5>().0.iter_mut().zip(y - 2..) {
+            let row = clamped_row(left, y).get(x as usize - 2..).and_then(|row| row.first_chunk());
+            *five = row.copied().unwrap_or_default();
+        }
+        census_code(&patch, 0, 5).unwrap_or(0)
+    }
+
+    fn holds(&self, y: i32) -> bool {
+        y >= (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(0) && y < self.next_row
     }
 
     fn rows<'s>(&'s self, planes: &'s Planes<'_>, search: Search, y: i32) -> Option<(&'s [u8], &'s [u8])> {
-        if y < (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(0) || y >= self.next_row {
+        if !self.holds(y) {
             return None;
         }
         let left = Self::row(planes.left, self.stride, y)?;

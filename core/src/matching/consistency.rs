@@ -10,7 +10,7 @@
 //! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much.
 //!
 //! # Bounds
-//! Weight is at most 256, nearness 40; 2 * 4096 claims: sums below 2^27.
+//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at hand.
 //!
 //! # Cost
 //! Quadratic in the claims of 2 * [`REACH`] rows.
@@ -46,8 +46,9 @@ struct Claim {
     d_q6: i16,
     /// 0 = no claim.
     weight_q8: u16,
-    agreeing: u32,
-    conflicting: u32,
+    /// Sums of weight times nearness, in 1/320 of a neighbour at hand with full weight; 200 of those fit.
+    agreeing: u16,
+    conflicting: u16,
 }
 
 impl Place {
@@ -106,14 +107,15 @@ impl Claim {
             return;
         }
         let nearness = (REACH - distance) as u32; // of REACH
-        let (to_self, to_other) = (u32::from(other.weight_q8) * nearness, u32::from(self.weight_q8) * nearness);
+        let word = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
+        let (to_self, to_other) = (word(other.weight_q8), word(self.weight_q8));
         // 0.06 px per px is 4/64.
         if (i32::from(other.d_q6) - i32::from(self.d_q6)).abs() <= 64 + 4 * distance {
-            self.agreeing += to_self;
-            other.agreeing += to_other;
+            self.agreeing = self.agreeing.saturating_add(to_self);
+            other.agreeing = other.agreeing.saturating_add(to_other);
         } else {
-            self.conflicting += to_self;
-            other.conflicting += to_other;
+            self.conflicting = self.conflicting.saturating_add(to_self);
+            other.conflicting = other.conflicting.saturating_add(to_other);
         }
     }
 }
@@ -139,19 +141,19 @@ pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place
     for (candidate, place) in candidates.iter_mut().zip(places.iter()) {
         for (side, claim) in candidate.sides.iter_mut().zip(&place.claims) {
             if let Some(side) = side {
-                side.support_q8 = narrow(log2_mean_q8(claim.agreeing, 256 * REACH));
-                let all = claim.agreeing + claim.conflicting + LITTLE;
-                let share = (claim.conflicting << SHARE_BITS).checked_div(all >> (8 - SHARE_BITS)).unwrap_or(0);
+                side.support_q8 = narrow(log2_mean_q8(claim.agreeing.into(), FULL));
+                let (agreeing, conflicting) = (u32::from(claim.agreeing), u32::from(claim.conflicting));
+                let share = (conflicting << 8).checked_div(agreeing + conflicting + LITTLE).unwrap_or(0);
                 side.conflict_q8 = narrow(share as i32);
             }
         }
     }
 }
 
-/// A fifth of a neighbour at hand with full weight: so much may contradict without saying anything.
-const LITTLE: u32 = 51 * REACH as u32;
-/// How far the conflicting sum can be shifted: it is below `2 * 4096 * 256 * REACH < 2^27`.
-const SHARE_BITS: u32 = 4;
+/// What a neighbour at hand with full weight says.
+const FULL: i32 = (256 * REACH) >> 5;
+/// A fifth of that: so much may contradict without saying anything.
+const LITTLE: u32 = FULL as u32 / 5;
 
 /// Rows between the tops of two segments beyond which their claims cannot contradict each other.
 const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;

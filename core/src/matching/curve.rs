@@ -14,7 +14,7 @@ pub(crate) const MAX_DISPARITIES: usize = 256;
 /// Disparities on both sides of a minimum that are not its rivals.
 const NEIGHBOURHOOD: i32 = 2;
 /// Curves of a workspace: what one segment needs at a time.
-pub(crate) const CURVES: usize = 13;
+pub(crate) const CURVES: usize = 12;
 
 /// Cost at disparities `first .. first + len`. Whole blocks are computed; entries beyond `len` are the largest cost.
 #[derive(Clone, Debug)]

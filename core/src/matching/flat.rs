@@ -195,7 +195,7 @@ fn census_curve(
     while x <= to {
         let y = line.row(x);
         for row in rows {
-            if let Some(point) = band.census(Search::Forward, x, on_band(y + row), range.0) {
+            if let Some(point) = band.census(x, on_band(y + row), range.0) {
                 let _ = points.push(point); // a piece is at most MAX_COLUMNS long
             }
         }

@@ -102,7 +102,6 @@ pub struct Side {
     pub(crate) probability_q16: u16,
     /// Probability that the edge itself has this side's disparity.
     pub(crate) edge_probability_q16: u16,
-    pub(crate) edge_sigma_q6: u16,
     pub(crate) rejected: bool,
 }
 
@@ -120,7 +119,6 @@ impl Side {
             edge_score_q8: narrow(edge_model.score_q8(evidence)),
             probability_q16: 0,
             edge_probability_q16: 0,
-            edge_sigma_q6: 0,
             rejected: false,
         }
     }

@@ -61,7 +61,6 @@ struct Extent {
 struct Windows<'w> {
     halves: [[&'w mut Curve; 3]; 2],
     whole: [&'w mut Curve; 3],
-    joint: &'w mut Curve,
     /// Rows that were summed.
     rows: i32,
     /// Mean row of each half, in half rows.
@@ -101,16 +100,16 @@ pub(crate) fn match_steep(
     band: &Band<'_>,
     work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
-    let [a, b, c, d, e, f, g, h, i, joint, census_left, census_right, spare] = &mut work.curves;
+    let [a, b, c, d, e, f, g, h, i, joint, census_left, census_right] = &mut work.curves;
     let extent = Extent::new(segment);
-    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], joint, rows: 0, centres_q1: [0; 2] };
+    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
     windows.fill(&extent, context, band)?;
-    let window = windows.place()?;
-    let census = place_by_census(&extent, context, band, [census_left, census_right], spare)?;
+    let window = windows.place(joint)?;
+    let census = place_by_census(&extent, context, band, [census_left, census_right], joint)?;
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
-    let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band, spare)?;
+    let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band, joint)?;
     let (upper_q6, lower_q6) = windows.place_halves(window.best.at)?;
     let (slant_q6, middle_q6) = (lower_q6 - upper_q6, (upper_q6 + lower_q6) / 2);
     let (feature_q6, votes) = count_votes(segment, &extent, middle_q6, context);
@@ -185,21 +184,22 @@ impl Windows<'_> {
 
     /// Disparities compared.
     fn range(&self) -> u32 {
-        u32::try_from(self.joint.len()).unwrap_or(0)
+        let [edge, ..] = &self.whole;
+        u32::try_from(edge.len()).unwrap_or(0)
     }
 
     /// The lower of two one-sided windows, so that a depth edge still matches on its nearer side.
-    fn place(&mut self) -> Result<WindowMatch, Rejection> {
+    fn place(&self, joint: &mut Curve) -> Result<WindowMatch, Rejection> {
         let [left, edge, right] = &self.whole;
-        self.joint.set_lower_sum(left, right, edge);
-        let best = self.joint.minimum();
-        let ratio_q8 = ratio_q8(best.cost, self.joint.rival(best.at));
+        joint.set_lower_sum(left, right, edge);
+        let best = joint.minimum();
+        let ratio_q8 = ratio_q8(best.cost, joint.rival(best.at));
         if ratio_q8 > MAX_WINDOW_RATIO_Q8 {
             return Err(Rejection::WindowNotUnique);
         }
         let [left_column, _, right_column] = STRIP_COLUMNS;
         let better_side = if left.at(best.at) <= right.at(best.at) { left_column } else { right_column };
-        Ok(WindowMatch { best, ratio_q8, disparity_q6: self.joint.subpixel_q6(best.at), better_side })
+        Ok(WindowMatch { best, ratio_q8, disparity_q6: joint.subpixel_q6(best.at), better_side })
     }
 
     /// The disparity of each half by its own windows, 1/64 px.
@@ -290,7 +290,7 @@ fn place_by_census(
         for y in rows {
             let edge = extent.line.column(y);
             for column in columns {
-                if let Some(point) = band.census(Search::Forward, edge + column, y, range.0) {
+                if let Some(point) = band.census(edge + column, y, range.0) {
                     let _ = points.push(point); // at most CENSUS_ROWS rows
                 }
             }

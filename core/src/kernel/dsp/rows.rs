@@ -216,6 +216,20 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
+/// See [`portable::census_code`].
+#[inline]
+pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
+    if stride.checked_mul(4)?.checked_add(first)?.checked_add(5)? > pixels.len() {
+        return None;
+    }
+    // SAFETY: the last of five pixels of the fifth row was just found to exist.
+    unsafe {
+        let top = pixels.as_ptr().add(first);
+        let row = |k: usize| &*top.add(k * stride).cast::<[u8; 5]>();
+        Some(portable::census_of(row(0), row(2), row(4)))
+    }
+}
+
 /// See [`portable::reverse_row`].
 pub fn reverse_row(row: &mut [u8]) {
     let (words, rest) = row.as_chunks_mut::<4>();
