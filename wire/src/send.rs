@@ -33,6 +33,7 @@ impl<E: fmt::Display> fmt::Display for SendError<E> {
 impl<E: core::error::Error> core::error::Error for SendError<E> {}
 
 /// Sends one record.
+#[inline(never)] // its packet is on the stack only while it sends
 pub fn send<T: Record, E>(record: &T, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
     let mut buffer = [0; MAX_PACKET];
     write(encode(record, &mut buffer).map_err(SendError::Encode)?).map_err(SendError::Port)
@@ -52,6 +53,7 @@ pub fn send<T: Record, E>(record: &T, write: &mut impl FnMut(&[u8]) -> Result<()
 /// });
 /// assert_eq!(sent, Ok(()));
 /// ```
+#[inline(never)]
 pub fn send_frame<E>(
     head: &FrameHead,
     matches: &[Match],
@@ -72,6 +74,7 @@ pub fn send_frame<E>(
 }
 
 /// Sends the points of a frame, after [`send_frame`]. Stops at the first failure of the port.
+#[inline(never)]
 pub fn send_points<E>(
     sequence: u32,
     points: &[PointClaim],

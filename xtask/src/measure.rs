@@ -5,9 +5,10 @@
 use crate::bench::{self, Builtin};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
-use linestereo::Stage;
+use linestereo::{Params, Stage};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Board, Costs};
+use linestereo_sim::board::{self, Board, Costs, Machine, update};
+use linestereo_sim::scene::{self, Kind, Sensor};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -115,8 +116,17 @@ fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
     Ok(Numbers { compiler: Toolchain::find(&board::top()?)?.version(top)?, boards })
 }
 
+/// The largest depth of the stack of the program whose RAM and flash are given: over a rendered pair of the largest size.
+fn stack_of_replay(board: &Board) -> Result<u64> {
+    let rendering = scene::render(&scene::build(Kind::Demo, board.largest, 1), board.largest, &Sensor::default());
+    let machine = Machine::new(*board)?;
+    let params = update(&Params::default(), None);
+    Ok(machine.run_pairs(&params, &[(&rendering.left, &rendering.right)])?.stack)
+}
+
 fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
-    let Builtin { pairs, stack } = bench::builtin(board)?;
+    let Builtin { pairs, .. } = bench::builtin(board)?;
+    let stack = stack_of_replay(board)?;
     let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
     let bytes = [
         ("flash", replay.flash()),

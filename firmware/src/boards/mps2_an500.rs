@@ -9,7 +9,7 @@ const SEGMENTS: usize = 640;
 /// One per square of the default size: a list of matches is never full.
 const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
 const MATCHES: usize = CANDIDATES;
-const POINTS: usize = 512;
+const POINTS: usize = 128;
 
 /// Its description.
 pub const BOARD: Board = Board {
