@@ -6,7 +6,7 @@
 use linestereo::{Models, Params};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{FrameScore, Summary};
-use linestereo_sim::fitting::{SceneSamples, fit, scene_samples, source_text};
+use linestereo_sim::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text};
 use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_scene};
 use std::path::PathBuf;
 
@@ -43,8 +43,9 @@ fn pooled(scenes: &[Scene], perturbation: &Perturbation) -> Summary {
 fn samples(scenes: &[Scene]) -> Vec<SceneSamples> {
     let sample = |scene: &Scene| {
         let mut engine = engine(scene);
-        engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
-        scene_samples(engine.candidates(), scene.truth.as_ref().unwrap(), scene.left.dims)
+        let mut log = EvidenceLog::default();
+        engine.run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log).unwrap();
+        scene_samples(engine.candidates(), &log, scene.truth.as_ref().unwrap(), scene.left.dims)
     };
     scenes.iter().map(sample).collect()
 }

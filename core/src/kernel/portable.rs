@@ -1,4 +1,4 @@
-//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity.
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and what is done with them; edges.
 //!
 //! # Bounds
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
