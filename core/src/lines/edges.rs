@@ -106,7 +106,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let start = self.ridge(t, anchor.u, sign)?;
         keep(positions, t, &start);
         // An edge runs at right angles to its gradient: so much across per step, 1/32 px.
-        let lean_q5 = quotient(-start.along * sign * STEP << 5, start.gradient);
+        let lean_q5 = quotient((-start.along * sign * STEP) << 5, start.gradient);
         let (mut sum, mut first, mut last) = (start.gradient, t, t);
         for step in [-STEP, STEP] {
             let mut at = t + step;
