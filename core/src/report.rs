@@ -105,7 +105,19 @@ impl Report<'_> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
+    /// A list without places asks for no points.
     fn list_points(&mut self, points: &mut VecView<PointClaim>, counts: &mut Counts) {
+        if points.capacity() > 0 {
+            counts.points_dropped = self.claim_points(|point| {
+                let _ = points.push(point); // it was not full
+                !points.is_full()
+            });
+        }
+        counts.points = u32::try_from(points.len()).unwrap_or(u32::MAX);
+    }
+
+    /// Hands every point to `put`, most probable sides first, until it says that it takes no more; returns the pixels of the claims left out.
+    pub(crate) fn claim_points(&mut self, mut put: impl FnMut(PointClaim) -> bool) -> u32 {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -114,6 +126,7 @@ impl Report<'_> {
         }
         sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
         self.marks.fill(0);
+        let (mut wanted, mut left_out) = (true, 0_u32);
         let least = self.least();
         for ranked in self.order.iter() {
             let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else { continue };
@@ -127,30 +140,27 @@ impl Report<'_> {
                     if probability < least {
                         break;
                     }
-                    if points.is_full() {
-                        let pixels = u32::from(candidate.segment.pixels());
-                        counts.points_dropped = counts.points_dropped.saturating_add(pixels);
+                    if !wanted {
+                        left_out = left_out.saturating_add(candidate.segment.pixels().into());
                         continue;
                     }
-                    let claim = PointClaim {
-                        x: 0,
-                        y: 0,
-                        disparity: Disparity::ZERO,
-                        confidence: Confidence::from_bits(probability),
-                        source: candidate.listed,
-                    };
+                    let (confidence, source) = (Confidence::from_bits(probability), candidate.listed);
                     let marks = &mut *self.marks;
                     candidate.for_each_pixel(index, distance, self.dims, |x, y, d_q6| {
-                        if take(marks, self.dims, x, y)
-                            && points.push(PointClaim { x, y, disparity: disparity_from_q6(d_q6), ..claim }).is_err()
-                        {
-                            counts.points_dropped = counts.points_dropped.saturating_add(1);
+                        if !take(marks, self.dims, x, y) {
+                            return;
+                        }
+                        if wanted {
+                            let disparity = disparity_from_q6(d_q6);
+                            wanted = put(PointClaim { x, y, disparity, confidence, source });
+                        } else {
+                            left_out = left_out.saturating_add(1);
                         }
                     });
                 }
             }
         }
-        counts.points = u32::try_from(points.len()).unwrap_or(u32::MAX);
+        left_out
     }
 }
 

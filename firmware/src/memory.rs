@@ -1,7 +1,7 @@
 //! Frames, scratch memory and output of a board, with its capacities in the type.
 
 use crate::ports::Results;
-use linestereo::{Dims, Gray, Observer, Output, Params, Scratch, ViewError, mark_words, row_bytes};
+use linestereo::{Dims, Gray, Observer, Output, Params, PointClaim, Scratch, ViewError, mark_words, row_bytes};
 use linestereo::{ParamError, SizeMismatch};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -34,6 +34,9 @@ pub trait Memory {
 
     /// What the last run gave.
     fn results(&self) -> Results<'_>;
+
+    /// Every point of the last run, which had these parameters and this size.
+    fn for_each_point(&mut self, params: &Params, dims: Dims, claim: impl FnMut(PointClaim));
 }
 
 /// Why a pair that lies in the frames cannot be matched.
@@ -118,6 +121,12 @@ impl<
         let (left, right) = (Gray::new(&self.left, dims, stride)?, Gray::new(&self.right, dims, stride)?);
         plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)
             .map_err(|SizeMismatch { given, .. }| RunError::Size(given))
+    }
+
+    fn for_each_point(&mut self, params: &Params, dims: Dims, claim: impl FnMut(PointClaim)) {
+        if let Ok(plan) = params.plan(dims) {
+            plan.for_each_point(&mut self.scratch, claim);
+        }
     }
 
     fn results(&self) -> Results<'_> {

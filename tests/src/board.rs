@@ -77,10 +77,10 @@ fn run(
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
     memory.run(params, left.dims, &mut ())?;
+    let mut points = Vec::new();
+    memory.for_each_point(params, left.dims, |point| points.push(point));
     let results = memory.results();
-    Ok(FrameResult {
-        matches: results.matches.to_vec(),
-        points: results.points.to_vec(),
-        counts: results.counts.into(),
-    })
+    let mut result = FrameResult { matches: results.matches.to_vec(), points, counts: results.counts.into() };
+    result.counts.points = result.points.len() as u32;
+    Ok(result)
 }

@@ -58,7 +58,7 @@ pub use message::{Answer, BoardName, Hello, Message, Outcome};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
-pub use send::{SendError, send, send_frame, send_points};
+pub use send::{PointStream, SendError, send, send_frame, send_points};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.
 pub const SEGMENTS_PER_PACKET: usize = 10;

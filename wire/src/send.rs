@@ -73,21 +73,53 @@ pub fn send_frame<E>(
     Ok(())
 }
 
-/// Sends the points of a frame, after [`send_frame`]. Stops at the first failure of the port.
-#[inline(never)]
+/// The points of a frame as they are made, after [`send_frame`]: a packet whenever enough are together, the rest by [`PointStream::finish`].
+#[derive(Clone, Debug)]
+pub struct PointStream {
+    points: Points,
+}
+
+impl PointStream {
+    /// Of the frame with this number.
+    #[must_use]
+    pub const fn new(sequence: u32) -> Self {
+        Self { points: Points { sequence, first: 0, list: heapless::Vec::new() } }
+    }
+
+    /// Adds a point.
+    pub fn push<E>(
+        &mut self,
+        point: &PointClaim,
+        write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), SendError<E>> {
+        let _ = self.points.list.push(PointRecord::from(point)); // never full here
+        if self.points.list.is_full() { self.flush(write) } else { Ok(()) }
+    }
+
+    /// Sends what is left.
+    pub fn finish<E>(mut self, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
+        if self.points.list.is_empty() { Ok(()) } else { self.flush(write) }
+    }
+
+    #[inline(never)]
+    fn flush<E>(&mut self, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
+        let Points { sequence, first, .. } = self.points;
+        let next =
+            Points { sequence, first: first.saturating_add(POINTS_PER_PACKET as u32), list: heapless::Vec::new() };
+        let points = core::mem::replace(&mut self.points, next);
+        send(&Message::Points(points), write)
+    }
+}
+
+/// Sends a list of points.
 pub fn send_points<E>(
     sequence: u32,
     points: &[PointClaim],
     write: &mut impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<(), SendError<E>> {
-    let mut first = 0_u32;
-    for piece in points.chunks(POINTS_PER_PACKET) {
-        let mut list = heapless::Vec::new();
-        for point in piece {
-            let _ = list.push(PointRecord::from(point)); // a piece fits; collecting could panic
-        }
-        send(&Message::Points(Points { sequence, first, list }), write)?;
-        first = first.saturating_add(POINTS_PER_PACKET as u32);
+    let mut stream = PointStream::new(sequence);
+    for point in points {
+        stream.push(point, write)?;
     }
-    Ok(())
+    stream.finish(write)
 }

@@ -9,7 +9,8 @@ const SEGMENTS: usize = 256;
 /// One per square of the default size: a list of matches is never full.
 const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
 const MATCHES: usize = CANDIDATES;
-const POINTS: usize = 256;
+/// No list: points are sent as they are made.
+const POINTS: usize = 0;
 
 /// Its description.
 pub const BOARD: Board = Board {

@@ -13,8 +13,8 @@ use crate::ports::{ByteSink, ByteSource, Clock};
 use crate::session::{self, Reply, Session};
 use linestereo::Dims;
 use linestereo_wire::{
-    Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, Refusal, send,
-    send_frame, send_points,
+    Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
+    Refusal, send, send_frame,
 };
 
 /// What happened to a pair, for logs and tables.
@@ -60,7 +60,7 @@ pub fn run(
                 let outcome = match pair(memory, clock, session, &mut input, &head) {
                     Ok(costs) => {
                         tell(&Event::Matched { sequence, costs });
-                        write_results(memory, sequence, &head, output);
+                        write_results(memory, session, sequence, &head, output);
                         Outcome::Accepted
                     }
                     Err(why) => {
@@ -101,16 +101,31 @@ fn pair<S: ByteSource>(
     bench::measure(memory, clock, &session.params, dims).map_err(session::refusal)
 }
 
-fn write_results(memory: &impl Memory, sequence: u32, pair: &PairHead, output: &mut impl ByteSink) {
-    let results = memory.results();
+/// Points are made twice, to count them and to send them: no board has the memory to list them.
+fn write_results(
+    memory: &mut impl Memory,
+    session: &Session,
+    sequence: u32,
+    pair: &PairHead,
+    output: &mut impl ByteSink,
+) {
     let dims = Dims { width: pair.width, height: pair.height };
-    let head = FrameHead::new(sequence, pair.capture_time_us, dims, Health::GOOD, results.counts);
+    let mut points = 0;
+    memory.for_each_point(&session.params, dims, |_| points += 1);
+    let results = memory.results();
+    let mut head = FrameHead::new(sequence, pair.capture_time_us, dims, Health::GOOD, results.counts);
+    head.counts.points = points;
     let mut write = |packet: &[u8]| {
         output.write(packet);
         Ok::<(), core::convert::Infallible>(())
     };
-    let _ = send_frame(&head, results.matches, &mut write); // neither the packets nor this port can fail
-    let _ = send_points(sequence, results.points, &mut write);
+    // Neither the packets nor this port can fail.
+    let _ = send_frame(&head, results.matches, &mut write);
+    let mut stream = PointStream::new(sequence);
+    memory.for_each_point(&session.params, dims, |point| {
+        let _ = stream.push(&point, &mut write);
+    });
+    let _ = stream.finish(&mut write);
 }
 
 fn write(message: &Message, output: &mut impl ByteSink) {
