@@ -127,14 +127,14 @@ impl<const SEGMENTS: usize, const POINTS: usize> Default for Output<SEGMENTS, PO
 pub struct Plan {
     dims: Dims,
     params: Params,
-    models: Models,
+    models: &'static Models,
 }
 
 impl Params {
     /// Checks everything once, for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
-        Ok(Plan { dims, params: self, models: FITTED })
+        Ok(Plan { dims, params: self, models: &FITTED })
     }
 }
 
@@ -161,7 +161,7 @@ struct Lists<'a> {
 impl Plan {
     /// The same plan with other confidence models.
     #[must_use]
-    pub fn with_models(self, models: Models) -> Self {
+    pub fn with_models(self, models: &'static Models) -> Self {
         Self { models, ..self }
     }
 
@@ -222,7 +222,7 @@ impl Plan {
     ) {
         let mut report = Report {
             params: &self.params,
-            models: &self.models,
+            models: self.models,
             dims: self.dims,
             candidates: &mut scratch.candidates,
             places: &scratch.places,
@@ -302,7 +302,7 @@ impl Plan {
 
         // Three matchings of each, aggregation, ownership.
         m.candidates.clear();
-        let context = MatchContext::new(&self.params, &self.models, self.dims, m.right, row_offset_q5);
+        let context = MatchContext::new(&self.params, self.models, self.dims, m.right, row_offset_q5);
         let Some(mut band) = Band::new(left, right, (row_offset_q5 + 16) >> 5, m.rows) else { return Ok(()) };
         for segment in m.left.iter() {
             band.advance_for(segment);
@@ -324,7 +324,7 @@ impl Plan {
         observer.ended(Step::Consistency(m.candidates));
         let report = Report {
             params: &self.params,
-            models: &self.models,
+            models: self.models,
             dims: self.dims,
             candidates: m.candidates,
             places: m.places,

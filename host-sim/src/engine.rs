@@ -56,10 +56,10 @@ impl Engine {
         Ok(Self { plan, scratch: Box::new(PcScratch::new()), output: Box::new(Output::new()) })
     }
 
-    /// The same engine with other confidence models.
+    /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     #[must_use]
     pub fn with_models(self, models: Models) -> Self {
-        Self { plan: self.plan.with_models(models), ..self }
+        Self { plan: self.plan.with_models(Box::leak(Box::new(models))), ..self }
     }
 
     /// What passed the hard tests of the last run, with its evidence.
