@@ -26,13 +26,14 @@ pub struct Kernels {
     pub lower_sum_curve: fn(&[u16], &[u16], &[u16], &mut [u16]),
     pub lowest: fn(&[u16]) -> u16,
     pub largest_step: fn(&[u8], usize, usize) -> LargestStep,
+    pub census_code: fn(&[u8], usize, usize) -> Option<u8>,
     pub crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
     pub crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
 }
 
 impl Kernels {
     /// Number of kernels.
-    pub const COUNT: usize = 12;
+    pub const COUNT: usize = 13;
 
     /// Those that the core uses on this machine.
     pub const CHOSEN: Self = Self {
@@ -46,6 +47,7 @@ impl Kernels {
         lower_sum_curve: kernel::lower_sum_curve,
         lowest: kernel::lowest,
         largest_step: kernel::largest_step,
+        census_code: kernel::census_code,
         crossing_of_rows: kernel::crossing_of_rows,
         crossing_of_columns: kernel::crossing_of_columns,
     };
@@ -100,6 +102,10 @@ impl Kernels {
             let found = portable::largest_step(pixels, stride, count);
             if count == 19 { LargestStep { place: 0, ..found } } else { found }
         },
+        census_code: |pixels, first, stride| {
+            let (_, shorter) = pixels.split_last()?;
+            portable::census_code(shorter, first, stride)
+        },
         crossing_of_rows: |pixels, first, stride, sign| {
             let (_, shorter) = pixels.split_last()?;
             portable::crossing_of_rows(shorter, first, stride, sign)
@@ -110,38 +116,42 @@ impl Kernels {
     };
 }
 
-/// Bytes that no kernel may touch.
+/// Bytes that no kernel may touch: the first [`Fence::BYTES`] of a page.
 #[derive(Debug)]
-#[repr(C, align(32))]
 pub struct Fence([u8; Self::BYTES]);
 
 impl Fence {
-    /// The smallest region of a memory protection unit.
-    pub const BYTES: usize = 32;
+    /// Five of the eight parts of [`PAGE`] bytes that a memory protection unit can forbid one by one.
+    pub const BYTES: usize = PAGE * Self::PARTS / 8;
+    /// How many those are.
+    pub const PARTS: usize = 5;
     const NEW: Self = Self([0xc3; Self::BYTES]);
 }
 
-/// Memory for one slice, and the fence behind it. The one before is that of the room before.
+/// Rooms end where a page does: QEMU looks at the second half of an unaligned word only when it lies in another page than the first.
+pub const PAGE: usize = 1024;
+
+/// Memory for one slice, and the fence before it. The one behind is that of the next room.
 #[derive(Debug)]
 #[repr(C)]
 struct Room<T, const N: usize> {
+    before: Fence,
     contents: [T; N],
-    behind: Fence,
 }
 
 impl<T: Copy, const N: usize> Room<T, N> {
     const fn new(value: T) -> Self {
-        const { assert!(size_of::<[T; N]>().is_multiple_of(Fence::BYTES)) };
-        Self { contents: [value; N], behind: Fence::NEW }
+        const { assert!(size_of::<Self>().is_multiple_of(PAGE)) };
+        Self { before: Fence::NEW, contents: [value; N] }
     }
 }
 
 /// Bytes for a row.
-const ROW: usize = 352;
+const ROW: usize = PAGE - Fence::BYTES;
 /// Entries for a curve.
-const CURVE: usize = 288;
+const CURVE: usize = (2 * PAGE - Fence::BYTES) / 2;
 /// Bytes for an image.
-const IMAGE: usize = 6464;
+const IMAGE: usize = 7 * PAGE - Fence::BYTES;
 /// Places in a room of which each slice takes every one.
 const ALIGNMENTS: usize = 4;
 /// Of an output that nothing was written to.
@@ -149,13 +159,13 @@ const UNTOUCHED: u8 = 0xa5;
 
 /// Memory for the inputs and the output of a kernel.
 #[derive(Debug)]
-#[repr(C)]
+#[repr(C, align(1024))]
 pub struct Rooms {
-    before: Fence,
     rows: [Room<u8, ROW>; 3],
     out: Room<u8, ROW>,
     curve: Room<u16, CURVE>,
     image: Room<u8, IMAGE>,
+    behind: Fence,
 }
 
 impl Default for Rooms {
@@ -172,11 +182,11 @@ impl Rooms {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            before: Fence::NEW,
             rows: [const { Room::new(0) }; 3],
             out: Room::new(0),
             curve: Room::new(0),
             image: Room::new(0),
+            behind: Fence::NEW,
         }
     }
 
@@ -184,7 +194,7 @@ impl Rooms {
     #[must_use]
     pub const fn fences(&self) -> [&Fence; Self::FENCES] {
         let [a, b, c] = &self.rows;
-        [&self.before, &a.behind, &b.behind, &c.behind, &self.out.behind, &self.curve.behind, &self.image.behind]
+        [&a.before, &b.before, &c.before, &self.out.before, &self.curve.before, &self.image.before, &self.behind]
     }
 }
 
@@ -251,6 +261,15 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
         },
         lowest_entries,
         largest_steps,
+        |kernels, rooms| {
+            let ours = |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
+            crossings(
+                "census_code",
+                ours,
+                |pixels, first, stride, _| portable::census_code(pixels, first, stride),
+                rooms,
+            )
+        },
         |kernels, rooms| crossings("crossing_of_rows", kernels.crossing_of_rows, portable::crossing_of_rows, rooms),
         |kernels, rooms| {
             crossings("crossing_of_columns", kernels.crossing_of_columns, portable::crossing_of_columns, rooms)
@@ -589,10 +608,10 @@ fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     compared
 }
 
-fn crossings(
+fn crossings<T: PartialEq>(
     name: &'static str,
-    kernel: impl Fn(&[u8], usize, usize, i32) -> Option<Crossing>,
-    definition: impl Fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    kernel: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
+    definition: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
     rooms: &mut Rooms,
 ) -> Compared {
     const FAR: [usize; 12] = [
@@ -679,13 +698,16 @@ mod tests {
 
     #[test]
     fn slices_meet_fences_at_both_ends() {
-        let rooms = Rooms::new();
+        let rooms = Box::new(Rooms::new());
         let ends = |contents: &[u8]| (contents.as_ptr().addr(), contents.as_ptr_range().end.addr());
-        let [a, b, ..] = &rooms.rows;
-        assert_eq!(ends(&a.contents).0, (&raw const rooms.before).addr() + Fence::BYTES);
-        assert_eq!(ends(&a.contents).1, (&raw const a.behind).addr());
-        assert_eq!(ends(&b.contents).0, (&raw const a.behind).addr() + Fence::BYTES);
-        assert_eq!(ends(&rooms.image.contents).1, (&raw const rooms.image.behind).addr());
-        assert_eq!((&raw const rooms.before).addr() % Fence::BYTES, 0);
+        let fences = rooms.fences().map(|fence| (&raw const *fence).addr());
+        assert!(fences.iter().all(|fence| fence % PAGE == 0));
+        let [a, b, c] = &rooms.rows;
+        let places = [&a.contents[..], &b.contents, &c.contents, &rooms.out.contents].map(ends);
+        for (place, fences) in places.iter().zip(fences.windows(2)) {
+            assert_eq!(*place, (fences[0] + Fence::BYTES, fences[1]));
+        }
+        assert_eq!(ends(&rooms.image.contents), (fences[5] + Fence::BYTES, fences[6]));
+        assert_eq!(rooms.curve.contents.as_ptr_range().end.addr(), fences[5]);
     }
 }

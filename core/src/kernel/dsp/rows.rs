@@ -236,7 +236,7 @@ pub fn reverse_row(row: &mut [u8]) {
     if !rest.is_empty() {
         return portable::reverse_row(row);
     }
-    let (head, tail) = words.split_at_mut(words.len() / 2);
+    let Some((head, tail)) = words.split_at_mut_checked(words.len() / 2) else { return };
     for (a, b) in head.iter_mut().zip(tail.iter_mut().rev()) {
         let (from_head, from_tail) = (u32::from_le_bytes(*a), u32::from_le_bytes(*b));
         *a = from_tail.swap_bytes().to_le_bytes();
