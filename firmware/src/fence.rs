@@ -1,6 +1,6 @@
 //! Forbidden memory around the inputs and outputs of kernels: reading or writing it is a fault.
 
-use crate::programs::kernels::{Fence, PAGE, Rooms};
+use crate::programs::kernels::{Fence, Rooms};
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::MPU;
@@ -36,11 +36,9 @@ const FIRST_REGION: u32 = 1;
 fn forbid(region: u32, fence: &Fence) {
     /// The address and number of the region are those given (Armv7-M reference manual, B3.5.8).
     const VALID: u32 = 1 << 4;
-    /// The parts of the page behind the fence stay as they are (B3.5.9).
-    const NOT_THE_REST: u32 = (0xff << Fence::PARTS & 0xff) << 8;
-    /// Never executed, no access, 2^10 bytes, enabled.
-    const NO_ACCESS: u32 = 1 << 28 | NOT_THE_REST | 9 << 1 | 1;
-    const { assert!(PAGE == 1 << 10 && align_of::<Rooms>() == PAGE) };
+    /// Never executed, no access, 2^9 bytes, enabled (B3.5.9).
+    const NO_ACCESS: u32 = 1 << 28 | 8 << 1 | 1;
+    const { assert!(Fence::BYTES == 1 << 9 && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
     // SAFETY: nothing else writes these regions, and nothing else lies in a fence.
     unsafe {
         let mpu = &*MPU::PTR;

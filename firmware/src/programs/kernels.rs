@@ -116,20 +116,19 @@ impl Kernels {
     };
 }
 
-/// Bytes that no kernel may touch: the first [`Fence::BYTES`] of a page.
+/// Bytes that no kernel may touch: the first half of a page.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Fence([u8; Self::BYTES]);
 
 impl Fence {
-    /// Five of the eight parts of [`PAGE`] bytes that a memory protection unit can forbid one by one.
-    pub const BYTES: usize = PAGE * Self::PARTS / 8;
-    /// How many those are.
-    pub const PARTS: usize = 5;
+    /// A power of two, as memory protection units want it.
+    pub const BYTES: usize = PAGE / 2;
     const NEW: Self = Self([0xc3; Self::BYTES]);
 }
 
-/// Rooms end where a page does: QEMU looks at the second half of an unaligned word only when it lies in another page than the first.
-pub const PAGE: usize = 1024;
+/// Rooms end where a page does: QEMU looks at the end of an unaligned word only when it lies in another page than the start.
+const PAGE: usize = 1024;
 
 /// Memory for one slice, and the fence before it. The one behind is that of the next room.
 #[derive(Debug)]
