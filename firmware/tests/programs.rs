@@ -133,7 +133,10 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
         }
     }
-    assert_eq!((&matches[..], &points[..]), (memory.results().matches, memory.results().points));
+    let mut listed = Vec::new();
+    memory.for_each_point(&linestereo::Params::DEFAULT, DIMS, |point| listed.push(point));
+    assert!(points == listed && !listed.is_empty(), "{} points instead of {}", points.len(), listed.len());
+    assert_eq!(matches, memory.results().matches);
     assert_eq!(heads.iter().map(|head| head.capture_time_us).collect::<Vec<_>>(), [2000, 4000]);
     let name: Name = "width".try_into().unwrap();
     let too_wide = Refusal::OutOfRange { name, value: 161, low: 16, high: 160 };
