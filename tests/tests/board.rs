@@ -258,7 +258,8 @@ fn a_live_board_answers_on_its_port() {
     let mut twin = Twin::of(&board);
     for (sequence, case) in (0..3).zip(Case::all(&board)) {
         let (left, right) = paint(&case);
-        let expected = twin.run(&Params::default(), &left, &right).unwrap();
+        let mut expected = twin.run(&Params::default(), &left, &right).unwrap();
+        expected.counts.points = 0; // a live board sends segments alone
         let Message::Frame(head) = running.message() else { panic!("a frame was expected") };
         assert_eq!((head.sequence, head.counts), (sequence, expected.counts));
         let mut matches = Vec::new();

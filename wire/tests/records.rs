@@ -252,7 +252,7 @@ fn what_the_core_refuses_is_refused_by_name() {
     let cases = [
         (ParamUpdate { max_disparity: Some(320), ..none }, "max_disparity is 320, allowed are 8 to 256"),
         (ParamUpdate { min_disparity: Some(1), ..none }, "min_disparity is 1, allowed are -32 to 0"),
-        (ParamUpdate { edge_gradient: Some(49), ..none }, "edge_gradient is 41, allowed are 4 to 40"),
+        (ParamUpdate { edge_gradient: Some(49), ..none }, "edge_gradient is 49, allowed are 4 to 48"),
         (ParamUpdate { min_confidence_q16: Some(0), ..none }, "min_confidence (percent) is 0, allowed are 10 to 99"),
         (
             ParamUpdate { margin: Some(MarginUpdate::MetresQ16 { nearer: 1, farther: 1 }), ..none },
