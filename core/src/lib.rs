@@ -54,6 +54,7 @@ mod matching;
 mod observe;
 mod params;
 mod pipeline;
+mod rectify;
 mod report;
 mod result;
 mod rig;
@@ -69,6 +70,9 @@ pub use matching::{Candidate, Side};
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
+pub use rectify::{
+    Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Rectification, RectifyError, View,
+};
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
 pub use rig::{Rig, RigError};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

@@ -1,6 +1,7 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
 pub mod board;
+pub mod calibration;
 pub mod commands;
 pub mod draw;
 pub mod engine;

@@ -1,0 +1,142 @@
+//! Two cameras and the pose between them: what a calibration finds, and what a board stores.
+#![allow(clippy::float_arithmetic, reason = "set-up")]
+
+use super::camera::Camera;
+use super::turn::{half, matrix};
+use core::fmt;
+use nalgebra::Vector3;
+
+/// Which camera of the pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eye {
+    /// The reference.
+    Left,
+    /// The other.
+    Right,
+}
+
+impl Eye {
+    /// Both, the reference first.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+}
+
+/// A calibrated pair: a point at `X` in the left camera's coordinates is at `R X + t` in the right one's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    left: Camera,
+    right: Camera,
+    rotation: [f64; 4],
+    translation: [f64; 3],
+}
+
+/// Why two cameras are no stereo pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CalibrationError {
+    /// The images of the two cameras differ in size.
+    SizesDiffer,
+    /// The quaternion's length is not 1 (within 1 %), or it is not finite.
+    Rotation,
+    /// The cameras are turned against each other by more than 60 degrees.
+    Turned,
+    /// The baseline is outside 0.0001 ..= 100 m, or not finite.
+    Baseline(f64),
+    /// The right camera lies to the left of the left one.
+    Swapped,
+    /// The cameras lie above each other, or one behind the other, more than side by side.
+    NotSideBySide,
+}
+
+impl fmt::Display for CalibrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::SizesDiffer => write!(f, "the images of the two cameras differ in size"),
+            Self::Rotation => write!(f, "the rotation between the cameras is no unit quaternion"),
+            Self::Turned => write!(f, "the cameras are turned against each other by more than 60 degrees"),
+            Self::Baseline(v) => write!(f, "baseline {v} m is outside 0.0001 to 100"),
+            Self::Swapped => write!(f, "the right camera lies to the left of the left one: exchange their images"),
+            Self::NotSideBySide => write!(f, "the cameras do not lie side by side"),
+        }
+    }
+}
+
+impl core::error::Error for CalibrationError {}
+
+impl Calibration {
+    /// A pair from its cameras, the rotation as a unit quaternion `[w, x, y, z]` and the translation in metres.
+    pub fn new(
+        left: Camera,
+        right: Camera,
+        rotation: [f64; 4],
+        translation: [f64; 3],
+    ) -> Result<Self, CalibrationError> {
+        if left.dims() != right.dims() {
+            return Err(CalibrationError::SizesDiffer);
+        }
+        let length = libm::sqrt(rotation.iter().map(|q| q * q).sum());
+        if !(0.99..=1.01).contains(&length) {
+            return Err(CalibrationError::Rotation);
+        }
+        let sign = if rotation[0] < 0.0 { -length } else { length };
+        let rotation = rotation.map(|q| q / sign);
+        if rotation[0] < 0.866 {
+            return Err(CalibrationError::Turned);
+        }
+        let baseline = libm::sqrt(translation.iter().map(|t| t * t).sum());
+        if !(0.0001..=100.0).contains(&baseline) {
+            return Err(CalibrationError::Baseline(baseline));
+        }
+        let calibration = Self { left, right, rotation, translation };
+        let [x, ..] = calibration.direction();
+        if x < -0.7 {
+            return Err(CalibrationError::Swapped);
+        }
+        if x < 0.7 {
+            return Err(CalibrationError::NotSideBySide);
+        }
+        Ok(calibration)
+    }
+
+    /// One of the cameras.
+    #[must_use]
+    pub fn camera(&self, eye: Eye) -> &Camera {
+        match eye {
+            Eye::Left => &self.left,
+            Eye::Right => &self.right,
+        }
+    }
+
+    /// Rotation from left to right coordinates, unit quaternion `[w, x, y, z]`, w >= 0.
+    #[must_use]
+    pub fn rotation(&self) -> [f64; 4] {
+        self.rotation
+    }
+
+    /// Translation from left to right coordinates in metres.
+    #[must_use]
+    pub fn translation(&self) -> [f64; 3] {
+        self.translation
+    }
+
+    /// Distance between the cameras in metres.
+    #[must_use]
+    pub fn baseline(&self) -> f64 {
+        libm::sqrt(self.translation.iter().map(|t| t * t).sum())
+    }
+
+    /// Unit vector from the left to the right camera, in coordinates turned half way from one to the other.
+    fn direction(&self) -> [f64; 3] {
+        let t = matrix(half(self.rotation)).tr_mul(&Vector3::from(self.translation));
+        (t / -self.baseline()).into()
+    }
+
+    /// Rotations from each camera's coordinates to common ones whose x axis runs along the baseline, as rows: each camera turns half of the
+    /// way to the other, then both turn as little as possible (Bouguet's choice, as OpenCV's `stereoRectify`).
+    pub(crate) fn common_rotations(&self) -> [[[f64; 3]; 3]; 2] {
+        let half = matrix(half(self.rotation));
+        let [x, y, z] = self.direction();
+        // The shortest rotation that takes the direction to the x axis: about their cross product (0, z, -y).
+        let length = libm::sqrt(2.0 * (1.0 + x));
+        let align = matrix([length / 2.0, 0.0, z / length, -y / length]);
+        [align * half, align * half.transpose()].map(|m| m.transpose().into())
+    }
+}

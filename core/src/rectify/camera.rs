@@ -1,0 +1,287 @@
+//! One camera: rays to raw pixels and back.
+//!
+//! In: focal lengths, centre, skew and lens, checked once. Out: where a ray lands in the raw image. Set-up only: floating point.
+//!
+//! ```text
+//! (x, y) = (X/Z, Y/Z)                              normalised plane
+//! (x', y') = lens(x, y)                            Brown-Conrady or equidistant fisheye
+//! u = fx x' + skew y' + cx,   v = fy y' + cy       pixels; whole numbers are pixel centres
+//! ```
+//!
+//! # Source
+//! Brown, "Close-range camera calibration", 1971, and Conrady, 1919, in the form and with the names of OpenCV (k1 k2 p1 p2 k3); Kannala and
+//! Brandt, 2006, in the form of OpenCV's and Kalibr's equidistant fisheye model (k1 .. k4).
+#![allow(clippy::float_arithmetic, reason = "set-up")]
+
+use crate::image::Dims;
+use core::fmt;
+
+/// Rays further off the axis than this (tangent of the angle, 76 degrees) are not looked at: a flat rectified image cannot show them.
+pub const MAX_TANGENT: f64 = 4.0;
+
+/// Steps in which a lens is tested for folding.
+const STEPS: u32 = 512;
+
+/// What a lens does to the normalised plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// Radial (barrel, pincushion, and both at once: mustache) and tangential.
+    BrownConrady {
+        /// Radial: `1 + k1 r^2 + k2 r^4 + k3 r^6`.
+        k: [f64; 3],
+        /// Tangential: `2 p1 x y + p2 (r^2 + 2 x^2)`, `p1 (r^2 + 2 y^2) + 2 p2 x y`.
+        p: [f64; 2],
+    },
+    /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of `tan(theta)`.
+    Fisheye {
+        /// Of the polynomial in the angle.
+        k: [f64; 4],
+    },
+}
+
+impl Lens {
+    /// No distortion.
+    pub const NONE: Self = Self::BrownConrady { k: [0.0; 3], p: [0.0; 2] };
+
+    /// Where the lens puts a point of the normalised plane. It may fold far outside of the image: [`Camera::project`] knows where.
+    #[must_use]
+    pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let factor = self.radial(x * x + y * y);
+        let [dx, dy] = self.tangential([x, y]);
+        [x * factor + dx, y * factor + dy]
+    }
+
+    /// Distorted over undistorted radius, by the square of the latter.
+    fn radial(&self, s: f64) -> f64 {
+        match *self {
+            Self::BrownConrady { k: [k1, k2, k3], .. } => 1.0 + s * (k1 + s * (k2 + s * k3)),
+            Self::Fisheye { k: [k1, k2, k3, k4] } => {
+                let r = libm::sqrt(s);
+                let theta = libm::atan(r);
+                let t = theta * theta;
+                let ratio = if r > 1e-9 { theta / r } else { 1.0 };
+                ratio * (1.0 + t * (k1 + t * (k2 + t * (k3 + t * k4))))
+            }
+        }
+    }
+
+    fn tangential(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match *self {
+            Self::BrownConrady { p: [p1, p2], .. } => {
+                let s = x * x + y * y;
+                [2.0 * p1 * x * y + p2 * (s + 2.0 * x * x), p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y]
+            }
+            Self::Fisheye { .. } => [0.0; 2],
+        }
+    }
+
+    /// Radius up to which a larger angle always lands further out.
+    fn limit(&self) -> f64 {
+        let step = MAX_TANGENT / f64::from(STEPS);
+        let mut last = 0.0;
+        for i in 1..=STEPS {
+            let r = f64::from(i) * step;
+            let distorted = r * self.radial(r * r);
+            if distorted <= last {
+                return f64::from(i - 1) * step;
+            }
+            last = distorted;
+        }
+        MAX_TANGENT
+    }
+
+    fn coefficients(&self) -> impl Iterator<Item = f64> {
+        let (a, b): ([f64; 4], [f64; 2]) = match *self {
+            Self::BrownConrady { k: [k1, k2, k3], p } => ([k1, k2, k3, 0.0], p),
+            Self::Fisheye { k } => (k, [0.0; 2]),
+        };
+        a.into_iter().chain(b)
+    }
+}
+
+/// Which number of a camera is unusable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CameraError {
+    /// A side of the raw image is outside 16 ..= 4096 px.
+    Dims(Dims),
+    /// A focal length is outside 1 ..= 100 000 px or not finite.
+    Focal(f64),
+    /// The centre is further than one image size outside the image, or not finite.
+    Centre([f64; 2]),
+    /// The skew is outside -1000 ..= 1000 px or not finite.
+    Skew(f64),
+    /// A lens coefficient is outside -1000 ..= 1000 or not finite.
+    Lens(f64),
+    /// The lens folds the image over before this tangent of the viewing angle, which lies inside the image.
+    Folds(f64),
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Dims(dims) => write!(f, "a raw image of {dims} is outside 16x16 to 4096x4096"),
+            Self::Focal(v) => write!(f, "focal length {v} px is outside 1 to 100000"),
+            Self::Centre([x, y]) => write!(f, "the optical centre ({x}, {y}) px lies far outside the image"),
+            Self::Skew(v) => write!(f, "skew {v} px is outside -1000 to 1000"),
+            Self::Lens(v) => write!(f, "lens coefficient {v} is outside -1000 to 1000"),
+            Self::Folds(v) => {
+                write!(f, "the lens coefficients fold the image over at a tangent of {v:.2}, inside the image")
+            }
+        }
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+/// A calibrated camera.
+///
+/// ```
+/// use linestereo::{Camera, Dims, Lens};
+/// let dims = Dims { width: 640, height: 480 };
+/// let lens = Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [0.0; 2] };
+/// let camera = Camera::new(dims, [500.0, 500.0], [319.5, 239.5], 0.0, lens)?;
+/// assert_eq!(camera.project([0.0, 0.0, 2.0]), Some([319.5, 239.5]));
+/// let [x, y] = camera.unproject([100.0, 50.0]).unwrap();
+/// let [u, v] = camera.project([x, y, 1.0]).unwrap();
+/// assert!((u - 100.0).abs() < 1e-6 && (v - 50.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    dims: Dims,
+    focal: [f64; 2],
+    centre: [f64; 2],
+    skew: f64,
+    lens: Lens,
+    /// Largest tangent of the viewing angle at which the lens does not fold.
+    limit: f64,
+}
+
+impl Camera {
+    /// A camera from the size of its raw images, focal lengths `[fx, fy]`, centre `[cx, cy]` and skew in px, and its lens.
+    pub fn new(dims: Dims, focal: [f64; 2], centre: [f64; 2], skew: f64, lens: Lens) -> Result<Self, CameraError> {
+        if !(16..=4096).contains(&dims.width) || !(16..=4096).contains(&dims.height) {
+            return Err(CameraError::Dims(dims));
+        }
+        if let Some(&wrong) = focal.iter().find(|f| !(1.0..=100_000.0).contains(*f)) {
+            return Err(CameraError::Focal(wrong));
+        }
+        let inside = |c: f64, side: u16| (-f64::from(side)..=2.0 * f64::from(side)).contains(&c);
+        let [cx, cy] = centre;
+        if !inside(cx, dims.width) || !inside(cy, dims.height) {
+            return Err(CameraError::Centre(centre));
+        }
+        if !(-1000.0..=1000.0).contains(&skew) {
+            return Err(CameraError::Skew(skew));
+        }
+        if let Some(wrong) = lens.coefficients().find(|k| !(-1000.0..=1000.0).contains(k)) {
+            return Err(CameraError::Lens(wrong));
+        }
+        let camera = Self { dims, focal, centre, skew, lens, limit: lens.limit() };
+        // The middle of each border must be visible: a lens that folds before that is no calibration of this image.
+        let (right, bottom) = (f64::from(dims.width - 1), f64::from(dims.height - 1));
+        for border in [[0.0, cy], [right, cy], [cx, 0.0], [cx, bottom]] {
+            if camera.is_inside(border) && camera.unproject(border).is_none() && camera.limit < MAX_TANGENT {
+                return Err(CameraError::Folds(camera.limit));
+            }
+        }
+        Ok(camera)
+    }
+
+    /// Size of the raw images.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.dims
+    }
+
+    /// `[fx, fy]` in px.
+    #[must_use]
+    pub fn focal(&self) -> [f64; 2] {
+        self.focal
+    }
+
+    /// `[cx, cy]` in px.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 2] {
+        self.centre
+    }
+
+    /// Skew in px.
+    #[must_use]
+    pub fn skew(&self) -> f64 {
+        self.skew
+    }
+
+    /// The lens.
+    #[must_use]
+    pub fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    /// Is this position between the centres of the outermost raw pixels, where an image can be interpolated?
+    #[must_use]
+    pub fn is_inside(&self, [u, v]: [f64; 2]) -> bool {
+        (0.0..=f64::from(self.dims.width - 1)).contains(&u) && (0.0..=f64::from(self.dims.height - 1)).contains(&v)
+    }
+
+    /// Raw pixel of a ray in this camera's coordinates (x right, y down, z forward); may lie outside the image. `None` behind the camera,
+    /// beyond [`MAX_TANGENT`], and where the lens folds.
+    #[must_use]
+    pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
+        if z <= 0.0 {
+            return None;
+        }
+        let (x, y) = (x / z, y / z);
+        let radius = libm::sqrt(x * x + y * y);
+        (radius <= self.limit).then(|| self.pixel(self.lens.distort([x, y])))
+    }
+
+    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let ([fx, fy], [cx, cy]) = (self.focal, self.centre);
+        [fx * x + self.skew * y + cx, fy * y + cy]
+    }
+
+    /// Point of the normalised plane (z = 1) that lands on a raw pixel, to 1e-9; `None` where no ray does.
+    ///
+    /// # Cost
+    /// A few thousand floating-point operations: the radius by bisection, the tangential part by iteration.
+    #[must_use]
+    pub fn unproject(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        let ([fx, fy], [cx, cy]) = (self.focal, self.centre);
+        let y = (v - cy) / fy;
+        let x = (u - cx - self.skew * y) / fx;
+        let mut point = [x, y];
+        for _ in 0..20 {
+            let [tx, ty] = self.lens.tangential(point);
+            let (rx, ry) = (x - tx, y - ty);
+            let distorted = libm::sqrt(rx * rx + ry * ry);
+            let radius = self.radius(distorted)?;
+            let scale = if distorted > 1e-12 { radius / distorted } else { 1.0 };
+            let next = [rx * scale, ry * scale];
+            let moved = (next[0] - point[0]).abs().max((next[1] - point[1]).abs());
+            point = next;
+            if moved < 1e-12 {
+                break;
+            }
+        }
+        let [u2, v2] = self.pixel(self.lens.distort(point));
+        ((u2 - u).abs() < 1e-6 && (v2 - v).abs() < 1e-6).then_some(point)
+    }
+
+    /// Undistorted radius of a distorted one, without the tangential part.
+    fn radius(&self, distorted: f64) -> Option<f64> {
+        let (mut low, mut high) = (0.0, self.limit);
+        if high * self.lens.radial(high * high) < distorted {
+            return None;
+        }
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if middle * self.lens.radial(middle * middle) < distorted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some((low + high) / 2.0)
+    }
+}
