@@ -2,7 +2,7 @@
 //!
 //! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row (column, when near-horizontal) of the segment.
 
-use crate::image::Dims;
+use crate::image::{Dims, Gray, Span};
 use crate::matching::Candidate;
 use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
@@ -10,19 +10,59 @@ use crate::matching::flat::FlatLine;
 /// The first claim of a near-horizontal segment lies one pixel further off: its rows, not its columns, were matched.
 const FLAT_OFFSET: i32 = 1;
 
+/// Where disparities may be claimed: the size of both images and their usable pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Views<'a> {
+    dims: Dims,
+    left: &'a [Span],
+    right: &'a [Span],
+}
+
+impl<'a> Views<'a> {
+    /// Of a pair of the same size.
+    #[must_use]
+    pub fn of(left: Gray<'a>, right: Gray<'a>) -> Self {
+        Self { dims: left.dims(), left: left.usable(), right: right.usable() }
+    }
+
+    /// Of pairs whose pixels are all usable.
+    #[must_use]
+    pub const fn whole(dims: Dims) -> Self {
+        Self { dims, left: &[], right: &[] }
+    }
+
+    pub(crate) fn dims(&self) -> Dims {
+        self.dims
+    }
+
+    /// May the left pixel claim this disparity? Both it and its match have to be usable.
+    fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
+        let right_q6 = (x << 6) - d_q6;
+        let usable = |spans: &[Span], x: i32| {
+            let span = usize::try_from(y).ok().and_then(|y| spans.get(y));
+            span.is_none_or(|span| span.contains(x))
+        };
+        (0..i32::from(self.dims.width)).contains(&x)
+            && (0..i32::from(self.dims.height)).contains(&y)
+            && (0..i32::from(self.dims.width) << 6).contains(&right_q6)
+            && usable(self.left, x)
+            && usable(self.right, (right_q6 + 32) >> 6)
+    }
+}
+
 impl Candidate {
     /// Calls `claim(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or above). Pixels outside
-    /// the image, or whose match lies outside the right image, are left out.
-    pub fn for_each_pixel(&self, side: usize, distance: u16, dims: Dims, mut claim: impl FnMut(u16, u16, i32)) {
+    /// the image, or whose match lies outside the right image, are left out, and so are those that are not usable.
+    pub fn for_each_pixel(&self, side: usize, distance: u16, views: Views<'_>, mut claim: impl FnMut(u16, u16, i32)) {
         let Some(Some(owner)) = self.sides.get(side) else { return };
         let sign = if side == 0 { -1 } else { 1 };
         let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
         let [d0, d1] = owner.disparity_q6.map(i32::from);
         let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
             let d_q6 = edge_q6 + ((i32::from(owner.across_q10) * off) >> 4);
-            let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y)) else { return };
-            let right_q6 = (x << 6) - d_q6;
-            if column < dims.width && row < dims.height && (0..i32::from(dims.width) << 6).contains(&right_q6) {
+            if views.allow(x, y, d_q6)
+                && let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y))
+            {
                 claim(column, row, d_q6);
             }
         };

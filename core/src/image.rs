@@ -20,6 +20,58 @@ pub struct Dims {
     pub height: u16,
 }
 
+/// Columns `start .. end` of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Span {
+    /// First column.
+    pub start: u16,
+    /// The column after the last one; equal to `start` when there is none.
+    pub end: u16,
+}
+
+impl Span {
+    pub(crate) fn contains(self, x: i32) -> bool {
+        (i32::from(self.start)..i32::from(self.end)).contains(&x)
+    }
+
+    fn common(self, other: Self) -> Self {
+        let start = self.start.max(other.start);
+        Self { start, end: self.end.min(other.end).max(start) }
+    }
+}
+
+/// What is read of an image lies at most so many pixels from a usable one.
+pub const MARGIN: u16 = 4;
+
+/// Spans of pixels with content -> spans of pixels that are usable: everything within [`MARGIN`] of them has content. What lies outside of
+/// the image counts as content, because borders are treated everywhere. Rows of the image in order; done once, it does not change with frames.
+///
+/// ```
+/// use linestereo::{Span, shrink_to_usable};
+/// let mut spans = [Span { start: 3, end: 40 }; 20];
+/// spans[0].end = 0; // nothing in the first row
+/// shrink_to_usable(&mut spans, 40);
+/// assert!(spans[..5].iter().all(|span| span.start == span.end));
+/// assert!(spans[5..].iter().all(|&span| span == Span { start: 7, end: 40 }));
+/// ```
+pub fn shrink_to_usable(spans: &mut [Span], width: u16) {
+    for _ in 0..MARGIN {
+        let mut above = None::<Span>;
+        for y in 0..spans.len() {
+            let below = spans.get(y + 1).copied();
+            let Some(span) = spans.get_mut(y) else { break };
+            let here = *span;
+            *span = [above, below].into_iter().flatten().fold(here, Span::common);
+            above = Some(here);
+        }
+    }
+    for span in spans {
+        let start = if span.start > 0 { span.start.saturating_add(MARGIN) } else { 0 };
+        let end = if span.end < width { span.end.saturating_sub(MARGIN) } else { span.end };
+        *span = if start < end { Span { start, end } } else { Span::default() };
+    }
+}
+
 impl fmt::Display for Dims {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}x{}", self.width, self.height)
@@ -45,6 +97,20 @@ pub enum ViewError {
         /// Bytes given.
         given: usize,
     },
+    /// There is not one span of usable pixels for each row.
+    Spans {
+        /// Rows of the image.
+        rows: u16,
+        /// Spans given.
+        given: usize,
+    },
+    /// The span of this row starts after its end, or ends outside the image.
+    Span {
+        /// The row.
+        row: usize,
+        /// Its span.
+        span: Span,
+    },
 }
 
 impl fmt::Display for ViewError {
@@ -55,6 +121,10 @@ impl fmt::Display for ViewError {
             }
             Self::Stride { stride, width } => write!(f, "a stride of {stride} is shorter than a row of {width}"),
             Self::TooShort { needed, given } => write!(f, "the image needs {needed} bytes, {given} were given"),
+            Self::Spans { rows, given } => write!(f, "an image of {rows} rows has {given} spans of usable pixels"),
+            Self::Span { row, span: Span { start, end } } => {
+                write!(f, "the usable pixels {start} .. {end} of row {row} are no part of the image")
+            }
         }
     }
 }
@@ -75,6 +145,7 @@ pub struct Gray<'a> {
     pixels: &'a [u8],
     dims: Dims,
     stride: usize,
+    usable: &'a [Span],
 }
 
 impl<'a> Gray<'a> {
@@ -91,7 +162,32 @@ impl<'a> Gray<'a> {
         if pixels.len() < needed {
             return Err(ViewError::TooShort { needed, given: pixels.len() });
         }
-        Ok(Self { pixels, dims, stride })
+        Ok(Self { pixels, dims, stride, usable: &[] })
+    }
+
+    /// The same view, of which only these pixels are used, a span for each row: edges are found, and disparities claimed, nowhere else, and
+    /// what lies more than [`MARGIN`] pixels outside of them never influences a result. See [`shrink_to_usable`].
+    pub fn with_usable(self, spans: &'a [Span]) -> Result<Self, ViewError> {
+        if spans.len() != usize::from(self.dims.height) {
+            return Err(ViewError::Spans { rows: self.dims.height, given: spans.len() });
+        }
+        match spans.iter().position(|span| span.start > span.end || span.end > self.dims.width) {
+            Some(row) => Err(ViewError::Span { row, span: spans.get(row).copied().unwrap_or_default() }),
+            None => Ok(Self { usable: spans, ..self }),
+        }
+    }
+
+    /// The spans of [`Gray::with_usable`]; none when every pixel is usable.
+    #[must_use]
+    pub fn usable(self) -> &'a [Span] {
+        self.usable
+    }
+
+    /// Usable columns of a row; the nearest row's above and below the image.
+    pub(crate) fn usable_columns(self, y: i32) -> Span {
+        let last = i32::from(self.dims.height) - 1;
+        let whole = Span { start: 0, end: self.dims.width };
+        self.usable.get(y.max(0).min(last) as usize).copied().unwrap_or(whole)
     }
 
     /// Width and height.

@@ -61,8 +61,9 @@ mod rig;
 mod sort;
 mod units;
 
+pub use claims::Views;
 pub use confidence::{FITTED, Model, Models, NODES};
-pub use image::{Dims, Gray, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, ViewError};
+pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
 pub use lines::Segment;
 pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};

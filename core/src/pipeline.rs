@@ -1,5 +1,6 @@
 //! One rectified pair -> matches and points: the method, stage by stage.
 
+use crate::claims::Views;
 use crate::confidence::{FITTED, Models};
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
@@ -210,20 +211,21 @@ impl Plan {
         self.run_stages(left, right, memory, lists, observer)
     }
 
-    /// Hands every point of the last run with this plan and memory to `claim`, in the order and with the values of the list of points: for
+    /// Hands every point of the last run with this plan, pair and memory to `claim`, in the order and with the values of the list of points: for
     /// who has no memory for a list, and gave [`Output`] a capacity of 0.
     ///
     /// # Cost
     /// As the list: some 40 instructions a point.
     pub fn for_each_point<const R: usize, const M: usize, const S: usize, const C: usize>(
         &self,
+        views: Views<'_>,
         scratch: &mut Scratch<R, M, S, C>,
         mut claim: impl FnMut(PointClaim),
     ) {
         let mut report = Report {
             params: &self.params,
             models: self.models,
-            dims: self.dims,
+            views,
             candidates: &mut scratch.candidates,
             places: &scratch.places,
             order: &mut scratch.order,
@@ -325,7 +327,7 @@ impl Plan {
         let report = Report {
             params: &self.params,
             models: self.models,
-            dims: self.dims,
+            views: Views::of(left, right),
             candidates: m.candidates,
             places: m.places,
             order: m.order,

@@ -6,6 +6,7 @@
 //! matches: segments whose edge itself has one side's disparity with enough probability, most probable first
 //! ```
 
+use crate::claims::Views;
 use crate::confidence::Models;
 use crate::image::Dims;
 use crate::matching::consistency::{Place, for_each_contradiction};
@@ -31,7 +32,7 @@ pub(crate) struct Ranked {
 pub(crate) struct Report<'a> {
     pub(crate) params: &'a Params,
     pub(crate) models: &'a Models,
-    pub(crate) dims: Dims,
+    pub(crate) views: Views<'a>,
     pub(crate) candidates: &'a mut [Candidate],
     pub(crate) places: &'a [Place],
     pub(crate) order: &'a mut VecView<Ranked>,
@@ -146,8 +147,8 @@ impl Report<'_> {
                     }
                     let (confidence, source) = (Confidence::from_bits(probability), candidate.listed);
                     let marks = &mut *self.marks;
-                    candidate.for_each_pixel(index, distance, self.dims, |x, y, d_q6| {
-                        if !take(marks, self.dims, x, y) {
+                    candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
+                        if !take(marks, self.views.dims(), x, y) {
                             return;
                         }
                         if wanted {

@@ -1,7 +1,7 @@
 //! Frames, scratch memory and output of a board, with its capacities in the type.
 
 use crate::ports::Results;
-use linestereo::{Dims, Gray, Observer, Output, Params, PointClaim, Scratch, ViewError, mark_words, row_bytes};
+use linestereo::{Dims, Gray, Observer, Output, Params, PointClaim, Scratch, ViewError, Views, mark_words, row_bytes};
 use linestereo::{ParamError, SizeMismatch};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -125,7 +125,7 @@ impl<
 
     fn for_each_point(&mut self, params: &Params, dims: Dims, claim: impl FnMut(PointClaim)) {
         if let Ok(plan) = params.plan(dims) {
-            plan.for_each_point(&mut self.scratch, claim);
+            plan.for_each_point(Views::whole(dims), &mut self.scratch, claim);
         }
     }
 

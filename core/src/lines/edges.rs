@@ -9,7 +9,7 @@
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
 use super::{Chain, LineParams};
-use crate::image::Gray;
+use crate::image::{Gray, Span};
 use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
 use crate::units::quotient;
 
@@ -40,6 +40,8 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     breadth: i32,
     anchor: i32,
     edge: i32,
+    /// Usable columns of each row; none when all are.
+    usable: &'a [Span],
     /// A bit per position: a row of bits for each step.
     marks: &'a mut [u32],
 }
@@ -67,7 +69,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
-        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, marks }
+        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, usable: image.usable(), marks }
     }
 
     /// Draws every edge and hands each chain to `emit`.
@@ -78,7 +80,8 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             let mut from = BORDER;
             while from < self.breadth - BORDER {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
-                if let Some(anchor) = self.strongest(t, from, to)
+                if let Some((first, last)) = self.usable_part(t, from, to)
+                    && let Some(anchor) = self.strongest(t, first, last)
                     && let Some(chain) = self.draw(t, anchor, positions)
                 {
                     emit(chain);
@@ -87,6 +90,26 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             }
             t += scan;
         }
+    }
+
+    /// The part of a stretch that is usable, if it is in one piece.
+    fn usable_part(&self, t: i32, mut from: i32, mut to: i32) -> Option<(i32, i32)> {
+        if self.usable.is_empty() {
+            return Some((from, to));
+        }
+        while from < to && !self.is_usable(t, from) {
+            from += 1;
+        }
+        while to > from && !self.is_usable(t, to - 1) {
+            to -= 1;
+        }
+        (from < to && (from..to).all(|u| self.is_usable(t, u))).then_some((from, to))
+    }
+
+    #[inline]
+    fn is_usable(&self, t: i32, u: i32) -> bool {
+        let (x, y) = if DOWN { (u, t) } else { (t, u) };
+        self.usable.get(y as usize).is_none_or(|span| span.contains(x))
     }
 
     /// The pixel with the largest grey step between its neighbours, if it is one at which an edge may start.
@@ -141,7 +164,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// along the other direction, or was drawn before. Marks it.
     #[inline]
     fn ridge(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
-        if u < BORDER || u >= self.breadth - BORDER {
+        if u < BORDER || u >= self.breadth - BORDER || !self.is_usable(t, u) {
             return None;
         }
         let first = self.index(t, u - 3);

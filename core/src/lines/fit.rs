@@ -1,6 +1,6 @@
 //! Chain -> straight runs: incremental least squares over sub-pixel positions.
 //!
-//! In: one position across the edge per row (or column), in 1/32 px. Out: runs `first..=last` with their line.
+//! In: one position across the edge per step of rows (or columns), in 1/32 px. Out: runs `first..=last` of steps with their line.
 //!
 //! ```text
 //! seed: SEED positions whose line leaves no residual above TOLERANCE, else move on by one

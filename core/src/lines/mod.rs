@@ -5,7 +5,7 @@
 //! ```text
 //! for each direction (edges that run down the rows, then along the columns):
 //!     on every sixth row (column): anchors = local maxima of the gradient across the edge
-//!     from each anchor: follow the ridge both ways, one sub-pixel position per row     (edges)
+//!     from each anchor: follow the ridge both ways, one sub-pixel position per two rows (edges)
 //!     cut the chain into straight runs, least squares each                             (fit)
 //!     cut long runs into pieces
 //! ```
@@ -13,13 +13,13 @@
 //! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
 //!
 //! # Bounds
-//! A pixel is drawn at most once per direction (one bit each), so time is bounded by four gradient evaluations per pixel whatever the
-//! image shows; memory is two bits per pixel, one position per row or column, and the list.
+//! A position is drawn at most once per direction, so time is bounded by a few looks at each second row (column) of pixels whatever the
+//! image shows; memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
 //!
 //! # Source
 //! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011 (incremental least squares along a chain);
 //! Suarez et al.: "ELSED", 2022. We differ: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1,
-//! and each direction keeps one position per row, which makes a chain an array.
+//! and each direction keeps one position per step, which makes a chain an array.
 
 mod edges;
 mod fit;
@@ -101,7 +101,7 @@ pub struct LineParams {
     pub column_scan: i32,
 }
 
-/// Working memory of the detector: one bit per pixel and direction, one position per row or column.
+/// Working memory of the detector.
 #[derive(Debug)]
 pub struct LineScratch<'a> {
     /// [`mark_words`](crate::mark_words) of the image.
@@ -184,7 +184,7 @@ fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks
     });
 }
 
-/// A chain of one position per row (column): where it starts and what it saw.
+/// A chain of one position per step of rows (columns): where it starts and what it saw.
 #[derive(Clone, Copy)]
 pub(crate) struct Chain<'a> {
     pub(crate) first: i32,

@@ -8,7 +8,7 @@
 //! # Cost
 //! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
-use crate::image::Gray;
+use crate::image::{Gray, Span};
 use crate::kernel::{FLAT, STRIP, Strip, census_code, census_row, gradient_row, reverse_row};
 use crate::lines::Segment;
 use crate::units::quotient;
@@ -83,6 +83,26 @@ impl<'a> Band<'a> {
         })
     }
 
+    /// Usable columns of the right image at a row of the left one.
+    pub(crate) fn right_columns(&self, y: i32) -> (i32, i32) {
+        let [_, right] = self.images;
+        let Span { start, end } = right.usable_columns(y + self.row_offset);
+        (start.into(), end.into())
+    }
+
+    /// Are there pixels of the right image that are not usable?
+    pub(crate) fn is_restricted(&self) -> bool {
+        let [_, right] = self.images;
+        !right.usable().is_empty()
+    }
+
+    /// Usable columns of the left image.
+    pub(crate) fn left_columns(&self, y: i32) -> (i32, i32) {
+        let [left, _] = self.images;
+        let Span { start, end } = left.usable_columns(y);
+        (start.into(), end.into())
+    }
+
     /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before.
     pub(crate) fn advance_for(&mut self, segment: &Segment) {
         let (_, y0, _, y1) = segment.ends_q5();
@@ -153,7 +173,9 @@ impl<'a> Band<'a> {
         }
         let other = Self::row(self.census, self.stride, y)?;
         let (_, sought) = self.places(Search::Forward, x, 1, first)?;
-        let code = if x < 2 || x + 2 >= self.width as i32 { 0 } else { self.left_code(x, y) };
+        let [left, _] = self.images;
+        let has_code = x >= 2 && x + 2 < self.width as i32 && left.usable_columns(y).contains(x);
+        let code = if has_code { self.left_code(x, y) } else { 0 };
         Some((code, other.get(sought..)?))
     }
 
@@ -205,11 +227,27 @@ impl<'a> Band<'a> {
 fn fill_gradient(image: Gray<'_>, y: i32, out: &mut [u8]) {
     let row = |y: i32| clamped_row(image, y);
     gradient_row(row(y - 1), row(y), row(y + 1), out);
+    flatten(out, image, y);
 }
 
 fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
     let row = |y: i32| clamped_row(image, y);
     census_row([row(y - 2), row(y), row(y + 2)], out);
+    flatten(out, image, y);
+}
+
+/// What is not usable looks like what lies outside the image.
+fn flatten(row: &mut [u8], image: Gray<'_>, y: i32) {
+    if image.usable().is_empty() {
+        return;
+    }
+    let Span { start, end } = image.usable_columns(y);
+    if let Some(before) = row.get_mut(..start.into()) {
+        before.fill(FLAT);
+    }
+    if let Some(after) = row.get_mut(end.into()..) {
+        after.fill(FLAT);
+    }
 }
 
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! # Bounds
-//! At most 4 blocks of 4 rows of 8 pixels, 126 each: 16 128. Census: at most 12 points a row, 3 rows, 8 bits each.
+//! At most 4 blocks of 2 rows of 8 pixels, 62 each: 3968. Census: at most 9 points a row, 2 rows, 8 bits each.
 
 use super::aggregate::join_sides;
 use super::band::{Band, Search, on_band};
@@ -87,7 +87,8 @@ pub(crate) fn match_flat(
     let line = FlatLine::new(segment);
     let columns = line.columns();
     let count = columns.1 - columns.0 + 1;
-    let range = context.range_before(columns.0)?;
+    let row = line.row((columns.0 + columns.1) / 2);
+    let range = context.range_before(columns.0, band.right_columns(row))?;
     if count < 3 {
         return Err(Rejection::NearBorder);
     }
@@ -234,7 +235,9 @@ fn place(
         return Err(Rejection::WindowNotUnique);
     }
     let columns = line.columns();
-    let points = census_curve(line, columns, census_rows, context.range_before(columns.0)?, band, census);
+    let row = line.row((columns.0 + columns.1) / 2);
+    let range = context.range_before(columns.0, band.right_columns(row))?;
+    let points = census_curve(line, columns, census_rows, range, band, census);
     let census_near = census.minimum_near(at, 1);
     let census_ratio_q8 = ratio_q8(census_near.cost, census.rival(at));
     if census_ratio_q8 > MAX_CENSUS_RATIO_Q8 {
@@ -246,7 +249,7 @@ fn place(
     }
     let census_q6 = census.subpixel_q6(census_near.at);
 
-    let range = context.range_after(columns.1 - at);
+    let range = context.range_after(columns.1 - at, band.left_columns(row));
     back.fill(range, |costs| {
         add_blocks(line, columns, window_rows, (Search::Back, range.0, at), band, costs);
     });

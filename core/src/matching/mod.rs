@@ -78,6 +78,21 @@ impl Candidate {
     }
 }
 
+impl Candidate {
+    /// Do the ends of every side's line lie at usable columns of the right image?
+    fn ends_where_usable(&self, band: &Band<'_>) -> bool {
+        let (x0, y0, x1, y1) = self.segment.ends_q5();
+        self.sides.iter().flatten().all(|side| {
+            let [d0, d1] = side.disparity_q6.map(i32::from);
+            [(x0, y0, d0), (x1, y1, d1)].into_iter().all(|(x, y, d)| {
+                let (from, to) = band.right_columns(y >> 5);
+                let column = ((x << 1) - d + 32) >> 6;
+                !band.is_restricted() || (from..to).contains(&column)
+            })
+        })
+    }
+}
+
 /// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
 pub(crate) fn narrow(value: i32) -> i16 {
     i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
@@ -182,15 +197,17 @@ impl<'a> MatchContext<'a> {
         }
     }
 
-    /// First disparity and number of disparities that a left window at this column can have: the match lies in the right image.
-    pub(crate) fn range_before(&self, column: i32) -> Result<(i32, i32), Rejection> {
-        let len = self.max_disparity.min(column + 1) - self.min_disparity;
-        if len < MIN_RANGE { Err(Rejection::NearBorder) } else { Ok((self.min_disparity, len)) }
+    /// First disparity and number of disparities that a left window at this column can have: the match lies at usable columns
+    /// `(from, to)` of the right image.
+    pub(crate) fn range_before(&self, column: i32, (from, to): (i32, i32)) -> Result<(i32, i32), Rejection> {
+        let first = if to < self.width { self.min_disparity.max(column + 1 - to) } else { self.min_disparity };
+        let len = self.max_disparity.min(column + 1 - from) - first;
+        if len < MIN_RANGE { Err(Rejection::NearBorder) } else { Ok((first, len)) }
     }
 
-    /// The same for a right window whose match is sought in the left image.
-    pub(crate) fn range_after(&self, column: i32) -> (i32, i32) {
-        (self.min_disparity, self.max_disparity.min(self.width - column) - self.min_disparity)
+    /// The same for a right window whose match is sought in the left image, where columns before `to` are usable.
+    pub(crate) fn range_after(&self, column: i32, (_, to): (i32, i32)) -> (i32, i32) {
+        (self.min_disparity, self.max_disparity.min(to - column) - self.min_disparity)
     }
 
     /// May a pair of lines have this disparity (1/64 px)?
@@ -206,9 +223,10 @@ pub(crate) fn match_segment(
     band: &Band<'_>,
     work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
-    if segment.near_horizontal {
+    let candidate = if segment.near_horizontal {
         flat::match_flat(segment, context, band, work)
     } else {
         steep::match_steep(segment, context, band, work)
-    }
+    }?;
+    if candidate.ends_where_usable(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
 }

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! # Bounds
-//! A strip costs at most 8 * 126 a row; 33 rows of two strips: 66 528, so sums saturate at `u16::MAX` only on windows that match nowhere.
+//! Gradients lie at most 62 apart, so a strip costs at most 8 * 62 a row; three rows a half, three strips: sums stay below 2^13.
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
 
 use super::aggregate::join_sides;
@@ -154,11 +154,16 @@ impl Extent {
         let (a, b) = (line.column(rows.0), line.column(rows.1));
         Self { line, rows, columns: (a.min(b), a.max(b)) }
     }
+
+    /// The middle row.
+    fn middle(&self) -> i32 {
+        (self.rows.0 + self.rows.1) / 2
+    }
 }
 
 impl Windows<'_> {
     fn fill(&mut self, extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<(), Rejection> {
-        let range = context.range_before(extent.columns.0)?;
+        let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
         let (first, last) = extent.rows;
         if last - first < 2 {
             return Err(Rejection::NearBorder);
@@ -184,8 +189,8 @@ impl Windows<'_> {
 
     /// Disparities compared.
     fn range(&self) -> u32 {
-        let [edge, ..] = &self.whole;
-        u32::try_from(edge.len()).unwrap_or(0)
+        let [any, ..] = &self.whole;
+        u32::try_from(any.len()).unwrap_or(0)
     }
 
     /// The lower of two one-sided windows, so that a depth edge still matches on its nearer side.
@@ -281,7 +286,7 @@ fn place_by_census(
     lower: &mut Curve,
 ) -> Result<CensusMatch, Rejection> {
     const MOST: usize = CENSUS_ROWS as usize * 2;
-    let range = context.range_before(extent.columns.0)?;
+    let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
     let rows = SampledRows::new(extent.rows, CENSUS_ROWS);
     let [left, right] = sides;
     let mut count = 0;
@@ -316,7 +321,7 @@ fn search_back(
     band: &Band<'_>,
     curve: &mut Curve,
 ) -> Result<(i32, i32), Rejection> {
-    let range = context.range_after(extent.columns.1 - window.best.at);
+    let range = context.range_after(extent.columns.1 - window.best.at, band.left_columns(extent.middle()));
     let [_, edge_column, _] = STRIP_COLUMNS;
     let rows = SampledRows::new(extent.rows, BACK_ROWS);
     let columns = [window.better_side, edge_column].map(|column| column - window.best.at);

@@ -1,7 +1,7 @@
 //! Claims with evidence and truth.
 
 use crate::frames::Truth;
-use linestereo::{Candidate, Dims, EVIDENCE, Evidence, Kind, Observer, Params, Step};
+use linestereo::{Candidate, Dims, EVIDENCE, Evidence, Kind, Observer, Params, Step, Views};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
@@ -91,7 +91,7 @@ pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth,
             known.0[Kind::Conflict as usize] = side.conflict_q8;
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
-                candidate.for_each_pixel(index, distance, dims, |x, y, d_q6| {
+                candidate.for_each_pixel(index, distance, Views::whole(dims), |x, y, d_q6| {
                     let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
                     errors.extend(if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) });
                 });
