@@ -7,6 +7,7 @@
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
+//! rig_store       the rig in two slots of a flash
 //! memory          frames, scratch memory and output, in one static
 //! startup, fault, fence, stack, semihosting    only on a board: the only unsafe code
 //! ```
@@ -22,6 +23,7 @@ pub mod memory;
 pub mod painter;
 pub mod ports;
 pub mod programs;
+pub mod rig_store;
 pub mod session;
 
 #[cfg(target_os = "none")]

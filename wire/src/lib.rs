@@ -49,6 +49,7 @@ mod frame;
 mod health;
 mod message;
 mod packet;
+mod rig_image;
 mod send;
 
 pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigUpdate};
@@ -58,6 +59,7 @@ pub use message::{Answer, BoardName, Hello, Message, Outcome};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
+pub use rig_image::{RigImage, RigImageError, RigImageHead};
 pub use send::{PointStream, SendError, send, send_frame, send_points};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.

@@ -46,9 +46,9 @@ const fn packet_bytes(record: usize) -> usize {
     cobs::max_encoding_length(1 + record + CRC_BYTES) + 1
 }
 
-const CRC_BYTES: usize = size_of::<u32>();
+pub(crate) const CRC_BYTES: usize = size_of::<u32>();
 
-static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+pub(crate) static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 mod sealed {
     pub trait Sealed {}

@@ -76,6 +76,8 @@ impl Calibration {
         if !(0.99..=1.01).contains(&length) {
             return Err(CalibrationError::Rotation);
         }
+        // A unit quaternion stays as it is, so that what was stored is read back as the same bits: once divided, its length is 1 within 1e-15.
+        let length = if (length - 1.0).abs() < 1e-14 { 1.0 } else { length };
         let sign = if rotation[0] < 0.0 { -length } else { length };
         let rotation = rotation.map(|q| q / sign);
         if rotation[0] < 0.866 {

@@ -7,10 +7,12 @@
 pub mod demo;
 pub mod eval;
 pub mod fit_confidence;
+pub mod flash_image;
 mod method;
 pub mod monitor;
 pub mod run;
 pub mod scene;
+mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
@@ -38,6 +40,7 @@ enum Command {
     Run(run::Args),
     Eval(eval::Args),
     FitConfidence(fit_confidence::Args),
+    FlashImage(flash_image::Args),
     Scene(scene::Args),
     Monitor(monitor::Args),
 }
@@ -54,6 +57,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
+        Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
         None => demo::run(&demo::Args::default()),

@@ -82,7 +82,8 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
     super::print(&format!("{}: {}\n", kind.name(), folder.display()))
 }
 
-fn parse_size(text: &str) -> Result<Dims, String> {
+/// Width and height of an image that the core takes.
+pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
     match sides {
         Some((width, height))

@@ -1,0 +1,144 @@
+//! `linestereo flash-image`: the rig as bytes for a board, and what such bytes say.
+
+use super::print;
+use super::view::ViewArgs;
+use crate::calibration::{RigFile, rotation_vector};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, anyhow};
+use core::fmt::Write;
+use linestereo::{Calibration, Camera, Eye, Lens, RectifyError, View};
+use linestereo_wire::{RigImage, RigImageError, RigImageHead};
+use std::path::{Path, PathBuf};
+
+/// Disparity range without an option.
+const DEFAULT_MAX_DISPARITY: u16 = 64;
+/// Larger files are no images; far more than any version will have.
+const MAX_BYTES: u64 = 1 << 20;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo flash-image rig.toml rig.bin --size 320x240
+      for boards that hold QVGA pairs
+  linestereo flash-image rig.toml rig.bin --size 160x120 --max-disparity 32 --alpha 0.5
+      smaller, with half of the view that needs pixels without source
+  linestereo flash-image --check rig.bin
+      what is in it, or why no board would take it
+
+A board reads the image from the newer of two slots and writes new ones in turn. To flash one by hand, erase both slots
+and write it to the first. The layout is that of wire/src/rig_image.rs: the numbers of rig.toml as they are, little
+endian, with a version and a CRC-32.";
+
+/// Write the rig as the image that a board keeps in its flash, or explain one.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// The rig.
+    #[arg(value_name = "rig.toml", required_unless_present = "check", requires = "out")]
+    rig: Option<PathBuf>,
+    /// The image to write.
+    #[arg(value_name = "OUT.bin")]
+    out: Option<PathBuf>,
+    /// Explain an image instead: what is in it, or which of its numbers is refused and why.
+    #[arg(long, value_name = "FILE.bin", conflicts_with_all = ["rig", "size", "alpha", "focal_px", "max_disparity"])]
+    check: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
+    /// Focal length of the rectified images, around the middle of the common view.
+    #[arg(long, value_name = "PX", conflicts_with = "alpha", help_heading = "Rectified view")]
+    focal_px: Option<f64>,
+    /// Search disparities 0 .. N px in the rectified images [default: 64].
+    #[arg(long, value_name = "N")]
+    max_disparity: Option<u16>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    if let Some(path) = &args.check {
+        return print(&explain(path)?);
+    }
+    let (Some(rig), Some(out)) = (&args.rig, &args.out) else { unreachable!("clap asks for both") };
+    let RigFile { calibration, .. } = RigFile::load(rig)?;
+    let range = (0, args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY));
+    let image = RigImage::new(calibration, args.view.dims(&calibration), args.view.view(args.focal_px), range)
+        .map_err(|error| anyhow!("{error}; {}", remedy(&error)))?;
+    let bytes = image.encode(0);
+    let mut output = OutputFiles::new();
+    output.add(out, &bytes)?;
+    output.commit()?;
+    print(&description(&image, &RigImageHead::check(&bytes)?))?;
+    print(&format!("wrote {}\n", out.display()))
+}
+
+fn remedy(error: &RigImageError) -> &'static str {
+    match error {
+        RigImageError::View(RectifyError::Dims(_)) => "give --size",
+        RigImageError::View(RectifyError::Alpha(_)) => "correct --alpha",
+        RigImageError::View(RectifyError::Rig(_)) => "correct --focal-px, or give another --size",
+        RigImageError::Range(_) => "correct --max-disparity, or give a larger --size",
+        _ => "calibrate again",
+    }
+}
+
+/// What is in a file, or why it is no image.
+fn explain(path: &Path) -> Result<String> {
+    let length = std::fs::metadata(path).with_context(|| format!("{} cannot be read", path.display()))?.len();
+    if length > MAX_BYTES {
+        return Err(anyhow!("{} is larger than 1 MiB: no rig image; give a file of flash-image", path.display()));
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+    let head = RigImageHead::read(&bytes);
+    match (RigImage::decode(&bytes), head) {
+        (Ok(image), Ok(head)) => Ok(description(&image, &head)),
+        (Err(error), head) => {
+            let says = head.map_or_else(|_| String::new(), |head| format!(" ({})", in_words(&head)));
+            Err(anyhow!("{}: {error}{says}; no board takes it: make it anew with flash-image", path.display()))
+        }
+        (Ok(_), Err(error)) => Err(error.into()),
+    }
+}
+
+fn in_words(RigImageHead { version, length, sequence, is_whole }: &RigImageHead) -> String {
+    let checksum = if *is_whole { "right" } else { "wrong" };
+    format!("version {version}, {length} bytes, sequence {sequence}, checksum {checksum}")
+}
+
+fn description(image: &RigImage, head: &RigImageHead) -> String {
+    let (calibration, rectification) = (image.calibration(), image.rectification());
+    let mut text = format!("rig image     {}\n", in_words(head));
+    for (name, eye) in [("left camera ", Eye::Left), ("right camera", Eye::Right)] {
+        let _ = writeln!(text, "{name}  {}", camera(calibration.camera(eye)));
+    }
+    let _ = writeln!(text, "pose          {}", pose(calibration));
+    let view = match image.view() {
+        View::Alpha(alpha) => format!("alpha {alpha}"),
+        View::Focal(_) => "focal length as asked for".to_owned(),
+    };
+    let (focal, [cx, cy]) = (rectification.focal(), rectification.centre());
+    let _ = writeln!(
+        text,
+        "rectified     {}, {view}: focal length {focal:.2} px, centre ({cx:.2}, {cy:.2})",
+        rectification.dims()
+    );
+    let (first, end) = image.disparities();
+    let nearest = focal * rectification.baseline() / f64::from(end);
+    let _ = writeln!(text, "disparities   {first} .. {end} px: depths from {nearest:.3} m");
+    text
+}
+
+fn camera(camera: &Camera) -> String {
+    let ([fx, fy], [cx, cy]) = (camera.focal(), camera.centre());
+    let lens = match camera.lens() {
+        Lens::BrownConrady { k, p } => format!("Brown-Conrady k {k:?} p {p:?}"),
+        Lens::Fisheye { k } => format!("fisheye k {k:?}"),
+    };
+    format!(
+        "{}, focal length {fx:.2} {fy:.2} px, centre ({cx:.2}, {cy:.2}), skew {} px, {lens}",
+        camera.dims(),
+        camera.skew()
+    )
+}
+
+fn pose(calibration: &Calibration) -> String {
+    let angle = rotation_vector(calibration.rotation()).iter().map(|v| v * v).sum::<f64>().sqrt().to_degrees();
+    format!("baseline {:.2} mm, cameras turned by {angle:.3} degrees", 1e3 * calibration.baseline())
+}

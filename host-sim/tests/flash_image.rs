@@ -1,0 +1,121 @@
+//! `linestereo flash-image` as a user types it.
+
+use linestereo::{Dims, View};
+use linestereo_wire::RigImage;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const RIG: &str = "\
+version = 1
+[left]
+size = [640, 480]
+focal_px = [532.5, 532.75]
+centre_px = [320.25, 240.5]
+lens = { model = \"brown-conrady\", k = [-0.28, 0.05, 0.001], p = [0.0001, -0.0002] }
+[right]
+size = [640, 480]
+focal_px = [530.5, 531.0]
+centre_px = [322.0, 239.0]
+lens = { model = \"fisheye\", k = [0.01, 0.0, 0.0, 0.0] }
+[pose]
+rotation_rad = [0.001, 0.02, -0.003]
+translation_m = [-0.0832, 0.0001, 0.0002]
+";
+
+fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn refused(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
+    error
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
+    folder
+}
+
+#[test]
+fn an_image_is_written_and_explained() {
+    let folder = folder();
+    let made = succeed(
+        folder.path(),
+        &["flash-image", "rig.toml", "rig.bin", "--size", "320x240", "--alpha", "0.5", "--max-disparity", "48"],
+    );
+    let bytes = fs::read(folder.path().join("rig.bin")).unwrap();
+    let image = RigImage::decode(&bytes).unwrap();
+    assert_eq!(image.rectification().dims(), Dims { width: 320, height: 240 });
+    assert_eq!((image.view(), image.disparities()), (View::Alpha(0.5), (0, 48)));
+    let explained = succeed(folder.path(), &["flash-image", "--check", "rig.bin"]);
+    assert_eq!(format!("{explained}wrote rig.bin\n"), made);
+    for says in [
+        "version 1, 268 bytes, sequence 0, checksum right",
+        "left camera   640x480, focal length 532.50 532.75 px, centre (320.25, 240.50), skew 0 px, Brown-Conrady",
+        "right camera  640x480, focal length 530.50 531.00 px, centre (322.00, 239.00), skew 0 px, fisheye",
+        "baseline 83.20 mm, cameras turned by 1.16",
+        "rectified     320x240, alpha 0.5: focal length ",
+        "disparities   0 .. 48 px: depths from 0.",
+    ] {
+        assert!(explained.contains(says), "{explained} does not say {says}");
+    }
+    succeed(folder.path(), &["flash-image", "rig.toml", "rig.bin", "--focal-px", "321.5"]);
+    let image = RigImage::decode(&fs::read(folder.path().join("rig.bin")).unwrap()).unwrap();
+    assert_eq!((image.view(), image.rectification().focal()), (View::Focal(321.5), 321.5));
+    assert_eq!(image.rectification().dims(), Dims { width: 640, height: 480 }, "as the raw images");
+}
+
+#[test]
+fn what_is_no_image_is_refused_by_name() {
+    let folder = folder();
+    succeed(folder.path(), &["flash-image", "rig.toml", "rig.bin", "--size", "320x240"]);
+    let good = fs::read(folder.path().join("rig.bin")).unwrap();
+    let check = |bytes: &[u8]| {
+        fs::write(folder.path().join("other.bin"), bytes).unwrap();
+        refused(folder.path(), &["flash-image", "--check", "other.bin"])
+    };
+    let mut damaged = good.clone();
+    damaged[100] ^= 1;
+    let error = check(&damaged);
+    assert!(
+        error.contains("other.bin: damaged: the checksum") && error.contains("sequence 0, checksum wrong"),
+        "{error}"
+    );
+    assert!(check(&good[..200]).contains("truncated: the image has 268 bytes, 200 are here"));
+    assert!(check(RIG.as_bytes()).contains("foreign: "));
+    assert!(check(&[0xff; 268]).contains("empty: "));
+    assert!(refused(folder.path(), &["flash-image", "--check", "missing.bin"]).contains("missing.bin cannot be read"));
+}
+
+#[test]
+fn what_no_board_could_use_is_not_written() {
+    let folder = folder();
+    for (options, says) in [
+        (&["--max-disparity", "400"][..], "max_disparity is 400, allowed are 8 to 256; correct --max-disparity"),
+        (&["--alpha", "-1"], "alpha is -1, allowed are 0 to 1; correct --alpha"),
+        (&["--focal-px", "0"], "focal length 0 px is outside 1 to 100000; correct --focal-px"),
+        (&["--size", "8x8"], "give a size from 16x16"),
+        (&["--alpha", "1", "--focal-px", "300"], "cannot be used with"),
+        (&["--check", "rig.bin"], "cannot be used with"),
+    ] {
+        let error = refused(folder.path(), &[&["flash-image", "rig.toml", "rig.bin"], options].concat());
+        assert!(error.contains(says), "{error} does not say {says}");
+    }
+    fs::write(folder.path().join("large.toml"), RIG.replace("[640, 480]", "[2048, 1536]")).unwrap();
+    let error = refused(folder.path(), &["flash-image", "large.toml", "rig.bin"]);
+    assert!(error.contains("2048x1536 are outside 16x16 to 1280x1280; give --size"), "{error}");
+    assert!(refused(folder.path(), &["flash-image", "rig.toml"]).contains("OUT.bin"));
+    assert!(refused(folder.path(), &["flash-image"]).contains("rig.toml"));
+    assert!(!folder.path().join("rig.bin").exists());
+}

@@ -1,0 +1,371 @@
+//! The rig as a board keeps it: cameras, pose, rectified view and disparity range in [`RigImage::BYTES`] bytes.
+//!
+//! In: a calibration and what is wanted of it. Out: bytes; from bytes the same bits again, so that a board and a PC rectify alike, or a name
+//! for what is wrong with them.
+//!
+//! ```text
+//! offset  bytes                      all numbers little endian
+//!      0      4  magic               "LSRG"
+//!      4      2  version             1
+//!      6      2  length              of the whole image, checksum included
+//!      8      4  sequence            0 in a file; counted by boards that write images into two slots
+//!     12    2+2  rectified size      px
+//!     16      2  first disparity     px, signed
+//!     18      2  end of disparities  px
+//!     20      4  view                0: alpha, 1: focal length
+//!     24      8  its value           f64; the focal length in px
+//!     32    4*8  rotation            f64, unit quaternion w x y z: a point X of the left camera is at R X + t in the right one
+//!     64    3*8  translation         f64, m
+//!     88     88  left camera         raw width, height (2+2), lens (4) 0: Brown-Conrady, 1: fisheye, then f64: focal lengths x y,
+//!                                    centre x y, skew, coefficients k1 k2 k3 p1 p2, or k1 k2 k3 k4 0
+//!    176     88  right camera        the same
+//!    264      4  CRC-32              of all bytes before it
+//! ```
+//!
+//! Magic, version, length, sequence and a CRC-32 at the end stay where they are in every version, so that a later one is known as such.
+//!
+//! # Bounds
+//! A CRC-32 finds every one, two or three damaged bits of an image this short; of other damage it lets one in 4 * 10^9 pass, whose
+//! numbers then still have to be those of a usable rig.
+//!
+//! # Cost
+//! Checking an image: one pass over its bytes. Decoding one: two cameras and a common view in double precision, a few million
+//! operations. No allocation, no panic path.
+
+use crate::packet::{CRC_32, CRC_BYTES};
+use core::fmt;
+use linestereo::{
+    Calibration, CalibrationError, Camera, CameraError, Dims, Eye, Lens, ParamError, Params, Rectification,
+    RectifyError, View,
+};
+use serde::{Deserialize, Serialize};
+
+/// The first bytes of every image.
+const MAGIC: [u8; 4] = *b"LSRG";
+/// The version that is written.
+const VERSION: u16 = 1;
+/// What flash holds where nothing was written.
+const ERASED: u8 = 0xff;
+
+/// A rig that a board can use: its cameras rectify to this size and view, its disparity range fits that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigImage {
+    calibration: Calibration,
+    view: View,
+    min_disparity: i16,
+    max_disparity: u16,
+    rectification: Rectification,
+}
+
+/// What stands at the start of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RigImageHead {
+    /// Version of the layout.
+    pub version: u16,
+    /// Bytes of the image, checksum included.
+    pub length: u16,
+    /// Number of the image among those that a board wrote.
+    pub sequence: u32,
+    /// The checksum in it is that of its bytes.
+    pub is_whole: bool,
+}
+
+/// Why bytes are no rig that a board can use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RigImageError {
+    /// Nothing was written there: erased memory.
+    Empty,
+    /// The first bytes are those of something else.
+    Foreign,
+    /// The image ends too early.
+    Truncated {
+        /// Bytes of the image.
+        needed: usize,
+        /// Bytes there.
+        given: usize,
+    },
+    /// Bytes follow the image.
+    Surplus {
+        /// Bytes of the image.
+        needed: usize,
+        /// Bytes there.
+        given: usize,
+    },
+    /// The checksum is another.
+    Damaged,
+    /// A whole image of another version.
+    OtherVersion {
+        /// Its version.
+        found: u16,
+    },
+    /// It says that it is of another length than those of this version: damaged, or a later version that does not fit here.
+    Length {
+        /// Its length.
+        found: u16,
+    },
+    /// A kind of lens that this version does not have.
+    LensKind(Eye, u32),
+    /// A kind of view that this version does not have.
+    ViewKind(u32),
+    /// A camera in it is none.
+    Camera(Eye, CameraError),
+    /// Its cameras are no pair.
+    Pair(CalibrationError),
+    /// The pair cannot be rectified to this size and view.
+    View(RectifyError),
+    /// The disparity range does not fit.
+    Range(ParamError),
+}
+
+impl fmt::Display for RigImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = |eye| if eye == Eye::Left { "left" } else { "right" };
+        match *self {
+            Self::Empty => write!(f, "empty: nothing was written here"),
+            Self::Foreign => write!(f, "foreign: this does not start as a rig image does"),
+            Self::Truncated { needed, given } => write!(f, "truncated: the image has {needed} bytes, {given} are here"),
+            Self::Surplus { needed, given } => write!(f, "surplus: the image has {needed} bytes, {given} are here"),
+            Self::Damaged => write!(f, "damaged: the checksum is not that of the bytes"),
+            Self::OtherVersion { found } => write!(f, "other version: it is {found}, this program knows {VERSION}"),
+            Self::Length { found } => {
+                write!(f, "damaged or of another version: it says it has {found} bytes, not {}", RigImage::BYTES)
+            }
+            Self::LensKind(eye, kind) => write!(f, "{} camera: lens {kind} is not known, only 0 and 1 are", name(eye)),
+            Self::ViewKind(kind) => write!(f, "view {kind} is not known, only 0 and 1 are"),
+            Self::Camera(eye, error) => write!(f, "{} camera: {error}", name(eye)),
+            Self::Pair(error) => write!(f, "pose: {error}"),
+            Self::View(error) => write!(f, "rectified view: {error}"),
+            Self::Range(error) => write!(f, "disparity range: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for RigImageError {}
+
+impl RigImageHead {
+    /// Reads the start of an image. Nothing but the first bytes is checked.
+    pub fn read(bytes: &[u8]) -> Result<Self, RigImageError> {
+        if !bytes.is_empty() && bytes.iter().all(|&byte| byte == ERASED) {
+            return Err(RigImageError::Empty);
+        }
+        if MAGIC.iter().zip(bytes).any(|(a, b)| a != b) {
+            return Err(RigImageError::Foreign);
+        }
+        let Ok((Head { version, length, sequence, .. }, _)) = postcard::take_from_bytes(bytes) else {
+            return Err(RigImageError::Truncated { needed: RigImage::BYTES, given: bytes.len() });
+        };
+        let image = bytes.get(..length.into()).unwrap_or_default();
+        let is_whole = image
+            .split_last_chunk::<CRC_BYTES>()
+            .is_some_and(|(bytes, crc)| CRC_32.checksum(bytes) == u32::from_le_bytes(*crc));
+        Ok(Self { version, length, sequence, is_whole })
+    }
+
+    /// Reads the start of an image of this version, whose bytes are those that were written.
+    pub fn check(bytes: &[u8]) -> Result<Self, RigImageError> {
+        let head = Self::read(bytes)?;
+        let (needed, given) = (RigImage::BYTES, bytes.len());
+        match usize::from(head.length) {
+            RigImage::BYTES if given < needed => return Err(RigImageError::Truncated { needed, given }),
+            RigImage::BYTES if given > needed => return Err(RigImageError::Surplus { needed, given }),
+            RigImage::BYTES if !head.is_whole => return Err(RigImageError::Damaged),
+            RigImage::BYTES if head.version == VERSION => return Ok(head),
+            // Only a whole image can be believed to be of another version.
+            _ if head.is_whole && head.version != VERSION => {}
+            _ => return Err(RigImageError::Length { found: head.length }),
+        }
+        Err(RigImageError::OtherVersion { found: head.version })
+    }
+}
+
+impl RigImage {
+    /// Bytes of an image.
+    pub const BYTES: usize = 268;
+
+    /// A rig whose images are rectified to this size and view and searched for disparities from the first to before the second.
+    pub fn new(
+        calibration: Calibration,
+        dims: Dims,
+        view: View,
+        (min_disparity, max_disparity): (i16, u16),
+    ) -> Result<Self, RigImageError> {
+        let rectification = calibration.rectify(dims, view).map_err(RigImageError::View)?;
+        let image = Self { calibration, view, min_disparity, max_disparity, rectification };
+        image.params(Params::DEFAULT)?.plan(dims).map_err(RigImageError::Range)?;
+        Ok(image)
+    }
+
+    /// The image as bytes.
+    #[must_use]
+    pub fn encode(&self, sequence: u32) -> [u8; Self::BYTES] {
+        let Dims { width, height } = self.rectification.dims();
+        let (view_kind, view) = match self.view {
+            View::Alpha(alpha) => (ViewKind::ALPHA, alpha),
+            View::Focal(focal) => (ViewKind::FOCAL, focal),
+        };
+        let numbers = Numbers {
+            head: Head { magic: MAGIC, version: VERSION, length: Self::BYTES as u16, sequence },
+            width,
+            height,
+            min_disparity: self.min_disparity,
+            max_disparity: self.max_disparity,
+            view_kind,
+            view,
+            rotation: self.calibration.rotation(),
+            translation: self.calibration.translation(),
+            left: CameraNumbers::of(self.calibration.camera(Eye::Left)),
+            right: CameraNumbers::of(self.calibration.camera(Eye::Right)),
+        };
+        let mut bytes = [0; Self::BYTES];
+        if let Some((content, crc)) = bytes.split_last_chunk_mut::<CRC_BYTES>() {
+            let _ = postcard::to_slice(&numbers, content); // exactly as long as its content: a test holds it
+            *crc = CRC_32.checksum(content).to_le_bytes();
+        }
+        bytes
+    }
+
+    /// The image that these bytes are.
+    ///
+    /// ```
+    /// use linestereo::{Calibration, Camera, Dims, Lens, View};
+    /// use linestereo_wire::{RigImage, RigImageError};
+    /// let dims = Dims { width: 320, height: 240 };
+    /// let camera = Camera::new(dims, [250.0; 2], [159.5, 119.5], 0.0, Lens::NONE)?;
+    /// let pair = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0])?;
+    /// let image = RigImage::new(pair, dims, View::default(), (0, 64))?;
+    /// let mut bytes = image.encode(0);
+    /// assert_eq!(RigImage::decode(&bytes), Ok(image));
+    /// bytes[100] ^= 1;
+    /// assert_eq!(RigImage::decode(&bytes), Err(RigImageError::Damaged));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    pub fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
+        RigImageHead::check(bytes)?;
+        let Ok((numbers, _)) = postcard::take_from_bytes::<Numbers>(bytes) else { return Err(RigImageError::Damaged) };
+        let left = numbers.left.camera(Eye::Left)?;
+        let right = numbers.right.camera(Eye::Right)?;
+        let calibration =
+            Calibration::new(left, right, numbers.rotation, numbers.translation).map_err(RigImageError::Pair)?;
+        let view = match numbers.view_kind {
+            ViewKind::ALPHA => View::Alpha(numbers.view),
+            ViewKind::FOCAL => View::Focal(numbers.view),
+            kind => return Err(RigImageError::ViewKind(kind)),
+        };
+        let dims = Dims { width: numbers.width, height: numbers.height };
+        Self::new(calibration, dims, view, (numbers.min_disparity, numbers.max_disparity))
+    }
+
+    /// Cameras and pose.
+    #[must_use]
+    pub fn calibration(&self) -> &Calibration {
+        &self.calibration
+    }
+
+    /// How much of the view is kept.
+    #[must_use]
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// First disparity, and the end of disparities, px.
+    #[must_use]
+    pub fn disparities(&self) -> (i16, u16) {
+        (self.min_disparity, self.max_disparity)
+    }
+
+    /// The common view, and the way back to the raw images.
+    #[must_use]
+    pub fn rectification(&self) -> &Rectification {
+        &self.rectification
+    }
+
+    /// `params` with this rig and its disparity range.
+    pub fn params(&self, params: Params) -> Result<Params, RigImageError> {
+        let rig = self.rectification.rig().map_err(|error| RigImageError::View(RectifyError::Rig(error)))?;
+        let (min_disparity, max_disparity) = self.disparities();
+        Ok(Params { min_disparity, max_disparity, rig: Some(rig), ..params })
+    }
+}
+
+/// What stands at the same place in every version.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    magic: [u8; 4],
+    #[serde(with = "postcard::fixint::le")]
+    version: u16,
+    #[serde(with = "postcard::fixint::le")]
+    length: u16,
+    #[serde(with = "postcard::fixint::le")]
+    sequence: u32,
+}
+
+/// Everything but the checksum, unchecked.
+#[derive(Serialize, Deserialize)]
+struct Numbers {
+    head: Head,
+    #[serde(with = "postcard::fixint::le")]
+    width: u16,
+    #[serde(with = "postcard::fixint::le")]
+    height: u16,
+    #[serde(with = "postcard::fixint::le")]
+    min_disparity: i16,
+    #[serde(with = "postcard::fixint::le")]
+    max_disparity: u16,
+    #[serde(with = "postcard::fixint::le")]
+    view_kind: u32,
+    view: f64,
+    rotation: [f64; 4],
+    translation: [f64; 3],
+    left: CameraNumbers,
+    right: CameraNumbers,
+}
+
+struct ViewKind;
+
+impl ViewKind {
+    const ALPHA: u32 = 0;
+    const FOCAL: u32 = 1;
+}
+
+#[derive(Serialize, Deserialize)]
+struct CameraNumbers {
+    #[serde(with = "postcard::fixint::le")]
+    width: u16,
+    #[serde(with = "postcard::fixint::le")]
+    height: u16,
+    #[serde(with = "postcard::fixint::le")]
+    lens_kind: u32,
+    focal: [f64; 2],
+    centre: [f64; 2],
+    skew: f64,
+    lens: [f64; 5],
+}
+
+struct LensKind;
+
+impl LensKind {
+    const BROWN_CONRADY: u32 = 0;
+    const FISHEYE: u32 = 1;
+}
+
+impl CameraNumbers {
+    fn of(camera: &Camera) -> Self {
+        let Dims { width, height } = camera.dims();
+        let (lens_kind, lens) = match camera.lens() {
+            Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => (LensKind::BROWN_CONRADY, [k1, k2, k3, p1, p2]),
+            Lens::Fisheye { k: [k1, k2, k3, k4] } => (LensKind::FISHEYE, [k1, k2, k3, k4, 0.0]),
+        };
+        Self { width, height, lens_kind, focal: camera.focal(), centre: camera.centre(), skew: camera.skew(), lens }
+    }
+
+    fn camera(&self, eye: Eye) -> Result<Camera, RigImageError> {
+        let &Self { width, height, lens_kind, focal, centre, skew, lens: [a, b, c, d, e] } = self;
+        let lens = match lens_kind {
+            LensKind::BROWN_CONRADY => Lens::BrownConrady { k: [a, b, c], p: [d, e] },
+            LensKind::FISHEYE => Lens::Fisheye { k: [a, b, c, d] },
+            kind => return Err(RigImageError::LensKind(eye, kind)),
+        };
+        Camera::new(Dims { width, height }, focal, centre, skew, lens)
+            .map_err(|error| RigImageError::Camera(eye, error))
+    }
+}
