@@ -180,6 +180,13 @@ impl Rectification {
         }
     }
 
+    /// Rotations from left and right camera coordinates to common ones, by rows, as [`Calibration::rectify_as`] takes them.
+    #[must_use]
+    pub fn rotations(&self) -> [[[f64; 3]; 3]; 2] {
+        // The columns of a rotation are the rows of its inverse.
+        self.to_camera.map(Into::into)
+    }
+
     fn turn(&self, eye: Eye) -> &Matrix3<f64> {
         let [left, right] = &self.to_camera;
         match eye {

@@ -4,6 +4,7 @@
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
 //! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
+pub mod convert_rig;
 pub mod demo;
 pub mod eval;
 pub mod fit_confidence;
@@ -43,6 +44,7 @@ enum Command {
     FlashImage(flash_image::Args),
     Scene(scene::Args),
     Monitor(monitor::Args),
+    ConvertRig(convert_rig::Args),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
@@ -60,6 +62,7 @@ pub fn main() -> ExitCode {
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
+        Some(Command::ConvertRig(args)) => convert_rig::run(args),
         None => demo::run(&demo::Args::default()),
     };
     match outcome {

@@ -1,0 +1,148 @@
+//! `linestereo convert-rig`: calibrations of other programs to `rig.toml` and back.
+
+use super::print;
+use crate::calibration::rotation_vector;
+use crate::interchange::{Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig};
+use crate::output::OutputFiles;
+use anyhow::{Result, anyhow, bail};
+use core::fmt::Write;
+use linestereo::{Camera, Dims, Eye, Lens};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo convert-rig calib.xml                                   say what is in it
+  linestereo convert-rig intrinsics.yml extrinsics.yml --size 640x480 --out rig.toml
+  linestereo convert-rig stereo.yml --translation-unit 25 --out rig.toml
+      OpenCV's T in squares of 25 mm
+  linestereo convert-rig camchain.yaml --out rig.toml                Kalibr
+  linestereo convert-rig left.yaml right.yaml --out rig.toml         ROS camera_info
+  linestereo convert-rig cam0/sensor.yaml cam1/sensor.yaml --out rig.toml
+  linestereo convert-rig rig.toml --to ros --out left.yaml --out right.yaml
+
+Where there is a file for each camera, the left one's comes first.";
+
+/// Convert a calibrated rig between rig.toml, OpenCV, Kalibr, ROS and EuRoC files.
+///
+/// The format read is told from what the files hold. Without --out nothing is written.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Files of one rig.
+    #[arg(value_name = "INPUT", required = true, num_args = 1..=3)]
+    inputs: Vec<PathBuf>,
+    /// File to write; twice, left first, for ros and euroc.
+    #[arg(long, value_name = "FILE")]
+    out: Vec<PathBuf>,
+    /// Format to write.
+    #[arg(long, value_name = "FORMAT", default_value = "rig-toml")]
+    to: Format,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+/// What files may not say themselves.
+#[derive(Debug, Default, clap::Args)]
+pub(super) struct ImportArgs {
+    /// Format of the input, where it is not told from the content.
+    #[arg(long, value_name = "FORMAT")]
+    from: Option<Format>,
+    /// Size of the raw images, where an OpenCV file does not say it.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<Dims>,
+    /// Unit of OpenCV's T: m, mm, or the side of the board's squares in mm [default: m if T is shorter than 5, else mm].
+    #[arg(long, value_name = "m|mm|SQUARE_MM", value_parser = parse_unit)]
+    translation_unit: Option<TranslationUnit>,
+    /// Meaning of OpenCV's distortion coefficients, where the file does not say it [default: brown-conrady].
+    #[arg(long, value_name = "MODEL")]
+    lens: Option<LensModel>,
+}
+
+impl ImportArgs {
+    pub(super) fn options(&self) -> Options {
+        let Self { from, size, translation_unit, lens } = *self;
+        Options { from, size, translation_unit, lens }
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let imported = load_rig(&args.inputs, &args.import.options())?;
+    let mut text = summary(&imported);
+    if !args.out.is_empty() {
+        if args.out.len() != args.to.files() {
+            let (format, count) = (args.to, args.to.files());
+            let files =
+                if count == 1 { "one file; give --out once" } else { "two files; give --out twice, left first" };
+            bail!("{format} is {files}");
+        }
+        let Exported { texts, notes } = export(&imported.rig, args.to).map_err(|problem| anyhow!("{problem}"))?;
+        let mut output = OutputFiles::new();
+        for (path, text) in args.out.iter().zip(&texts) {
+            output.add(path, text.as_bytes())?;
+        }
+        output.commit()?;
+        for note in notes {
+            let _ = writeln!(text, "note: {note}");
+        }
+        for path in &args.out {
+            let _ = writeln!(text, "{}: {}", args.to, path.display());
+        }
+    }
+    print(&text)
+}
+
+fn summary(imported: &Imported) -> String {
+    let calibration = &imported.rig.calibration;
+    let dims = calibration.camera(Eye::Left).dims();
+    let [x, y, z] = calibration.translation().map(|t| 1e3 * t);
+    let mut text = format!("{}: {dims}, baseline {:.4} m\n", imported.format, calibration.baseline());
+    for (name, eye) in [("left", Eye::Left), ("right", Eye::Right)] {
+        let _ = writeln!(text, "  {name:<6} {}", camera(calibration.camera(eye)));
+    }
+    let [rx, ry, rz] = rotation_vector(calibration.rotation()).map(f64::to_degrees);
+    let _ = writeln!(
+        text,
+        "  pose   turned by {rx:.3} {ry:.3} {rz:.3} degrees about x y z, moved by {x:.2} {y:.2} {z:.2} mm"
+    );
+    if imported.stored.is_some() {
+        text.push_str("  its own rectification fits this pose\n");
+    }
+    for note in &imported.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
+    text
+}
+
+fn camera(camera: &Camera) -> String {
+    let ([fx, fy], [cx, cy]) = (camera.focal(), camera.centre());
+    let lens = match camera.lens() {
+        Lens::NONE => "no distortion".to_owned(),
+        Lens::BrownConrady { k, p } => format!("brown-conrady k {} p {}", numbers(&k), numbers(&p)),
+        Lens::Fisheye { k } => format!("fisheye k {}", numbers(&k)),
+    };
+    let skew = if camera.skew() == 0.0 { String::new() } else { format!("skew {:.2}, ", camera.skew()) };
+    format!("focal {fx:.2} {fy:.2} px, centre {cx:.2} {cy:.2}, {skew}{lens}")
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:.4}")).collect::<Vec<_>>().join(" ")
+}
+
+fn parse_size(text: &str) -> Result<Dims, String> {
+    let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let (width, height) = sides.ok_or("give width and height in px, for example 640x480")?;
+    Ok(Dims { width, height })
+}
+
+fn parse_unit(text: &str) -> Result<TranslationUnit, String> {
+    match text {
+        "m" => Ok(TranslationUnit::Metres),
+        "mm" => Ok(TranslationUnit::Millimetres),
+        _ => {
+            let side = text.parse().ok().filter(|side| (0.1..=10_000.0).contains(side));
+            let millimetres = side.ok_or("give m, mm, or the side of a square in mm, for example 25")?;
+            Ok(TranslationUnit::Squares { millimetres })
+        }
+    }
+}

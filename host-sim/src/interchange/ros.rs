@@ -1,0 +1,96 @@
+//! A pair of ROS `camera_info` files, the left camera's first: as `camera_calibration` writes them, or as a printed message (`K D R P`).
+//!
+//! # Conventions
+//! Matrices by rows. `rectification_matrix` turns a camera into the rectified directions; the baseline `B` in metres stands in the right
+//! projection, `P[0][3] = -fx' B`. There is no pose: it follows from both rectifications (see [`pose::from_rectification`]). `plumb_bob` is
+//! `k1 k2 p1 p2 k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` is `k1 .. k4`.
+//!
+//! # Source
+//! ROS `sensor_msgs/CameraInfo.msg` and REP 104; `camera_calibration_parsers` for the file.
+
+use super::camera::{LensModel, camera, coefficients, intrinsics, matrix};
+use super::error::{Fault, Problem};
+use super::node::{Matrix, Node};
+use super::opencv::projections;
+use super::pose;
+use linestereo::{Calibration, Camera, Dims, Eye, Lens, View};
+use nalgebra::Matrix3;
+
+/// Names in files, and in messages of ROS 1 and 2.
+const NAMES: [[&str; 3]; 4] = [
+    ["camera_matrix", "K", "k"],
+    ["distortion_coefficients", "D", "d"],
+    ["rectification_matrix", "R", "r"],
+    ["projection_matrix", "P", "p"],
+];
+
+/// Is this one of the two files?
+pub(super) fn is_camera_info(node: &Node) -> bool {
+    node.get("distortion_model").is_some() && NAMES.iter().all(|names| find(node, names).is_some())
+}
+
+fn find<'a>(node: &'a Node, names: &[&'static str]) -> Option<(&'static str, &'a Node)> {
+    names.iter().find_map(|&name| Some((name, node.get(name)?)))
+}
+
+/// One camera with its rectification.
+struct Info {
+    camera: Camera,
+    rotation: Matrix3<f64>,
+    projection: Matrix,
+}
+
+pub(super) fn read([left, right]: [&Node; 2]) -> Result<Calibration, Fault> {
+    let (left, right) = (info(left, Eye::Left)?, info(right, Eye::Right)?);
+    let place = right.projection.place;
+    let pose = pose::from_rectification([&left.rotation, &right.rotation], [&left.projection, &right.projection])?;
+    pose.pair(left.camera, right.camera, Some(place))
+}
+
+fn info(node: &Node, eye: Eye) -> Result<Info, Fault> {
+    let get = |names: &[&'static str; 3]| {
+        let missing = || Problem::Missing(format!("there is no \"{}\"", names[0])).at(node.place);
+        let (name, found) = find(node, names).ok_or_else(missing)?;
+        found.matrix(name)
+    };
+    let [matrix, values, rotation, projection] = NAMES.each_ref().map(get);
+    let (matrix, values) = (matrix?, values?);
+    let side = |long: &'static str, short: &'static str| match find(node, &[long, short]) {
+        Some((name, side)) => side.whole(name),
+        None => Err(Problem::Missing(format!("there is no \"{long}\"")).at(node.place)),
+    };
+    let dims = Dims { width: side("image_width", "width")?, height: side("image_height", "height")? };
+    let model = node.require("distortion_model")?;
+    let lens = match LensModel::named(model.text().unwrap_or("a list"), model.place)? {
+        Some(model) => model.lens(&values)?,
+        None => Lens::NONE,
+    };
+    let camera = camera((eye, matrix.place), dims, intrinsics(&matrix)?, lens)?;
+    Ok(Info { camera, rotation: pose::rotation(&rotation?)?, projection: projection? })
+}
+
+/// Both files.
+pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
+    let dims = calibration.camera(Eye::Left).dims();
+    let rectified = calibration.rectify(dims, View::default()).map_err(Problem::Rectify)?;
+    let (rotations, projections) = (rectified.rotations(), projections(&rectified));
+    let one = |index: usize, eye, name| {
+        let camera = calibration.camera(eye);
+        let Dims { width, height } = camera.dims();
+        let values = coefficients(camera.lens(), false);
+        let model = if matches!(camera.lens(), Lens::Fisheye { .. }) { "equidistant" } else { "plumb_bob" };
+        let mut text =
+            format!("image_width: {width}\nimage_height: {height}\ncamera_name: {name}\ndistortion_model: {model}\n");
+        for (name, rows, data) in [
+            ("camera_matrix", 3, matrix(camera).as_slice()),
+            ("distortion_coefficients", 1, &values),
+            ("rectification_matrix", 3, rotations[index].as_flattened()),
+            ("projection_matrix", 3, &projections[index]),
+        ] {
+            let cols = data.len() / rows;
+            text.push_str(&format!("{name}:\n  rows: {rows}\n  cols: {cols}\n  data: {data:?}\n"));
+        }
+        text
+    };
+    Ok([one(0, Eye::Left, "left"), one(1, Eye::Right, "right")])
+}

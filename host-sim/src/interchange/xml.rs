@@ -1,0 +1,103 @@
+//! OpenCV's XML -> tree.
+//!
+//! Children named `_` are a list, others a map, texts are lists of words where there are several. Document types, and with them entities
+//! of one's own, are refused by the parser.
+
+use super::error::{Fault, Place, Problem};
+use super::node::{MAX_DEPTH, MAX_VALUES, Node, Value, repeated};
+use roxmltree::{Document, ParsingOptions};
+use std::ops::Range;
+
+/// OpenCV's name of the outermost element.
+const ROOT: &str = "opencv_storage";
+/// Longer tags are refused before parsing: the time that many attributes take grows with their square.
+const MAX_TAG: usize = 4096;
+
+/// The tree below the outermost element.
+pub(super) fn parse(text: &str, file: usize) -> Result<Node, Fault> {
+    let lines = Lines::new(text, file);
+    let tag = |part: &&str| part.find('>').unwrap_or(part.len()) > MAX_TAG && !part.starts_with("!--");
+    if let Some(long) = text.split('<').skip(1).find(tag) {
+        let offset = long.as_ptr() as usize - text.as_ptr() as usize;
+        return Err(Problem::Syntax("a tag is longer than 4096 bytes".to_owned()).at(lines.place(offset)));
+    }
+    let options = ParsingOptions { nodes_limit: MAX_VALUES as u32, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| {
+        let line = error.pos().row as usize;
+        Problem::Syntax(format!("no XML: {error}")).at(Place { file, line: line.max(1) })
+    })?;
+    let root = document.root_element();
+    if root.tag_name().name() != ROOT {
+        return Err(Problem::UnknownFormat.at(lines.place(root.range().start)));
+    }
+    let mut values = 0;
+    let node = convert(root, &lines, 0, &mut values)?;
+    match node.value {
+        Value::Map(_) => Ok(node),
+        _ => Err(Problem::UnknownFormat.at(node.place)),
+    }
+}
+
+fn convert(element: roxmltree::Node<'_, '_>, lines: &Lines, depth: usize, values: &mut usize) -> Result<Node, Fault> {
+    let place = lines.place(element.range().start);
+    if depth >= MAX_DEPTH {
+        return Err(Problem::TooDeep.at(place));
+    }
+    let mut entries = Vec::new();
+    for child in element.children().filter(roxmltree::Node::is_element) {
+        entries.push((child.tag_name().name().to_owned(), convert(child, lines, depth + 1, values)?));
+    }
+    let value = if entries.is_empty() {
+        words(element, lines)
+    } else if entries.iter().all(|(name, _)| name == "_") {
+        Value::List(entries.into_iter().map(|(_, node)| node).collect())
+    } else if let Some(fault) = repeated(&entries) {
+        return Err(fault);
+    } else {
+        Value::Map(entries)
+    };
+    *values += 1 + if let Value::List(nodes) = &value { nodes.len() } else { 0 };
+    if *values > MAX_VALUES {
+        return Err(Problem::TooManyValues.at(place));
+    }
+    Ok(Node { place, value })
+}
+
+/// The text of an element: a word, or a list of words with their lines.
+fn words(element: roxmltree::Node<'_, '_>, lines: &Lines) -> Value {
+    let mut words = Vec::new();
+    for child in element.children().filter(roxmltree::Node::is_text) {
+        let (text, Range { start, .. }) = (child.text().unwrap_or(""), child.range());
+        let mut place = lines.place(start);
+        for (index, line) in text.split('\n').enumerate() {
+            place.line += usize::from(index > 0);
+            let node = |word: &str| Node { place, value: Value::Text(word.to_owned()) };
+            words.extend(line.split_whitespace().map(node));
+        }
+    }
+    match (words.pop(), words.is_empty()) {
+        (Some(Node { value, .. }), true) => value,
+        (Some(last), false) => {
+            words.push(last);
+            Value::List(words)
+        }
+        (None, _) => Value::Text(String::new()),
+    }
+}
+
+/// Where lines begin, so that finding one takes no walk through the text.
+struct Lines {
+    file: usize,
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    fn new(text: &str, file: usize) -> Self {
+        let starts = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(index, _)| index + 1).collect();
+        Self { file, starts }
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        Place { file: self.file, line: 1 + self.starts.partition_point(|&start| start <= offset) }
+    }
+}
