@@ -3,13 +3,14 @@
 //! The worked example: the right camera stands 100 mm to the right of the left one and is turned inwards by atan(3/4). Its axes in left
 //! coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0, 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
+use core::time::Duration;
 use linestereo::{Calibration, Dims, Eye, Lens, View};
 use linestereo_sim::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use std::time::Duration;
+
 use tempfile::TempDir;
 
 const SIZE: Dims = Dims { width: 640, height: 480 };
@@ -337,10 +338,10 @@ fn further_coefficients_are_zero_or_named() {
         assert_is_the_example(&good(&[&text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {zeros} ]"))]));
         let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {} ]", zeros.replacen('0', "0.25", 1)));
         let (line, Problem::Coefficients { names }) = bad(&[&last]) else { panic!("{count} coefficients") };
-        assert_eq!((line, names.as_str()), (Some(12), "k4"));
+        assert_eq!((line, names.as_str()), (Some(11), "k4"));
     }
     let six = opencv().replace("cols: 5", "cols: 6").replace("2.e-03, 0. ]", "2.e-03, 0., 0. ]");
-    assert!(matches!(bad(&[&six]), (Some(12), Problem::Shape { .. })));
+    assert!(matches!(bad(&[&six]), (Some(11), Problem::Shape { .. })));
 }
 
 #[test]
@@ -368,7 +369,7 @@ fn errors_name_the_line() {
     let swapped = yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06");
     assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Pair(_))));
     let focal = bad(&[&yaml.replace("500., 0.", "-500., 0.")]);
-    assert!(matches!(focal, (Some(l), Problem::Camera(Eye::Left, _)) if l == m1 + 1 || l == m1), "{focal:?}");
+    assert!(matches!(focal, (Some(l), Problem::Camera(Eye::Left, _)) if l == m1), "{focal:?}");
     assert!(matches!(bad(&[&(yaml.clone() + "T: 3\n")]), (Some(_), Problem::Duplicate(_))));
     assert!(matches!(bad(&[opencv_xml().replace("0. 501.", "0. x").as_str()]), (Some(8), Problem::NotANumber { .. })));
     assert!(matches!(bad(&[&KALIBR.replace("radtan", "fov")]), (Some(5), Problem::Model(_))));
@@ -485,10 +486,7 @@ fn an_opencv_file_with_its_own_rectification() {
     // Q[3][2] = 1 / baseline.
     assert!((calibration.baseline() * 9.162_018_819_812_918 - 1.0).abs() < 1e-9);
     let stored = found.stored.expect("R1, R2, P1 and P2 are in the file");
-    assert_eq!(
-        (stored.focal, stored.centre),
-        (545.813_181_047_855_21, [339.943_843_841_552_73, 225.400_251_388_549_8])
-    );
+    assert_eq!((stored.focal, stored.centre), (545.813_181_047_855_2, [339.943_843_841_552_73, 225.400_251_388_549_8]));
     // Our choice of the common direction is OpenCV's, to what its iteration leaves.
     let ours = calibration.rectify(SIZE, View::default()).unwrap();
     let [left, right] = ours.rotations();
@@ -593,8 +591,8 @@ fn survive(cases: impl Iterator<Item = (String, Vec<Vec<u8>>)> + Send + 'static)
     (read, refused)
 }
 
-fn end() -> std::iter::Once<(String, Vec<Vec<u8>>)> {
-    std::iter::once(("end".to_owned(), Vec::new()))
+fn end() -> core::iter::Once<(String, Vec<Vec<u8>>)> {
+    core::iter::once(("end".to_owned(), Vec::new()))
 }
 
 #[test]
@@ -633,7 +631,7 @@ fn thousands_of_changed_bytes_are_read_or_refused() {
             let text = &mut files[file];
             for _ in 0..=next(4) {
                 let at = next(text.len());
-                let byte = if next(2) == 0 { TELLING[next(TELLING.len())] } else { next(256) as u8 };
+                let byte = if next(2) == 0 { TELLING[next(TELLING.len())] } else { next(128) as u8 };
                 match next(4) {
                     0 => text[at] = byte,
                     1 => text.insert(at, byte),
@@ -650,5 +648,7 @@ fn thousands_of_changed_bytes_are_read_or_refused() {
         })
     });
     let (read, refused) = survive(cases.chain(end()));
-    assert!(read > 1_000 && refused > 1_000, "{read} read, {refused} refused");
+    // Else the changes reach the first check alone, or nothing.
+    let least = (read + refused) / 20;
+    assert!(read > least && refused > least, "{read} read, {refused} refused");
 }

@@ -60,7 +60,7 @@ const CONTRADICTION: f64 = 0.01;
 /// A length below this is taken as metres, above as millimetres.
 const LONGEST_IN_METRES: f64 = 5.0;
 /// Baselines outside of this are worth a word, m.
-const USUAL: std::ops::RangeInclusive<f64> = 0.01..=1.0;
+const USUAL: core::ops::RangeInclusive<f64> = 0.01..=1.0;
 
 /// What a file gives.
 pub(super) struct Read {

@@ -5,8 +5,8 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::{MAX_DEPTH, MAX_VALUES, Node, Value, repeated};
+use core::ops::Range;
 use roxmltree::{Document, ParsingOptions};
-use std::ops::Range;
 
 /// OpenCV's name of the outermost element.
 const ROOT: &str = "opencv_storage";
@@ -23,8 +23,11 @@ pub(super) fn parse(text: &str, file: usize) -> Result<Node, Fault> {
     }
     let options = ParsingOptions { nodes_limit: MAX_VALUES as u32, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
-        let line = error.pos().row as usize;
-        Problem::Syntax(format!("no XML: {error}")).at(Place { file, line: line.max(1) })
+        let place = match error {
+            roxmltree::Error::DtdDetected => lines.place(text.find("<!DOCTYPE").unwrap_or(0)),
+            _ => Place { file, line: (error.pos().row as usize).max(1) },
+        };
+        Problem::Syntax(format!("no XML: {error}")).at(place)
     })?;
     let root = document.root_element();
     if root.tag_name().name() != ROOT {

@@ -66,8 +66,8 @@ struct Open {
 
 enum Nodes {
     List(Vec<Node>),
-    /// With the name whose value comes next.
-    Map(Vec<(String, Node)>, Option<String>),
+    /// With the name whose value comes next, and where it stands.
+    Map(Vec<(String, Node)>, Option<(String, Place)>),
 }
 
 impl Builder {
@@ -127,8 +127,10 @@ impl Builder {
             None => self.whole = Some(node),
             Some(Nodes::List(nodes)) => nodes.push(node),
             Some(Nodes::Map(entries, name)) => match (name.take(), node) {
-                (Some(name), node) => entries.push((name, node)),
-                (None, Node { value: Value::Text(text), .. }) => *name = Some(text),
+                (Some((name, _)), node @ Node { value: Value::Text(_), .. }) => entries.push((name, node)),
+                // A list or map begins, for people, where its name stands.
+                (Some((name, place)), node) => entries.push((name, Node { place, ..node })),
+                (None, Node { value: Value::Text(text), place }) => *name = Some((text, place)),
                 (None, node) => {
                     return Err(Problem::Syntax("a list or map stands where a name belongs".to_owned()).at(node.place));
                 }
