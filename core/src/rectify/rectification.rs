@@ -8,14 +8,22 @@
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use super::calibration::{Calibration, Eye};
-use super::camera::Camera;
+use super::camera::{Camera, MAX_TANGENT};
 use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use crate::rig::{Rig, RigError};
 use core::fmt;
 use nalgebra::{Matrix3, Vector3};
 
-/// Points looked at along each border of the raw image.
-const BORDER: u16 = 33;
+/// Stretches of each border of the raw image between points that are looked at.
+const STRETCHES: u16 = 16;
+/// Times the stretches around the outermost and innermost points are halved.
+const HALVINGS: u16 = 6;
+/// Directions in which the edge of what a lens sees is looked at.
+const DIRECTIONS: i16 = 64;
+/// How far inside the outermost raw pixels the view ends that is to hold no pixel without source: more than a mesh errs, px.
+const MARGIN: f64 = 1.0 / 32.0;
+/// Points along each border of a rectified image that are looked at where the raw borders do not tell.
+const CHECKED: u16 = 64;
 
 /// How much of the view the rectified images keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,14 +88,16 @@ impl Calibration {
     /// Chooses the common view for rectified images of this size.
     pub fn rectify(&self, dims: Dims, view: View) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
-        let whole = |bound: &Bounds| bound.outer;
-        let filled = |bound: &Bounds| bound.inner;
         let [left, right] = Eye::BOTH.map(|eye| found.bounds(eye));
         let (Some(left), Some(right)) = (left, right) else { return Err(RectifyError::NoCommonView) };
-        let inner = filled(&left).common(filled(&right)).ok_or(RectifyError::NoCommonView)?;
+        let inner = left.inner.common(right.inner).ok_or(RectifyError::NoCommonView)?;
         match view {
             View::Alpha(alpha) if (0.0..=1.0).contains(&alpha) => {
-                let (narrow, wide) = (inner.filling(dims), whole(&left).around(whole(&right)).holding(dims));
+                let mut narrow = inner.filling(dims);
+                if !(left.is_closed && right.is_closed) {
+                    narrow = found.shrunk(inner, narrow.0).ok_or(RectifyError::NoCommonView)?;
+                }
+                let wide = left.outer.around(right.outer).holding(dims);
                 let mix = |a: f64, b: f64| a + (b - a) * alpha;
                 found.focal = mix(narrow.0, wide.0);
                 found.centre = [mix(narrow.1[0], wide.1[0]), mix(narrow.1[1], wide.1[1])];
@@ -198,9 +208,18 @@ impl Rectification {
     /// Raw position of a rectified one, px; may lie outside the raw image. `None` where the camera cannot see.
     #[must_use]
     pub fn source(&self, eye: Eye, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        self.camera(eye).project(self.ray(eye, [x, y]))
+    }
+
+    /// The same as [`Camera::project_beyond`] has it.
+    pub(crate) fn extended_source(&self, eye: Eye, position: [f64; 2]) -> Option<([f64; 2], bool)> {
+        self.camera(eye).project_beyond(self.ray(eye, position))
+    }
+
+    /// Of a rectified position, in the camera's coordinates.
+    fn ray(&self, eye: Eye, [x, y]: [f64; 2]) -> [f64; 3] {
         let [cx, cy] = self.centre;
-        let ray = Vector3::new((x - cx) / self.focal, (y - cy) / self.focal, 1.0);
-        self.camera(eye).project((self.turn(eye) * ray).into())
+        (self.turn(eye) * Vector3::new((x - cx) / self.focal, (y - cy) / self.focal, 1.0)).into()
     }
 
     /// Rectified position of a raw one, px: the inverse of [`Rectification::source`]. `None` where it is behind the rectified view.
@@ -213,28 +232,142 @@ impl Rectification {
 
     fn normalised(&self, eye: Eye, raw: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = self.camera(eye).unproject(raw)?;
-        let ray = self.turn(eye).tr_mul(&Vector3::new(x, y, 1.0));
+        self.common(eye, [x, y, 1.0])
+    }
+
+    /// Where a ray in a camera's coordinates meets the common normalised plane.
+    fn common(&self, eye: Eye, ray: [f64; 3]) -> Option<[f64; 2]> {
+        let ray = self.turn(eye).tr_mul(&Vector3::from(ray));
         (ray.z > 1e-3).then(|| [ray.x / ray.z, ray.y / ray.z])
     }
 
     /// What one camera sees of the common normalised plane; `None` when it sees nothing of it.
     fn bounds(&self, eye: Eye) -> Option<Bounds> {
-        let dims = self.camera(eye).dims();
-        let (right, bottom) = (f64::from(dims.width - 1), f64::from(dims.height - 1));
-        let mut bounds = Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING };
-        for i in 0..BORDER {
-            let share = f64::from(i) / f64::from(BORDER - 1);
-            let (u, v) = (right * share, bottom * share);
-            let borders = [[0.0, v], [right, v], [u, 0.0], [u, bottom]];
-            for (raw, border) in borders.into_iter().zip(Border::ALL) {
-                // A border that is not seen (a fisheye beyond the limit) cuts nothing off.
-                let Some([x, y]) = self.normalised(eye, raw) else { continue };
-                bounds.outer.extend([x, y]);
-                bounds.inner.cut(border, [x, y]);
-            }
+        let camera = self.camera(eye);
+        let mut bounds = Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING, is_closed: true };
+        for border in Border::ALL {
+            self.walk(eye, border, &mut bounds);
         }
+        if !bounds.is_closed {
+            self.look_at_the_limit(eye, &mut bounds);
+        }
+        // The borders were looked at inside of the outermost pixels.
+        bounds.outer = bounds.outer.grown(camera.dims());
         (bounds.outer.low[0] < bounds.outer.high[0])
             .then(|| Bounds { inner: bounds.inner.limited(bounds.outer), ..bounds })
+    }
+
+    /// Looks at points along a border, and closer where it reaches furthest to the inside or outside, or starts to be seen.
+    fn walk(&self, eye: Eye, border: Border, bounds: &mut Bounds) {
+        let (mut innermost, mut outermost) = (None, None);
+        let mut look = |share: f64| {
+            // A border that is not seen (a fisheye beyond the limit) cuts nothing off.
+            let point = self.normalised(eye, border.point(self.camera(eye).dims(), share));
+            bounds.is_closed &= point.is_some();
+            if let Some(point) = point {
+                bounds.outer.extend(point);
+                bounds.inner.cut(border, point);
+                let depth = border.depth(point);
+                if innermost.is_none_or(|(deepest, _)| depth > deepest) {
+                    innermost = Some((depth, share));
+                }
+                if outermost.is_none_or(|(least, _)| depth < least) {
+                    outermost = Some((depth, share));
+                }
+            }
+            (point.is_some(), innermost, outermost)
+        };
+        let mut step = 1.0 / f64::from(STRETCHES);
+        let (mut was_seen, mut inner, mut outer) = look(0.0);
+        for i in 1..=STRETCHES {
+            let share = f64::from(i) * step;
+            let is_seen;
+            (is_seen, inner, outer) = look(share);
+            let (mut here, mut there) = (share - step, share);
+            for _ in 0..if is_seen == was_seen { 0 } else { 2 * HALVINGS } {
+                let middle = (here + there) / 2.0;
+                if look(middle).0 == was_seen {
+                    here = middle;
+                } else {
+                    there = middle;
+                }
+            }
+            was_seen = is_seen;
+        }
+        for _ in 0..HALVINGS {
+            step /= 2.0;
+            for middle in [inner, outer].into_iter().flatten().map(|(_, share): (f64, f64)| share) {
+                for share in [middle - step, middle + step] {
+                    if (0.0..=1.0).contains(&share) {
+                        (_, inner, outer) = look(share);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where a border is not seen, the view ends at the angle up to which the lens can be used.
+    fn look_at_the_limit(&self, eye: Eye, bounds: &mut Bounds) {
+        let camera = self.camera(eye);
+        let radius = camera.limit() * 0.9999;
+        for i in 0..DIRECTIONS {
+            // Around a square.
+            let along = f64::from(i % (DIRECTIONS / 4)) / f64::from(DIRECTIONS / 8) - 1.0;
+            let [x, y] = match i / (DIRECTIONS / 4) {
+                0 => [along, -1.0],
+                1 => [1.0, along],
+                2 => [-along, 1.0],
+                _ => [-1.0, -along],
+            };
+            let scale = radius / libm::sqrt(x * x + y * y);
+            let ray = [x * scale, y * scale, 1.0];
+            if camera.project(ray).is_some_and(|raw| camera.is_inside(raw))
+                && let Some(point) = self.common(eye, ray)
+            {
+                bounds.outer.extend(point);
+            }
+        }
+    }
+
+    /// Least focal length, not below `focal`, at which every pixel of both images has a source around the middle of the window.
+    fn shrunk(&mut self, window: Window, focal: f64) -> Option<(f64, [f64; 2])> {
+        let (mut fits, mut low) = (None, focal);
+        let mut high = focal;
+        for _ in 0..16 {
+            let middle = match fits {
+                None => high,
+                Some(_) => (low + high) / 2.0,
+            };
+            self.focal = middle;
+            self.centre = window.centred(self.dims, middle);
+            match (self.is_filled(), fits) {
+                (true, _) => {
+                    (fits, high) = (Some((self.focal, self.centre)), middle);
+                    if middle <= focal {
+                        break;
+                    }
+                }
+                (false, None) => (low, high) = (middle, middle * 1.5),
+                (false, Some(_)) => low = middle,
+            }
+        }
+        fits
+    }
+
+    /// Do the border pixels of both rectified images have a source? What lies inside of them has one then.
+    fn is_filled(&self) -> bool {
+        let [right, bottom] = [self.dims.width - 1, self.dims.height - 1].map(f64::from);
+        Eye::BOTH.into_iter().all(|eye| {
+            let dims = self.camera(eye).dims();
+            let inside = |v: f64, side: u16| (MARGIN..=f64::from(side - 1) - MARGIN).contains(&v);
+            (0..=CHECKED).all(|i| {
+                let share = f64::from(i) / f64::from(CHECKED);
+                let (x, y) = (right * share, bottom * share);
+                [[0.0, y], [right, y], [x, 0.0], [x, bottom]].into_iter().all(|position| {
+                    self.source(eye, position).is_some_and(|[u, v]| inside(u, dims.width) && inside(v, dims.height))
+                })
+            })
+        })
     }
 }
 
@@ -248,6 +381,28 @@ enum Border {
 
 impl Border {
     const ALL: [Self; 4] = [Self::Left, Self::Right, Self::Top, Self::Bottom];
+
+    /// The point of the raw image at a share of this border, just inside.
+    fn point(self, dims: Dims, share: f64) -> [f64; 2] {
+        let along = |side: u16, share: f64| MARGIN + (f64::from(side - 1) - 2.0 * MARGIN) * share;
+        let (w, h) = (dims.width, dims.height);
+        match self {
+            Self::Left => [along(w, 0.0), along(h, share)],
+            Self::Right => [along(w, 1.0), along(h, share)],
+            Self::Top => [along(w, share), along(h, 0.0)],
+            Self::Bottom => [along(w, share), along(h, 1.0)],
+        }
+    }
+
+    /// How far inside a point of the normalised plane lies, from this side.
+    fn depth(self, [x, y]: [f64; 2]) -> f64 {
+        match self {
+            Self::Left => x,
+            Self::Right => -x,
+            Self::Top => y,
+            Self::Bottom => -y,
+        }
+    }
 }
 
 /// Rectangles of the normalised plane that hold only, and all, of what a camera sees.
@@ -255,6 +410,8 @@ impl Border {
 struct Bounds {
     inner: Window,
     outer: Window,
+    /// Is every border of the raw image seen?
+    is_closed: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -267,7 +424,9 @@ impl Window {
     const EVERYTHING: Self = Self { low: [f64::MIN; 2], high: [f64::MAX; 2] };
     const NOTHING: Self = Self { low: [f64::MAX; 2], high: [f64::MIN; 2] };
 
-    fn extend(&mut self, [x, y]: [f64; 2]) {
+    /// A flat image shows no more than [`MAX_TANGENT`].
+    fn extend(&mut self, point: [f64; 2]) {
+        let [x, y] = point.map(|v| v.clamp(-MAX_TANGENT, MAX_TANGENT));
         self.low = [self.low[0].min(x), self.low[1].min(y)];
         self.high = [self.high[0].max(x), self.high[1].max(y)];
     }
@@ -286,6 +445,16 @@ impl Window {
             low: [self.low[0].max(other.low[0]), self.low[1].max(other.low[1])],
             high: [self.high[0].min(other.high[0]), self.high[1].min(other.high[1])],
         }
+    }
+
+    /// With an eighth of a raw pixel more on each side.
+    fn grown(self, raw: Dims) -> Self {
+        let more = |i: usize, side: u16| -> f64 {
+            let (Some(low), Some(high)) = (self.low.get(i), self.high.get(i)) else { return 0.0 };
+            (high - low) / (8.0 * f64::from(side))
+        };
+        let (x, y) = (more(0, raw.width), more(1, raw.height));
+        Self { low: [self.low[0] - x, self.low[1] - y], high: [self.high[0] + x, self.high[1] + y] }
     }
 
     /// What both hold, if that is anything.
