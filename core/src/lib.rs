@@ -72,7 +72,8 @@ pub use observe::{Observer, Stage, StageDigests, Step};
 pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
 pub use rectify::{
-    Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Rectification, RectifyError, View,
+    Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
+    RectifyError, RowError, Span, View, fine_mesh_nodes, mesh_nodes,
 };
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
 pub use rig::{Rig, RigError};

@@ -1,4 +1,5 @@
-//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and what is done with them; edges.
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and what is done with them; edges;
+//! pixels between pixels.
 //!
 //! # Bounds
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
@@ -226,4 +227,45 @@ pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8
         i32::from(second(u)) - i32::from(first(u))
     };
     Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
+}
+
+/// Positions of pixels that follow each other on a straight line between two rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// Column of the first pixel, px in Q16; the fraction counts down to 1/128.
+    pub x_q16: i32,
+    /// From pixel to pixel, px in Q16.
+    pub dx_q16: i32,
+    /// How far the first pixel lies below the upper row, px in Q14: 0 ..= 16 384, as it is for all pixels.
+    pub fy_q14: i32,
+    /// From pixel to pixel, px in Q14.
+    pub dfy_q14: i32,
+}
+
+/// A grey level between four pixels, rounded to nearest: `fx_q7` 0 ..= 128 from left to right, `fy_q14` 0 ..= 16 384 from top to bottom.
+#[must_use]
+#[inline]
+pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
+    // At most 255 * 2^7: fits `i16`. The sum is at most 255 * 2^21 + 2^20.
+    let across = |[a, b]: [u8; 2]| i32::from(a) * (128 - fx_q7) + i32::from(b) * fx_q7;
+    ((across(top) * ((1 << 14) - fy_q14) + across(bottom) * fy_q14 + (1 << 20)) >> 21) as u8
+}
+
+/// [`bilinear`] at each pixel of a run between two rows; a pixel is 0 that does not lie between two pixels of both.
+pub fn bilinear_run(top: &[u8], bottom: &[u8], out: &mut [u8], run: Run) {
+    let Run { mut x_q16, dx_q16, mut fy_q14, dfy_q14 } = run;
+    for out in out {
+        let two = |row: &[u8]| {
+            let column = usize::try_from(x_q16 >> 16).ok()?;
+            row.get(column..)?.first_chunk::<2>().copied()
+        };
+        *out = match (two(top), two(bottom)) {
+            (Some(top), Some(bottom)) if (0..=1 << 14).contains(&fy_q14) => {
+                bilinear(top, bottom, x_q16 >> 9 & 127, fy_q14)
+            }
+            _ => 0,
+        };
+        x_q16 = x_q16.wrapping_add(dx_q16);
+        fy_q14 = fy_q14.wrapping_add(dfy_q14);
+    }
 }

@@ -1,0 +1,635 @@
+//! Where each rectified pixel comes from, as a coarse mesh of integers.
+//!
+//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and what a [`Band`](super::Band) has to hold for it.
+//!
+//! ```text
+//! set-up, floating point:
+//!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every 8th, if the cubic through those would
+//!             err by more than 1/64 px by their fourth differences, and the memory is given
+//!     pieces: how many pixels may be joined by one straight line: 16, 8 or 4, by the largest second difference of the nodes
+//!     nodes  -= their second difference along the row, scaled, so that lines err to both sides equally and half as much
+//!     rows:   the pixels that have a source, the last raw row they need; the most raw rows that are needed at once
+//! per row, integers:
+//!     four rows of nodes -> one, four nodes of that -> ends of pieces: the cubic through four points, twice
+//! ```
+//!
+//! # Bounds
+//! Nodes are clamped to 8192 px: below 2^29 in Q16. Weights in Q15 sum to 2^15 and their sizes to less than 2^16: products fit `i64`, and
+//! a sum is below 2^30.
+//!
+//! # Cost
+//! 8 bytes for a node, 6 for a row: 4.8 KiB for a camera at QVGA.
+//!
+//! # Source
+//! Lagrange's interpolation. A bilinear mesh of 16 px errs by 0.16 px on a common lens, Catmull-Rom's cubic is one order worse.
+
+use super::calibration::Eye;
+use super::rectification::Rectification;
+use crate::image::Dims;
+use core::fmt;
+
+/// log2 of the distance of nodes in pixels.
+const COARSE: u8 = 4;
+/// The same of a fine mesh.
+const FINE: u8 = 3;
+/// Positions further outside are not told apart: they are outside of any image.
+const FAR: f64 = 8192.0;
+/// One pixel.
+pub(super) const ONE: i32 = 1 << 16;
+/// How far outside the outermost raw pixels a position may lie and counts as there: 1/64 px, for what the mesh rounds.
+const TOLERANCE: i32 = ONE / 64;
+
+/// Nodes that a [`Mesh`] needs for rectified images of this size.
+#[must_use]
+pub const fn mesh_nodes(dims: Dims) -> usize {
+    nodes_along(dims.width, COARSE) as usize * nodes_along(dims.height, COARSE) as usize
+}
+
+/// Nodes with which a [`Mesh`] can halve their distance, where a lens asks for it: very wide ones, and images below 200 px.
+#[must_use]
+pub const fn fine_mesh_nodes(dims: Dims) -> usize {
+    nodes_along(dims.width, FINE) as usize * nodes_along(dims.height, FINE) as usize
+}
+
+/// One before the first pixel, and two from the last one's cell on.
+const fn nodes_along(side: u16, cell: u8) -> u16 {
+    (side.saturating_sub(1) >> cell) + 4
+}
+
+/// Raw position, px in Q16.
+///
+/// The last bits hold, until the rows are known: x: the camera cannot see this; y: it is behind the camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Node {
+    x: i32,
+    y: i32,
+}
+
+impl Node {
+    #[expect(clippy::float_arithmetic, reason = "set-up")]
+    fn new(source: Option<([f64; 2], bool)>) -> Self {
+        let Some(([x, y], seen)) = source else { return Self { x: 1, y: 1 } };
+        let nearest = |v: f64| (v.clamp(-FAR, FAR) * f64::from(ONE)) as i32 & !1;
+        Self { x: nearest(x) | i32::from(!seen), y: nearest(y) }
+    }
+
+    fn is_seen(self) -> bool {
+        self.x & 1 == 0
+    }
+
+    fn is_behind(self) -> bool {
+        self.y & 1 == 1
+    }
+
+    fn weighted(nodes: [Self; 4], weights: [i32; 4]) -> Self {
+        let mut sums = [0_i64; 2];
+        for (node, weight) in nodes.into_iter().zip(weights) {
+            sums = [sums[0] + i64::from(node.x) * i64::from(weight), sums[1] + i64::from(node.y) * i64::from(weight)];
+        }
+        Self { x: (sums[0] >> 15) as i32, y: (sums[1] >> 15) as i32 }
+    }
+}
+
+/// Of the cubic through values at -1, 0, 1 and 2, at every sixteenth from 0 to 1: Q15.
+const CUBIC: [[i32; 4]; 16] = {
+    let mut table = [[0; 4]; 16];
+    let mut t = 0;
+    while t < 16 {
+        // Products of three distances in sixteenths, Q12, to Q15.
+        let [a, b, c] = [
+            rounded(-t * (t - 16) * (t - 32) * 8, 6),
+            rounded((t + 16) * (t - 16) * (t - 32) * 8, 2),
+            rounded((t + 16) * t * (t - 16) * 8, 6),
+        ];
+        #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
+        {
+            table[t as usize] = [a, b, (1 << 15) - a - b - c, c];
+        }
+        t += 1;
+    }
+    table
+};
+
+const fn rounded(value: i32, by: i32) -> i32 {
+    (value + if value < 0 { -by / 2 } else { by / 2 }) / by
+}
+
+/// Pixels of a row that have a source: from `start` to before `end`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// The first one.
+    pub start: u16,
+    /// The first one behind them.
+    pub end: u16,
+}
+
+impl Span {
+    /// Does it hold this pixel?
+    #[must_use]
+    pub fn contains(self, x: u16) -> bool {
+        (self.start..self.end).contains(&x)
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn len(self) -> u16 {
+        self.end.saturating_sub(self.start)
+    }
+
+    /// Does no pixel have a source?
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// What both hold: of a pair, the pixels of a row that both cameras see.
+    #[must_use]
+    pub fn common(self, other: Self) -> Self {
+        let (start, end) = (self.start.max(other.start), self.end.min(other.end));
+        Self { start, end: end.max(start) }
+    }
+}
+
+/// What is known of a rectified row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowPlan {
+    pub(super) span: Span,
+    /// Raw row with which this one, and all above, can be computed.
+    pub(super) last: u16,
+}
+
+/// Pixels that follow each other on a straight line through the raw image.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Position of the first pixel, px in Q16, half a step of the kernel's fraction added.
+    pub(super) x_q16: i32,
+    /// From pixel to pixel.
+    pub(super) dx_q16: i32,
+    /// Position of the first pixel, px in Q14.
+    pub(super) y_q14: i32,
+    /// From pixel to pixel.
+    pub(super) dy_q14: i32,
+}
+
+impl Piece {
+    fn between(from: Node, to: Node, shift: u8) -> Self {
+        let (x_q16, y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
+        Self { x_q16, dx_q16: (to.x.wrapping_sub(from.x)) >> shift, y_q14, dy_q14: ((to.y >> 2) - y_q14) >> shift }
+    }
+
+    /// Position of a pixel of it.
+    pub(super) fn at(self, i: u16) -> [i32; 2] {
+        let i = i32::from(i);
+        [self.x_q16.wrapping_add(self.dx_q16.wrapping_mul(i)), self.y_q14.wrapping_add(self.dy_q14.wrapping_mul(i))]
+    }
+}
+
+/// The kernel's fraction across has 7 bits: half of its step.
+const X_ROUNDING: i32 = ONE >> 8;
+
+/// Sizes, and how the nodes are to be joined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    pub(super) dims: Dims,
+    pub(super) raw: Dims,
+    columns: u16,
+    /// log2 of the distance of nodes in pixels.
+    cell: u8,
+    /// log2 of the pixels of a piece.
+    piece: u8,
+    pub(super) band_rows: u16,
+    error_q16: i32,
+}
+
+/// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified image has. `new` is empty, `build`
+/// fills it.
+///
+/// ```
+/// use linestereo::{Band, Calibration, Camera, Dims, Eye, Lens, Mesh, View, mesh_nodes};
+///
+/// const DIMS: Dims = Dims { width: 64, height: 48 };
+/// let lens = Lens::BrownConrady { k: [-0.2, 0.0, 0.0], p: [0.0; 2] };
+/// let camera = Camera::new(DIMS, [60.0, 60.0], [31.5, 23.5], 0.0, lens)?;
+/// let rig = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.06, 0.0, 0.0])?;
+/// let rectification = rig.rectify(DIMS, View::default())?;
+///
+/// // In statics on a board.
+/// let mut mesh: Mesh<{ mesh_nodes(DIMS) }, { DIMS.height as usize }> = Mesh::new();
+/// let mut band: Band<{ 64 * 12 }> = Band::new();
+/// let mut frame = [0; 64 * 48];
+///
+/// mesh.build(&rectification, Eye::Left)?;
+/// assert!(mesh.band_bytes() <= 64 * 12);
+/// for _ in 0..DIMS.height {
+///     let raw_row = [100; 64]; // as the camera delivers it
+///     let finished = band.push(&mesh, &raw_row, &mut frame)?;
+///     assert!(finished.end <= DIMS.height);
+/// }
+/// assert!(band.is_complete(&mesh) && frame == [100; 64 * 48]);
+/// band.restart(); // for the next frame
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Mesh<const NODES: usize, const ROWS: usize> {
+    grid: Grid,
+    nodes: [Node; NODES],
+    rows: [RowPlan; ROWS],
+}
+
+/// Why a mesh cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshError {
+    /// The memory holds too few nodes.
+    Nodes {
+        /// Nodes needed: see [`mesh_nodes`].
+        needed: usize,
+        /// Nodes there is memory for.
+        given: usize,
+    },
+    /// The memory holds too few rows.
+    Rows {
+        /// Rows of the rectified image.
+        needed: usize,
+        /// Rows there is memory for.
+        given: usize,
+    },
+    /// No rectified pixel has a source in the raw image.
+    NothingSeen,
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Nodes { needed, given } => write!(f, "the mesh needs {needed} nodes, there is memory for {given}"),
+            Self::Rows { needed, given } => {
+                write!(f, "the rectified images have {needed} rows, there is memory for {given}")
+            }
+            Self::NothingSeen => write!(f, "no rectified pixel lies inside the raw image"),
+        }
+    }
+}
+
+impl core::error::Error for MeshError {}
+
+impl<const NODES: usize, const ROWS: usize> Default for Mesh<NODES, ROWS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
+    /// Bytes of memory.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Without nodes: every raw row is refused.
+    #[must_use]
+    pub const fn new() -> Self {
+        const NOTHING: Dims = Dims { width: 0, height: 0 };
+        let grid =
+            Grid { dims: NOTHING, raw: NOTHING, columns: 0, cell: COARSE, piece: COARSE, band_rows: 0, error_q16: 0 };
+        let row = RowPlan { span: Span { start: 0, end: 0 }, last: 0 };
+        Self { grid, nodes: [Node { x: 1, y: 1 }; NODES], rows: [row; ROWS] }
+    }
+
+    /// Fills it for one camera. After an error it is empty.
+    pub fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
+        self.grid = Self::new().grid;
+        let dims = rectification.dims();
+        let (needed, given) = (mesh_nodes(dims), NODES);
+        if given < needed {
+            return Err(MeshError::Nodes { needed, given });
+        }
+        let (needed, given) = (usize::from(dims.height), ROWS);
+        let rows = self.rows.get_mut(..needed).ok_or(MeshError::Rows { needed, given })?;
+        self.grid = Grid::build(rectification, eye, &mut self.nodes, rows)?;
+        Ok(())
+    }
+
+    /// Size of the rectified images.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.grid.dims
+    }
+
+    /// Size of the raw images.
+    #[must_use]
+    pub fn raw_dims(&self) -> Dims {
+        self.grid.raw
+    }
+
+    /// Raw rows that have to be held at once.
+    #[must_use]
+    pub fn band_rows(&self) -> u16 {
+        self.grid.band_rows
+    }
+
+    /// Bytes that a [`Band`](super::Band) for this mesh needs.
+    #[must_use]
+    pub fn band_bytes(&self) -> usize {
+        usize::from(self.grid.band_rows) * usize::from(self.grid.raw.width)
+    }
+
+    /// Pixels of a rectified row that have a source (the largest run of them); all others are written 0. Empty below the image.
+    #[must_use]
+    pub fn span(&self, y: u16) -> Span {
+        self.plan().row(y).map_or(Span::default(), |row| row.span)
+    }
+
+    /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::span`].
+    #[must_use]
+    pub fn source(&self, x: u16, y: u16) -> Option<[i32; 2]> {
+        let plan = self.plan();
+        if !plan.row(y)?.span.contains(x) {
+            return None;
+        }
+        let mut found = None;
+        plan.for_each_piece(y, |start, length, piece| {
+            if let Some(i) = x.checked_sub(start).filter(|i| *i < length) {
+                let [x_q16, y_q14] = piece.at(i);
+                found = Some([x_q16.wrapping_sub(X_ROUNDING), y_q14 << 2]);
+            }
+        });
+        found
+    }
+
+    /// How far the positions of pixels are off at most, px: an estimate from the differences of nodes.
+    #[must_use]
+    #[expect(clippy::float_arithmetic, reason = "set-up")]
+    pub fn error(&self) -> f64 {
+        f64::from(self.grid.error_q16) / f64::from(ONE)
+    }
+
+    pub(super) fn plan(&self) -> MeshPlan<'_> {
+        MeshPlan { grid: &self.grid, nodes: &self.nodes, rows: &self.rows }
+    }
+}
+
+/// A mesh, whatever its capacity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshPlan<'a> {
+    pub(super) grid: &'a Grid,
+    nodes: &'a [Node],
+    rows: &'a [RowPlan],
+}
+
+impl MeshPlan<'_> {
+    /// What is known of row `y`.
+    pub(super) fn row(&self, y: u16) -> Option<RowPlan> {
+        self.rows.get(usize::from(y)).copied().filter(|_| y < self.grid.dims.height)
+    }
+
+    /// Calls `each` with first pixel, length and positions of every piece of row `y`.
+    #[inline]
+    pub(super) fn for_each_piece(&self, y: u16, each: impl FnMut(u16, u16, Piece)) {
+        self.grid.for_each_piece(self.nodes, y, each);
+    }
+}
+
+impl Grid {
+    fn build(
+        rectification: &Rectification,
+        eye: Eye,
+        nodes: &mut [Node],
+        rows: &mut [RowPlan],
+    ) -> Result<Self, MeshError> {
+        let mut grid = Self::placed(rectification, eye, COARSE, nodes);
+        let mut cubic = grid.cubic_error(nodes);
+        if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() {
+            grid = Self::placed(rectification, eye, FINE, nodes);
+            cubic = grid.cubic_error(nodes);
+        }
+        grid.choose_pieces(nodes);
+        grid.error_q16 = grid.error_q16.saturating_add(cubic);
+        grid.centre_pieces(nodes);
+        grid.plan_rows(rectification, eye, nodes, rows)?;
+        Ok(grid)
+    }
+
+    /// Nodes at a distance.
+    fn placed(rectification: &Rectification, eye: Eye, cell: u8, nodes: &mut [Node]) -> Self {
+        let (dims, raw) = (rectification.dims(), rectification.camera(eye).dims());
+        let columns = nodes_along(dims.width, cell);
+        let rows = usize::from(nodes_along(dims.height, cell));
+        for (row, v) in nodes.chunks_exact_mut(usize::from(columns)).take(rows).zip(-1..) {
+            for (node, u) in row.iter_mut().zip(-1..) {
+                let [x, y] = [u, v].map(|i: i32| f64::from(i << cell));
+                *node = Node::new(rectification.extended_source(eye, [x, y]));
+            }
+        }
+        Self { dims, raw, columns, cell, piece: cell, band_rows: 0, error_q16: 0 }
+    }
+
+    /// The rows of nodes.
+    fn node_rows<'a>(&self, nodes: &'a [Node]) -> impl Iterator<Item = &'a [Node]> + use<'a> {
+        let rows = usize::from(nodes_along(self.dims.height, self.cell));
+        nodes.chunks_exact(usize::from(self.columns)).take(rows)
+    }
+
+    /// Is this node one of a pixel that is seen, or next to one?
+    fn is_near(&self, node: Node) -> bool {
+        let around = ONE << self.cell;
+        let inside = |v: i32, side: u16| (-around..(i32::from(side) << 16) + around).contains(&v);
+        node.is_seen() && inside(node.x, self.raw.width) && inside(node.y, self.raw.height)
+    }
+
+    /// What a cubic through four nodes errs in their middle at most, 3/128 of the fourth difference, summed over both directions.
+    fn cubic_error(&self, nodes: &[Node]) -> i32 {
+        let fourth = |at: [Node; 5]| {
+            if !at.iter().all(|node| self.is_near(*node)) {
+                return 0;
+            }
+            let of = |v: fn(&Node) -> i32| {
+                let [a, b, c, d, e] = at.each_ref().map(v);
+                (a + e - 4 * (b + d) + 6 * c).abs()
+            };
+            of(|node| node.x).max(of(|node| node.y))
+        };
+        let (mut across, mut down) = (0, 0);
+        for row in self.node_rows(nodes) {
+            for five in row.windows(5).filter_map(|five| five.first_chunk()) {
+                across = fourth(*five).max(across);
+            }
+        }
+        for column in 0..usize::from(self.columns) {
+            let mut five = [Node { x: 1, y: 1 }; 5];
+            for row in self.node_rows(nodes) {
+                let [_, b, c, d, e] = five;
+                five = [b, c, d, e, row.get(column).copied().unwrap_or(e)];
+                down = fourth(five).max(down);
+            }
+        }
+        across.saturating_add(down) / 128 * 3
+    }
+
+    /// Second difference along the row at the middle one of three nodes.
+    fn bend([a, b, c]: [Node; 3]) -> [i32; 2] {
+        [a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y]
+    }
+
+    /// Binary digits between the second difference of nodes and h^2/16 times the second derivative, where h is the length of a piece.
+    fn bend_shift(&self, piece: u8) -> u8 {
+        4 + 2 * (self.cell - piece)
+    }
+
+    /// The longest pieces that err by at most 1/64 px: in its middle a line errs by h^2/8 times the second derivative, half of that once
+    /// centred.
+    fn choose_pieces(&mut self, nodes: &[Node]) {
+        let mut largest = 0;
+        for row in self.node_rows(nodes) {
+            for three in row.windows(3).filter_map(|three| three.first_chunk::<3>()) {
+                if three.iter().all(|node| self.is_near(*node)) {
+                    let [x, y] = Self::bend(*three);
+                    largest = largest.max(x.abs()).max(y.abs());
+                }
+            }
+        }
+        let suits = |piece: &u8| *piece <= self.cell && largest >> self.bend_shift(*piece) <= ONE / 64;
+        self.piece = [4, 3].into_iter().find(suits).unwrap_or(2);
+        self.error_q16 = largest >> self.bend_shift(self.piece);
+    }
+
+    /// Moves the nodes against their bend by half of what a line between knots errs in its middle.
+    fn centre_pieces(&self, nodes: &mut [Node]) {
+        let shift = self.bend_shift(self.piece);
+        let rows = usize::from(nodes_along(self.dims.height, self.cell));
+        for row in nodes.chunks_exact_mut(usize::from(self.columns)).take(rows) {
+            let mut before: Option<Node> = None;
+            let mut at = 0;
+            while let Some(three) = row.get(at..).and_then(|row| row.first_chunk::<3>()).copied() {
+                let [a, middle, c] = three;
+                let a = before.unwrap_or(a);
+                let mut moved = middle;
+                if ![a, middle, c].iter().any(|node| node.is_behind()) {
+                    let [x, y] = Self::bend([a, middle, c]);
+                    moved = Node { x: middle.x - (x >> shift & !1), y: middle.y - (y >> shift & !1) };
+                }
+                if let Some(node) = row.get_mut(at + 1) {
+                    *node = moved;
+                }
+                before = Some(middle);
+                at += 1;
+            }
+        }
+    }
+
+    /// Spans, last raw rows, and the height of the band.
+    fn plan_rows(
+        &mut self,
+        rectification: &Rectification,
+        eye: Eye,
+        nodes: &[Node],
+        rows: &mut [RowPlan],
+    ) -> Result<(), MeshError> {
+        let mut last = 0;
+        for (plan, y) in rows.iter_mut().zip(0..) {
+            let span = self.longest_run(rectification, eye, nodes, y);
+            let (mut low, mut high) = (i32::MAX, 0);
+            self.for_each_piece(nodes, y, |start, length, piece| {
+                for i in (0..length).filter(|i| span.contains(start + i)) {
+                    let [_, y_q14] = piece.at(i);
+                    let row = (y_q14 >> 14).clamp(0, i32::from(self.raw.height) - 2);
+                    (low, high) = (low.min(row), high.max(row + 1));
+                }
+            });
+            last = last.max(high as u16);
+            *plan = RowPlan { span, last };
+            if !span.is_empty() {
+                self.band_rows = self.band_rows.max(last + 1 - low as u16);
+            }
+        }
+        if self.band_rows == 0 { Err(MeshError::NothingSeen) } else { Ok(()) }
+    }
+
+    /// The largest run of pixels of row `y` that have a source.
+    fn longest_run(&self, rectification: &Rectification, eye: Eye, nodes: &[Node], y: u16) -> Span {
+        let (mut longest, mut run) = (Span::default(), Span::default());
+        self.for_each_piece(nodes, y, |start, length, piece| {
+            let sight = self.sight(nodes, start >> self.cell, y >> self.cell);
+            for (i, x) in (0..length).zip(start..) {
+                let seen = match sight {
+                    Sight::Whole => true,
+                    Sight::Part => rectification.source(eye, [f64::from(x), f64::from(y)]).is_some(),
+                    Sight::Nothing => false,
+                };
+                if !(seen && self.is_inside(piece.at(i))) {
+                    continue;
+                }
+                if run.end == x {
+                    run.end = x + 1;
+                } else {
+                    run = Span { start: x, end: x + 1 };
+                }
+                if run.len() > longest.len() {
+                    longest = run;
+                }
+            }
+        });
+        longest
+    }
+
+    fn is_inside(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
+        let inside = |v: i32, side: u16| (-TOLERANCE..=(i32::from(side) - 1) * ONE + TOLERANCE).contains(&v);
+        inside(x_q16 - X_ROUNDING, self.raw.width) && inside(y_q14 << 2, self.raw.height)
+    }
+
+    /// What the camera sees of one cell.
+    fn sight(&self, nodes: &[Node], column: u16, row: u16) -> Sight {
+        let columns = usize::from(self.columns);
+        let first = usize::from(row) * columns + usize::from(column);
+        let (mut seen, mut behind) = (0, false);
+        for v in 0..4 {
+            for u in 0..4 {
+                let node = nodes.get(first + v * columns + u).copied().unwrap_or(Node { x: 1, y: 1 });
+                behind |= node.is_behind();
+                seen += u32::from(node.is_seen() && (1..3).contains(&u) && (1..3).contains(&v));
+            }
+        }
+        match seen {
+            _ if behind => Sight::Nothing,
+            0 => Sight::Nothing,
+            4 => Sight::Whole,
+            _ => Sight::Part,
+        }
+    }
+
+    /// See [`MeshPlan::for_each_piece`].
+    #[inline]
+    fn for_each_piece(&self, nodes: &[Node], y: u16, mut each: impl FnMut(u16, u16, Piece)) {
+        let columns = usize::from(self.columns);
+        let first = usize::from(y >> self.cell) * columns;
+        let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return };
+        let row = |v: usize| nodes.get(first + v * columns..).unwrap_or(&[]).iter().take(columns);
+        let mut four = [Node::default(); 4];
+        for ((((a, b), c), d), column) in row(0).zip(row(1)).zip(row(2)).zip(row(3)).zip(0_u16..) {
+            let [_, p, q, r] = four;
+            four = [p, q, r, Node::weighted([*a, *b, *c, *d], *weights)];
+            if let Some(cell) = column.checked_sub(3) {
+                self.pieces_of_cell(four, cell << self.cell, &mut each);
+            }
+        }
+    }
+
+    #[inline]
+    fn pieces_of_cell(&self, four: [Node; 4], start: u16, each: &mut impl FnMut(u16, u16, Piece)) {
+        let [_, mut from, end, _] = four;
+        let (length, cell) = (1 << self.piece, 1 << self.cell);
+        let mut place = 0;
+        while place < cell && start + place < self.dims.width {
+            let to = match CUBIC.get(usize::from((place + length) << (4 - self.cell))) {
+                Some(weights) => Node::weighted(four, *weights),
+                None => end,
+            };
+            let piece = Piece::between(from, to, self.piece);
+            each(start + place, length.min(self.dims.width - start - place), piece);
+            from = to;
+            place += length;
+        }
+    }
+}
+
+/// What a camera sees of a cell.
+enum Sight {
+    Whole,
+    Part,
+    Nothing,
+}
