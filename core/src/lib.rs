@@ -73,7 +73,7 @@ pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
-    RectifyError, RowError, Span, View, fine_mesh_nodes, mesh_nodes,
+    RectifyError, RowError, View, fine_mesh_nodes, mesh_nodes,
 };
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
 pub use rig::{Rig, RigError};

@@ -4,7 +4,7 @@
 //! pass without them.
 
 use linestereo::{
-    Band, Calibration, Camera, Dims, Eye, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes,
+    Band, Calibration, Camera, Dims, Eye, Lens, Mesh, MeshError, Rectification, RowError, Span, View, fine_mesh_nodes,
     mesh_nodes,
 };
 use linestereo_sim::engine::GrayImage;
@@ -117,7 +117,7 @@ fn error(rectification: &Rectification, eye: Eye) -> (f64, f64) {
     let dims = rectification.dims();
     let (mut worst, mut valid) = (0.0_f64, 0);
     for y in 0..dims.height {
-        for x in mesh.span(y).start..mesh.span(y).end {
+        for x in mesh.spans()[usize::from(y)].start..mesh.spans()[usize::from(y)].end {
             let [u, v] = mesh.source(x, y).unwrap().map(|q| f64::from(q) / 65536.0);
             let [a, b] = rectification.source(eye, [f64::from(x), f64::from(y)]).unwrap();
             worst = worst.max((u - a).hypot(v - b));
@@ -168,7 +168,11 @@ fn with_alpha_0_every_pixel_has_a_source() {
         for eye in Eye::BOTH {
             let (mesh, raw) = (mesh(&rectification, eye), rectification.camera(eye).dims());
             for y in 0..dims.height {
-                assert_eq!((mesh.span(y).start, mesh.span(y).end), (0, dims.width), "{name}, {eye:?}, row {y}");
+                assert_eq!(
+                    mesh.spans()[usize::from(y)],
+                    Span { start: 0, end: dims.width },
+                    "{name}, {eye:?}, row {y}"
+                );
                 for x in (0..dims.width).filter(|x| y == 0 || y + 1 == dims.height || *x == 0 || x + 1 == dims.width) {
                     let [u, v] = rectification.source(eye, [f64::from(x), f64::from(y)]).unwrap();
                     let (w, h) = (f64::from(raw.width - 1), f64::from(raw.height - 1));

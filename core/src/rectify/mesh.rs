@@ -25,7 +25,7 @@
 
 use super::calibration::Eye;
 use super::rectification::Rectification;
-use crate::image::Dims;
+use crate::image::{Dims, Span};
 use core::fmt;
 
 /// log2 of the distance of nodes in pixels.
@@ -114,50 +114,6 @@ const fn rounded(value: i32, by: i32) -> i32 {
     (value + if value < 0 { -by / 2 } else { by / 2 }) / by
 }
 
-/// Pixels of a row that have a source: from `start` to before `end`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Span {
-    /// The first one.
-    pub start: u16,
-    /// The first one behind them.
-    pub end: u16,
-}
-
-impl Span {
-    /// Does it hold this pixel?
-    #[must_use]
-    pub fn contains(self, x: u16) -> bool {
-        (self.start..self.end).contains(&x)
-    }
-
-    /// Number of pixels.
-    #[must_use]
-    pub fn len(self) -> u16 {
-        self.end.saturating_sub(self.start)
-    }
-
-    /// Does no pixel have a source?
-    #[must_use]
-    pub fn is_empty(self) -> bool {
-        self.len() == 0
-    }
-
-    /// What both hold: of a pair, the pixels of a row that both cameras see.
-    #[must_use]
-    pub fn common(self, other: Self) -> Self {
-        let (start, end) = (self.start.max(other.start), self.end.min(other.end));
-        Self { start, end: end.max(start) }
-    }
-}
-
-/// What is known of a rectified row.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RowPlan {
-    pub(super) span: Span,
-    /// Raw row with which this one, and all above, can be computed.
-    pub(super) last: u16,
-}
-
 /// Pixels that follow each other on a straight line through the raw image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
@@ -233,7 +189,9 @@ pub(super) struct Grid {
 pub struct Mesh<const NODES: usize, const ROWS: usize> {
     grid: Grid,
     nodes: [Node; NODES],
-    rows: [RowPlan; ROWS],
+    spans: [Span; ROWS],
+    /// Per row: the raw row with which it, and all above, can be computed.
+    last: [u16; ROWS],
 }
 
 /// Why a mesh cannot be built.
@@ -287,8 +245,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
         let grid =
             Grid { dims: NOTHING, raw: NOTHING, columns: 0, cell: COARSE, piece: COARSE, band_rows: 0, error_q16: 0 };
-        let row = RowPlan { span: Span { start: 0, end: 0 }, last: 0 };
-        Self { grid, nodes: [Node { x: 1, y: 1 }; NODES], rows: [row; ROWS] }
+        Self { grid, nodes: [Node { x: 1, y: 1 }; NODES], spans: [Span { start: 0, end: 0 }; ROWS], last: [0; ROWS] }
     }
 
     /// Fills it for one camera. After an error it is empty.
@@ -300,7 +257,10 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
             return Err(MeshError::Nodes { needed, given });
         }
         let (needed, given) = (usize::from(dims.height), ROWS);
-        let rows = self.rows.get_mut(..needed).ok_or(MeshError::Rows { needed, given })?;
+        if given < needed {
+            return Err(MeshError::Rows { needed, given });
+        }
+        let rows = self.spans.iter_mut().zip(&mut self.last).take(needed);
         self.grid = Grid::build(rectification, eye, &mut self.nodes, rows)?;
         Ok(())
     }
@@ -329,17 +289,18 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         usize::from(self.grid.band_rows) * usize::from(self.grid.raw.width)
     }
 
-    /// Pixels of a rectified row that have a source (the largest run of them); all others are written 0. Empty below the image.
+    /// Of each rectified row the pixels that have a source (the largest run of them); all others are written 0. For
+    /// [`Gray::with_usable`](crate::Gray::with_usable) after [`shrink_to_usable`](crate::shrink_to_usable).
     #[must_use]
-    pub fn span(&self, y: u16) -> Span {
-        self.plan().row(y).map_or(Span::default(), |row| row.span)
+    pub fn spans(&self) -> &[Span] {
+        self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])
     }
 
-    /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::span`].
+    /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::spans`].
     #[must_use]
     pub fn source(&self, x: u16, y: u16) -> Option<[i32; 2]> {
         let plan = self.plan();
-        if !plan.row(y)?.span.contains(x) {
+        if !self.spans().get(usize::from(y))?.contains(x.into()) {
             return None;
         }
         let mut found = None;
@@ -360,7 +321,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     pub(super) fn plan(&self) -> MeshPlan<'_> {
-        MeshPlan { grid: &self.grid, nodes: &self.nodes, rows: &self.rows }
+        MeshPlan { grid: &self.grid, nodes: &self.nodes, spans: self.spans(), last: &self.last }
     }
 }
 
@@ -369,13 +330,19 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
 pub(super) struct MeshPlan<'a> {
     pub(super) grid: &'a Grid,
     nodes: &'a [Node],
-    rows: &'a [RowPlan],
+    spans: &'a [Span],
+    last: &'a [u16],
 }
 
 impl MeshPlan<'_> {
-    /// What is known of row `y`.
-    pub(super) fn row(&self, y: u16) -> Option<RowPlan> {
-        self.rows.get(usize::from(y)).copied().filter(|_| y < self.grid.dims.height)
+    /// The pixels of row `y` that have a source.
+    pub(super) fn span(&self, y: u16) -> Span {
+        self.spans.get(usize::from(y)).copied().unwrap_or_default()
+    }
+
+    /// Is raw row `raw` enough to compute row `y`?
+    pub(super) fn suffices(&self, raw: u16, y: u16) -> bool {
+        self.last.get(usize::from(y)).is_some_and(|last| *last <= raw)
     }
 
     /// Calls `each` with first pixel, length and positions of every piece of row `y`.
@@ -386,11 +353,11 @@ impl MeshPlan<'_> {
 }
 
 impl Grid {
-    fn build(
+    fn build<'a>(
         rectification: &Rectification,
         eye: Eye,
         nodes: &mut [Node],
-        rows: &mut [RowPlan],
+        rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Result<Self, MeshError> {
         let mut grid = Self::placed(rectification, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
@@ -513,27 +480,27 @@ impl Grid {
     }
 
     /// Spans, last raw rows, and the height of the band.
-    fn plan_rows(
+    fn plan_rows<'a>(
         &mut self,
         rectification: &Rectification,
         eye: Eye,
         nodes: &[Node],
-        rows: &mut [RowPlan],
+        rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Result<(), MeshError> {
         let mut last = 0;
-        for (plan, y) in rows.iter_mut().zip(0..) {
+        for ((row_span, row_last), y) in rows.zip(0..) {
             let span = self.longest_run(rectification, eye, nodes, y);
             let (mut low, mut high) = (i32::MAX, 0);
             self.for_each_piece(nodes, y, |start, length, piece| {
-                for i in (0..length).filter(|i| span.contains(start + i)) {
+                for i in (0..length).filter(|i| span.contains(i32::from(start + i))) {
                     let [_, y_q14] = piece.at(i);
                     let row = (y_q14 >> 14).clamp(0, i32::from(self.raw.height) - 2);
                     (low, high) = (low.min(row), high.max(row + 1));
                 }
             });
             last = last.max(high as u16);
-            *plan = RowPlan { span, last };
-            if !span.is_empty() {
+            (*row_span, *row_last) = (span, last);
+            if span.start != span.end {
                 self.band_rows = self.band_rows.max(last + 1 - low as u16);
             }
         }
@@ -559,7 +526,7 @@ impl Grid {
                 } else {
                     run = Span { start: x, end: x + 1 };
                 }
-                if run.len() > longest.len() {
+                if run.end - run.start > longest.end - longest.start {
                     longest = run;
                 }
             }

@@ -16,6 +16,6 @@ mod turn;
 
 pub use calibration::{Calibration, CalibrationError, Eye};
 pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
-pub use mesh::{Mesh, MeshError, Span, fine_mesh_nodes, mesh_nodes};
+pub use mesh::{Mesh, MeshError, fine_mesh_nodes, mesh_nodes};
 pub use rectification::{Rectification, RectifyError, View};
 pub use rows::{Band, RowError};

@@ -98,7 +98,7 @@ impl<const BYTES: usize> Band<BYTES> {
     }
 
     /// Takes the next raw row, writes the rectified rows that can be computed now to their places in `frame` (as wide as the rectified
-    /// image, row after row), and says which they are. Pixels outside a row's [`Mesh::span`] become 0.
+    /// image, row after row), and says which they are. Pixels outside a row's [`Mesh::spans`] become 0.
     pub fn push<const NODES: usize, const ROWS: usize>(
         &mut self,
         mesh: &Mesh<NODES, ROWS>,
@@ -152,7 +152,7 @@ impl Place {
         let first = self.row;
         let out = frame.chunks_exact_mut(usize::from(dims.width).max(1)).skip(first.into());
         for out in out {
-            if mesh.row(self.row).is_none_or(|row| row.last > self.raw) {
+            if !mesh.suffices(self.raw, self.row) {
                 break;
             }
             rows.rectify(self.row, out);
@@ -182,14 +182,14 @@ impl Rows<'_> {
     }
 
     fn rectify(&self, y: u16, out: &mut [u8]) {
-        let Some(plan) = self.mesh.row(y) else { return };
-        let (before, rest) = out.split_at_mut_checked(plan.span.start.into()).unwrap_or_default();
-        let (valid, behind) = rest.split_at_mut_checked(plan.span.len().into()).unwrap_or_default();
+        let span = self.mesh.span(y);
+        let (before, rest) = out.split_at_mut_checked(span.start.into()).unwrap_or_default();
+        let (valid, behind) = rest.split_at_mut_checked(span.end.saturating_sub(span.start).into()).unwrap_or_default();
         before.fill(0);
         behind.fill(0);
         let mut left = valid;
         self.mesh.for_each_piece(y, |start, length, piece| {
-            let (from, to) = (start.max(plan.span.start), (start + length).min(plan.span.end));
+            let (from, to) = (start.max(span.start), (start + length).min(span.end));
             if from >= to {
                 return;
             }
