@@ -414,6 +414,11 @@ fn harmful_files_are_refused() {
     assert!(matches!(bad(&[&deep]), (Some(1), Problem::TooDeep)));
     let attributes: String = (0..10_000).map(|i| format!(" a{i}=\"\"")).collect();
     assert!(matches!(bad(&[&format!("<opencv_storage\n{attributes}/>")]), (Some(1), Problem::Syntax(_))));
+    let hidden = format!("<opencv_storage b=\">\"\n{attributes}/>");
+    assert!(matches!(bad(&[&hidden]), (Some(1), Problem::Syntax(_))));
+    // Took minutes: the parser copies what is in scope.
+    let spaces: String = (0..30_000).map(|i| format!("<a{i} xmlns:b{i}=\"x\">")).collect();
+    assert!(matches!(bad(&[&format!("<opencv_storage>{spaces}")]), (Some(1), Problem::Syntax(_))));
     assert!(matches!(bad(&[&"a: 1\n".repeat(300_000)]), (None, Problem::TooLarge)));
     let many: String = (0..80_000).map(|i| format!("a{i}: 1\n")).collect();
     let found = bad(&[&many[..1_000_000.min(many.len())]]);
