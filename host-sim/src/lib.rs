@@ -12,4 +12,5 @@ pub mod interchange;
 pub mod listing;
 pub mod monitor;
 pub mod output;
+pub mod planning;
 pub mod scene;

@@ -129,7 +129,8 @@ fn numbers(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.4}")).collect::<Vec<_>>().join(" ")
 }
 
-fn parse_size(text: &str) -> Result<Dims, String> {
+/// Width and height in px; what they may be is checked where they are used.
+pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
     let (width, height) = sides.ok_or("give width and height in px, for example 640x480")?;
     Ok(Dims { width, height })

@@ -11,6 +11,7 @@ pub mod fit_confidence;
 pub mod flash_image;
 mod method;
 pub mod monitor;
+pub mod plan_rig;
 pub mod run;
 pub mod scene;
 mod view;
@@ -45,6 +46,7 @@ enum Command {
     Scene(scene::Args),
     Monitor(monitor::Args),
     ConvertRig(convert_rig::Args),
+    PlanRig(plan_rig::Args),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
+        Some(Command::PlanRig(args)) => plan_rig::run(args),
         None => demo::run(&demo::Args::default()),
     };
     match outcome {

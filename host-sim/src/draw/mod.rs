@@ -6,7 +6,10 @@
 
 mod colour;
 mod legend;
+mod plan;
 mod text;
+
+pub use plan::plan;
 
 use crate::engine::{FrameResult, GrayImage};
 use colour::{Range, colour};

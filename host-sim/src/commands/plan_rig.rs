@@ -1,0 +1,210 @@
+//! `linestereo plan-rig`: what two cameras will see, before they are bought.
+
+use super::print;
+use crate::draw;
+use crate::output::OutputFiles;
+use crate::planning::{Focal, RigPlan, Suggestion, USUAL_SIGMA, Wish, suggest};
+use anyhow::{Result, bail};
+use core::fmt::Write;
+use linestereo::Dims;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96 --out plan.png
+      near limit, error and common view of a rig, and a picture of it
+  linestereo plan-rig --focal-mm 2.8 --pixel-um 3 --size 640x480 --baseline-m 0.06
+  linestereo plan-rig --hfov-deg 70 --size 320x240 --range 0.4..3 --error 5
+      the smallest baseline that measures to 5 % at 3 m, and whether 0.4 m still works with it
+
+An error is one standard deviation: two of three depths are within it, 19 of 20 within twice as much.
+Parallel cameras are assumed; rectified ones are.";
+
+/// Plan a rig: near limit, depth error and common view by distance, and the baseline for a wanted range.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+#[command(group = clap::ArgGroup::new("focal").required(true).args(["focal_px", "focal_mm", "hfov_deg"]))]
+pub struct Args {
+    /// Focal length in px of the images as matched.
+    #[arg(long, value_name = "PX")]
+    focal_px: Option<f64>,
+    /// Focal length of the lens, with --pixel-um.
+    #[arg(long, value_name = "MM", requires = "pixel_um")]
+    focal_mm: Option<f64>,
+    /// Side of a pixel of the images as matched: after binning or reduction, a multiple of the sensor's.
+    #[arg(long, value_name = "UM", requires = "focal_mm")]
+    pixel_um: Option<f64>,
+    /// Horizontal field of view.
+    #[arg(long, value_name = "DEGREES", value_parser = parse_field_of_view)]
+    hfov_deg: Option<f64>,
+    /// Width and height of the images as matched.
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = super::convert_rig::parse_size)]
+    size: Dims,
+    /// Distance between the cameras [default: the one suggested for --range].
+    #[arg(long, value_name = "M", required_unless_present = "range")]
+    baseline_m: Option<f64>,
+    /// Disparities that are searched.
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    max_disparity: u16,
+    /// Standard deviation of a disparity.
+    #[arg(long, value_name = "PX", default_value_t = USUAL_SIGMA)]
+    sigma_px: f64,
+    /// Distances to be measured, in metres: suggests a baseline.
+    #[arg(long, value_name = "NEAR..FAR", value_parser = parse_range)]
+    range: Option<(f64, f64)>,
+    /// Error wanted at FAR.
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0, requires = "range")]
+    error: f64,
+    /// Draw the plan as PNG.
+    #[arg(long, value_name = "FILE.png")]
+    out: Option<PathBuf>,
+    /// Write everything as JSON; "-" is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let focal = match (args.focal_px, args.focal_mm, args.pixel_um, args.hfov_deg) {
+        (Some(focal), ..) => Focal::Pixels(focal),
+        (_, Some(focal), Some(pixel), _) => Focal::Millimetres { focal, pixel },
+        (.., Some(degrees)) => Focal::FieldOfView(degrees),
+        _ => bail!("there is no focal length; give --focal-px, --focal-mm with --pixel-um, or --hfov-deg"),
+    };
+    let (focal, error) = (focal.pixels(args.size), args.error / 100.0);
+    let wish = args.range.map(|(near, far)| Wish { near, far, error });
+    let suggestion =
+        wish.map(|wish| suggest(focal, args.size, args.max_disparity, args.sigma_px, &wish)).transpose()?;
+    let baseline = args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
+    let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
+    let mut output = OutputFiles::new();
+    if let Some(path) = &args.out {
+        output.add(path, &draw::png(&draw::plan(&plan, wish.as_ref()))?)?;
+    }
+    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
+    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
+        output.add(path, json(&plan, wish.as_ref(), suggestion.as_ref())?.as_bytes())?;
+    }
+    output.commit()?;
+    if json_to_stdout {
+        return print(&json(&plan, wish.as_ref(), suggestion.as_ref())?);
+    }
+    print(&text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some()))?;
+    for path in [&args.out, &args.json].into_iter().flatten() {
+        print(&format!("wrote {}\n", path.display()))?;
+    }
+    Ok(())
+}
+
+fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is_given: bool) -> String {
+    let [horizontal, vertical] = plan.fields_of_view();
+    let mut text = format!(
+        "focal length {:.1} px, {} ({horizontal:.0} x {vertical:.0} degrees), baseline {:.1} mm, disparities to {}, \
+         sigma {} px\n",
+        plan.focal(),
+        plan.dims(),
+        1e3 * plan.baseline(),
+        plan.max_disparity(),
+        plan.sigma()
+    );
+    if let (Some(wish), Some(found)) = (wish, suggestion) {
+        let Wish { near, far, error } = wish;
+        let _ = writeln!(
+            text,
+            "for {near} to {far} m and {:.1} % at {far} m: a baseline of {:.1} mm at least",
+            100.0 * error,
+            1e3 * found.baseline_m
+        );
+        if is_given {
+            let row = plan.row(*far);
+            let reached = if row.error_percent <= 100.0 * error * (1.0 + 1e-9) { "reached" } else { "not reached" };
+            let _ = writeln!(text, "  with the one given, {:.1} % at {far} m: {reached}", row.error_percent);
+        }
+        for sentence in &found.advice {
+            let _ = writeln!(text, "  {sentence}");
+        }
+    }
+    let _ = write!(
+        text,
+        "near limit {}; nearer than {} the cameras see nothing in common\n\
+         error below 5 % up to {}, below 10 % up to {}\n\n\
+         distance  disparity     error             seen by both\n",
+        metres(plan.near_limit()),
+        metres(plan.meeting()),
+        metres(plan.reach(0.05)),
+        metres(plan.reach(0.1)),
+    );
+    for row in plan.table(wish) {
+        let _ = writeln!(
+            text,
+            "{:>8} {:>7.1} px {:>9}  {:>5.1} %  {:>9.0} %",
+            metres(row.distance_m),
+            row.disparity_px,
+            metres(row.error_m),
+            row.error_percent,
+            row.overlap_percent
+        );
+    }
+    text
+}
+
+/// With as many decimals as matter.
+fn metres(value: f64) -> String {
+    let decimals = if value < 0.1 {
+        4
+    } else if value < 1.0 {
+        3
+    } else {
+        usize::from(value < 100.0) + usize::from(value < 10.0)
+    };
+    format!("{value:.decimals$} m")
+}
+
+#[derive(Serialize)]
+struct Listing<'a> {
+    size: [u16; 2],
+    focal_px: f64,
+    horizontal_fov_deg: f64,
+    vertical_fov_deg: f64,
+    baseline_m: f64,
+    max_disparity: u16,
+    sigma_px: f64,
+    near_limit_m: f64,
+    views_meet_m: f64,
+    reach_5_percent_m: f64,
+    reach_10_percent_m: f64,
+    table: Vec<crate::planning::Row>,
+    suggestion: Option<&'a Suggestion>,
+}
+
+fn json(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>) -> Result<String> {
+    let [horizontal_fov_deg, vertical_fov_deg] = plan.fields_of_view();
+    let listing = Listing {
+        size: [plan.dims().width, plan.dims().height],
+        focal_px: plan.focal(),
+        horizontal_fov_deg,
+        vertical_fov_deg,
+        baseline_m: plan.baseline(),
+        max_disparity: plan.max_disparity(),
+        sigma_px: plan.sigma(),
+        near_limit_m: plan.near_limit(),
+        views_meet_m: plan.meeting(),
+        reach_5_percent_m: plan.reach(0.05),
+        reach_10_percent_m: plan.reach(0.1),
+        table: plan.table(wish),
+        suggestion,
+    };
+    Ok(serde_json::to_string_pretty(&listing)? + "\n")
+}
+
+fn parse_field_of_view(text: &str) -> Result<f64, String> {
+    let degrees = text.parse().ok().filter(|degrees| (1.0..=150.0).contains(degrees));
+    degrees.ok_or_else(|| "give degrees from 1 to 150".to_owned())
+}
+
+fn parse_range(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once("..").and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
+    ends.filter(|(near, far)| 0.0 < *near && near < far && *far <= 1e5)
+        .ok_or_else(|| "give two rising distances in metres, for example 0.5..4".to_owned())
+}

@@ -1,0 +1,109 @@
+//! The smallest baseline for a wanted range, and what to change where that is not enough.
+
+use super::{PlanError, RigPlan};
+use linestereo::Dims;
+
+/// Baselines above this bend and do not fit robots, m.
+const LONG: f64 = 0.3;
+/// Lenses do not stand closer than this, m.
+const SHORT: f64 = 0.02;
+/// Less common view than this at the nearest distance is worth a word.
+const LEAST_OVERLAP: f64 = 0.5;
+/// Ranges are suggested in steps of this.
+const RANGE_STEP: f64 = 8.0;
+
+/// What a rig shall do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Nearest distance to be measured, m.
+    pub near: f64,
+    /// Farthest, m.
+    pub far: f64,
+    /// Largest error there, one standard deviation as a share of the distance.
+    pub error: f64,
+}
+
+/// A baseline for a wish.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Suggestion {
+    /// Smallest baseline that reaches the error at the farthest distance, m.
+    pub baseline_m: f64,
+    /// Disparity that the nearest distance then has, px.
+    pub disparity_near_px: f64,
+    /// Does the disparity range hold it?
+    pub within_range: bool,
+    /// Percent of the width that both cameras see at the nearest distance.
+    pub overlap_near_percent: f64,
+    /// What is to be known or changed, a sentence each.
+    pub advice: Vec<String>,
+}
+
+/// The smallest baseline for a wish, for cameras of this focal length (px) and a disparity range.
+pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wish) -> Result<Suggestion, PlanError> {
+    let Wish { near, far, error } = *wish;
+    if !(near > 0.0 && near < far && far.is_finite()) {
+        return Err(PlanError::Distances);
+    }
+    if !(error > 0.0 && error < 1.0) {
+        return Err(PlanError::Error(error));
+    }
+    let plan = RigPlan::new(focal, dims, far * sigma / (focal * error), max_disparity, sigma)?;
+    let needed = plan.disparity(near);
+    // A hair above the range is rounding, not a wish that fails.
+    let within_range = needed <= f64::from(max_disparity) * (1.0 + 1e-9);
+    let mut advice = Vec::new();
+    if !within_range {
+        advice.extend(beyond_range(&plan, wish, needed));
+    }
+    if plan.overlap(near) < LEAST_OVERLAP {
+        advice.push(format!(
+            "at {near} m the views share {:.0} % of their width: take cameras with more pixels across (a wider lens alone does not help)",
+            100.0 * plan.overlap(near)
+        ));
+    }
+    if plan.baseline() > LONG {
+        advice.push(format!(
+            "a baseline of {:.2} m is hard to keep rigid: twice the resolution, or a lens of twice the focal length, halves it",
+            plan.baseline()
+        ));
+    }
+    if plan.baseline() < SHORT {
+        advice.push(format!(
+            "{:.0} mm is closer than most lenses stand: with {:.0} mm the error at {far} m is {:.1} %, and the near limit {:.2} m",
+            1e3 * plan.baseline(),
+            1e3 * SHORT,
+            100.0 * error * plan.baseline() / SHORT,
+            plan.near_limit() * SHORT / plan.baseline()
+        ));
+    }
+    Ok(Suggestion {
+        baseline_m: plan.baseline(),
+        disparity_near_px: needed,
+        within_range,
+        overlap_near_percent: 100.0 * plan.overlap(near),
+        advice,
+    })
+}
+
+/// The nearest distance has a larger disparity than is searched.
+fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
+    let Wish { near, far, error } = *wish;
+    let range = f64::from(plan.max_disparity());
+    let wider = (needed / RANGE_STEP).ceil() * RANGE_STEP;
+    let search = if wider < f64::from(plan.dims().width) {
+        format!("search {wider:.0} disparities (--max-disparity {wider:.0}; time grows with it)")
+    } else {
+        format!("{wider:.0} disparities would do, but the images are {} px wide: take more pixels", plan.dims().width)
+    };
+    [
+        format!(
+            "{near} m needs a disparity of {needed:.0} px, the range is {range:.0}: nothing nearer than {:.2} m would be found",
+            plan.near_limit()
+        ),
+        format!(
+            "{search}; or allow {:.1} % at {far} m; or be content with {near} to {:.2} m. Lens and resolution do not change this",
+            100.0 * far * plan.sigma() / (near * range),
+            near * range * error / plan.sigma()
+        ),
+    ]
+}

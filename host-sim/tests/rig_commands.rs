@@ -1,0 +1,138 @@
+//! `linestereo convert-rig` and `plan-rig` as a user types them.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const RIG: &str = "\
+version = 1
+[left]
+size = [640, 480]
+focal_px = [500.0, 501.0]
+centre_px = [320.0, 240.0]
+lens = { model = \"brown-conrady\", k = [-0.3, 0.1, 0.0], p = [0.001, 0.002] }
+[right]
+size = [640, 480]
+focal_px = [510.0, 511.0]
+centre_px = [322.0, 242.0]
+lens = { model = \"brown-conrady\", k = [-0.2, 0.05, 0.0], p = [0.0, 0.0] }
+[pose]
+rotation_rad = [0.01, -0.02, 0.03]
+translation_m = [-0.1, 0.001, 0.002]
+";
+
+fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The one line on stderr.
+fn fail(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    assert_eq!(output.status.code(), Some(2), "{args:?}");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.stdout.is_empty() && text.lines().count() == 1 && text.starts_with("linestereo: "), "{text}");
+    text
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
+    folder
+}
+
+#[test]
+fn a_rig_goes_through_every_format_and_comes_back() {
+    let folder = folder();
+    let at = folder.path();
+    let said = succeed(at, &["convert-rig", "rig.toml"]);
+    assert!(said.contains("rig.toml: 640x480, baseline 0.1000 m") && said.contains("focal 500.00 501.00 px"), "{said}");
+    let mut last = vec!["rig.toml".to_owned()];
+    for (format, names) in [
+        ("opencv-yaml", &["a.yml"][..]),
+        ("ros", &["left.yaml", "right.yaml"]),
+        ("opencv-xml", &["a.xml"]),
+        ("euroc", &["cam0.yaml", "cam1.yaml"]),
+        ("kalibr", &["camchain.yaml"]),
+        ("rig-toml", &["again.toml"]),
+    ] {
+        let mut args = vec!["convert-rig"];
+        args.extend(last.iter().map(String::as_str));
+        args.extend(["--to", format]);
+        args.extend(names.iter().flat_map(|name| ["--out", *name]));
+        succeed(at, &args);
+        last = names.iter().map(|&name| name.to_owned()).collect();
+    }
+    // All but the last bits of the pose.
+    let lines = |text: &str| {
+        text.lines()
+            .filter(|line| line.starts_with("focal") || line.starts_with("lens"))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(lines(RIG), lines(&fs::read_to_string(at.join("again.toml")).unwrap()));
+    let summary =
+        |name| succeed(at, &["convert-rig", name]).lines().find(|line| line.contains("pose")).map(str::to_owned);
+    assert_eq!(summary("rig.toml"), summary("again.toml"));
+}
+
+#[test]
+fn wrong_conversions_leave_no_file_and_say_why() {
+    let folder = folder();
+    let at = folder.path();
+    assert!(fail(at, &["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"]).contains("give --out twice"));
+    assert!(fail(at, &["convert-rig", "rig.toml", "--out", "a", "--out", "b"]).contains("give --out once"));
+    assert!(fail(at, &["convert-rig", "rig.toml", "--size", "320x240"]).contains("made for images of 640x480"));
+    assert!(fail(at, &["convert-rig", "none.yml"]).contains("none.yml: cannot be read"));
+    assert!(fail(at, &["convert-rig", "rig.toml", "--translation-unit", "inch"]).contains("give m, mm"));
+    fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
+    assert!(fail(at, &["convert-rig", "bad.yml"]).contains("bad.yml, line "));
+    fs::write(at.join("k3.toml"), RIG.replace("0.1, 0.0]", "0.1, 0.5]")).unwrap();
+    assert!(
+        fail(at, &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"])
+            .contains("no place for the lens coefficient k3")
+    );
+    assert_eq!(fs::read_dir(at).unwrap().count(), 3);
+}
+
+#[test]
+fn a_plan_is_printed_listed_and_drawn() {
+    let folder = folder();
+    let at = folder.path();
+    let oak = ["plan-rig", "--focal-px", "451", "--size", "640x480", "--baseline-m", "0.075", "--max-disparity", "96"];
+    let said = succeed(at, &[&oak[..], &["--out", "plan.png"]].concat());
+    assert!(said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"), "{said}");
+    assert!(image::open(at.join("plan.png")).unwrap().width() == 1280);
+    let json: Value = serde_json::from_str(&succeed(at, &[&oak[..], &["--json", "-"]].concat())).unwrap();
+    assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
+    assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);
+    // 1.93 mm / 3 um, 848 px: 643 px, 66.8 degrees.
+    let lens = ["plan-rig", "--focal-mm", "1.93", "--pixel-um", "3", "--size", "848x480", "--range", "0.5..4"];
+    let said = succeed(at, &lens);
+    assert!(said.contains("focal length 643.3 px") && said.contains("a baseline of 31.1 mm at least"), "{said}");
+    let given = succeed(at, &[&lens[..], &["--baseline-m", "0.02"]].concat());
+    assert!(given.contains("with the one given, 7.8 % at 4 m: not reached"), "{given}");
+}
+
+#[test]
+fn wrong_plans_say_what_to_give() {
+    let folder = folder();
+    let at = folder.path();
+    assert!(fail(at, &["plan-rig", "--baseline-m", "0.1"]).contains("--focal-px"));
+    assert!(fail(at, &["plan-rig", "--focal-px", "300"]).contains("--baseline-m"));
+    assert!(fail(at, &["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"]).contains("--pixel-um"));
+    assert!(fail(at, &["plan-rig", "--focal-px", "300", "--range", "4..1"]).contains("two rising distances"));
+    assert!(fail(at, &["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"]).contains("1 to 150"));
+    assert!(
+        fail(at, &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"])
+            .contains("range of 320")
+    );
+    assert!(fail(at, &["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"]).contains("error of 0 %"));
+}
