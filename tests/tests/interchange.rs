@@ -303,6 +303,14 @@ fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
     assert_is_the_example(&with(&text(false), TranslationUnit::Metres));
     // 0.1 squares of 1000 mm.
     assert_is_the_example(&with(&text(false), TranslationUnit::Squares { millimetres: 1000.0 }));
+    // The squares have the unit of T: 25 is no board in metres, 0.025 none in millimetres, 1 says nothing.
+    let long = text(false).replace("-0.08, 0., 0.06", "-8., 0., 6.");
+    for (square, pose, metres) in
+        [("25.", &text(true), 0.1), ("2.5e-02", &text(false), 0.1), ("0.025", &long, 10.0), ("1.", &text(false), 0.1)]
+    {
+        let found = good(&[&format!("square_size: {square}\n{pose}")]);
+        assert!((found.rig.calibration.baseline() - metres).abs() < 1e-12, "{square}: {:?}", found.notes);
+    }
     // 100 m: possible, but worth a word.
     let strange = with(&text(true), TranslationUnit::Metres);
     assert!(strange.notes.iter().any(|note| note.contains("100.0000 m; if that is wrong")), "{:?}", strange.notes);
@@ -329,6 +337,27 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     assert_eq!(found.rig.calibration.camera(Eye::Left).lens(), fisheye);
     let found = read(&[&opencv()], &options).unwrap_err();
     assert!(matches!(found.problem, Problem::Shape { .. }), "five coefficients are no fisheye: {found}");
+}
+
+#[test]
+fn cameras_in_the_wrong_order_are_exchanged_on_demand() {
+    let options = Options { swap: true, ..Options::default() };
+    assert_is_the_example(&read(&[EUROC[1], EUROC[0]], &options).unwrap());
+    // X_left = R^T X_right - R^T t: the right camera is at (0.1, 0, 0).
+    let pose =
+        opencv_matrix("R", 3, 3, "0.8, 0., -0.6, 0., 1., 0., 0.6, 0., 0.8") + &opencv_matrix("T", 3, 1, ".1, 0., 0.");
+    let text = format!("{IMAGE_SIZE}{}{pose}", opencv_cameras(["M2", "D2", "M1", "D1"]));
+    assert!(matches!(bad(&[&text]).1, Problem::Swapped));
+    assert_is_the_example(&read(&[&text], &options).unwrap());
+    let (first, second) = KALIBR.split_at(KALIBR.find("cam1:").unwrap());
+    let inverse = "  - [0.8, 0.0, -0.6, 0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.6, 0.0, 0.8, 0.0]\n";
+    let rows = second.find("  - [0.8").unwrap()..second.find("  - [0.0, 0.0, 0.0, 1.0]").unwrap();
+    let left = first.replace("cam0:", &format!("cam1:\n  T_cn_cnm1:\n{inverse}  - [0.0, 0.0, 0.0, 1.0]"));
+    let mut right = second.replace("cam1:", "cam0:");
+    right.replace_range(rows, "");
+    let right = right.replace("  T_cn_cnm1:\n  - [0.0, 0.0, 0.0, 1.0]\n", "");
+    assert_is_the_example(&read(&[&(right + &left)], &options).unwrap());
+    assert!(matches!(read(&[KALIBR], &options).unwrap_err().problem, Problem::Swapped));
 }
 
 #[test]
@@ -367,7 +396,7 @@ fn errors_name_the_line() {
     ));
     assert!(matches!(bad(&[&yaml.replace("0., 0., 1. ]", "0., 0., 2. ]")]), (Some(_), Problem::NoCameraMatrix(_))));
     let swapped = yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06");
-    assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Pair(_))));
+    assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Swapped)));
     let focal = bad(&[&yaml.replace("500., 0.", "-500., 0.")]);
     assert!(matches!(focal, (Some(l), Problem::Camera(Eye::Left, _)) if l == m1), "{focal:?}");
     assert!(matches!(bad(&[&(yaml.clone() + "T: 3\n")]), (Some(_), Problem::Duplicate(_))));
@@ -382,7 +411,7 @@ fn errors_name_the_line() {
     assert!(matches!(bad(&[ROS[0], ROS[0]]), (Some(_), Problem::Projection(_))));
     assert!(matches!(bad(&[ROS[0]]).1, Problem::FileCount { .. }));
     assert!(matches!(bad(&[EUROC[0]]).1, Problem::FileCount { .. }));
-    assert!(matches!(bad(&[EUROC[1], EUROC[0]]), (Some(_), Problem::Pair(_))));
+    assert!(matches!(bad(&[EUROC[1], EUROC[0]]), (Some(_), Problem::Swapped)));
     assert!(matches!(bad(&[&opencv_cameras(USUAL), "a: 1"]).1, Problem::NoSize { .. }));
     assert!(matches!(bad(&[&format!("{IMAGE_SIZE}{}", opencv_cameras(USUAL))]).1, Problem::Missing(_)));
     for nothing in ["", "hello", "[1, 2]", "%YAML:1.0", "<a/>", "<?xml version=\"1.0\"?><opencv_storage/>"] {

@@ -50,18 +50,21 @@ pub(super) struct ImportArgs {
     /// Size of the raw images, where an OpenCV file does not say it.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<Dims>,
-    /// Unit of OpenCV's T: m, mm, or the side of the board's squares in mm [default: m if T is shorter than 5, else mm].
+    /// Unit of OpenCV's T: m, mm, or the side of the board's squares in mm [default: by square_size in the file, else m if T is shorter than 5, else mm].
     #[arg(long, value_name = "m|mm|SQUARE_MM", value_parser = parse_unit)]
     translation_unit: Option<TranslationUnit>,
     /// Meaning of OpenCV's distortion coefficients, where the file does not say it [default: brown-conrady].
     #[arg(long, value_name = "MODEL")]
     lens: Option<LensModel>,
+    /// The second camera of the files is the left one.
+    #[arg(long)]
+    swap: bool,
 }
 
 impl ImportArgs {
     pub(super) fn options(&self) -> Options {
-        let Self { from, size, translation_unit, lens } = *self;
-        Options { from, size, translation_unit, lens }
+        let Self { from, size, translation_unit, lens, swap } = *self;
+        Options { from, size, translation_unit, lens, swap }
     }
 }
 

@@ -110,6 +110,8 @@ pub enum Problem {
     Camera(Eye, CameraError),
     /// The cameras are no pair.
     Pair(CalibrationError),
+    /// The first camera is the right one.
+    Swapped,
     /// `rig.toml` itself is wrong.
     RigFile(RigFileError),
     /// The rig cannot be written in a format.
@@ -163,6 +165,10 @@ impl fmt::Display for Problem {
             Self::Camera(Eye::Left, error) => write!(f, "left camera: {error}"),
             Self::Camera(Eye::Right, error) => write!(f, "right camera: {error}"),
             Self::Pair(error) => write!(f, "{error}"),
+            Self::Swapped => write!(
+                f,
+                "the second camera lies to the left of the first: convert-rig --swap makes it the left one, and so have its images to be"
+            ),
             Self::RigFile(error) => write!(f, "{error}"),
             Self::NotRepresentable { format, what } => {
                 write!(f, "{format} has no place for {what}; write rig-toml, or opencv-yaml")

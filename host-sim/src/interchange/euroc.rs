@@ -14,10 +14,10 @@ use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens};
 
-pub(super) fn read([left, right]: [&Node; 2]) -> Result<Calibration, Fault> {
+pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
     let ((left_camera, left_pose), (right_camera, right_pose)) = (sensor(left, Eye::Left)?, sensor(right, Eye::Right)?);
     let place = right.require("T_BS")?.place;
-    right_pose.inverse().after(&left_pose).pair(left_camera, right_camera, Some(place))
+    right_pose.inverse().after(&left_pose).pair([left_camera, right_camera], swap, Some(place))
 }
 
 fn sensor(node: &Node, eye: Eye) -> Result<(Camera, Pose), Fault> {

@@ -13,7 +13,7 @@ use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::{Calibration, Dims, Eye};
 
-pub(super) fn read(chain: &Node, notes: &mut Vec<String>) -> Result<Calibration, Fault> {
+pub(super) fn read(chain: &Node, swap: bool, notes: &mut Vec<String>) -> Result<Calibration, Fault> {
     let (left, right) = (chain.require("cam0")?, chain.require("cam1")?);
     let cameras = [(left, Eye::Left), (right, Eye::Right)].map(|(node, eye)| pinhole(node, eye, "distortion_coeffs"));
     let [left, right_camera] = cameras;
@@ -21,7 +21,7 @@ pub(super) fn read(chain: &Node, notes: &mut Vec<String>) -> Result<Calibration,
     if chain.get("cam2").is_some() {
         notes.push("the chain has more than two cameras: cam0 and cam1 are taken".to_owned());
     }
-    Pose::from_matrix(&pose.matrix("T_cn_cnm1")?)?.pair(left?, right_camera?, Some(pose.place))
+    Pose::from_matrix(&pose.matrix("T_cn_cnm1")?)?.pair([left?, right_camera?], swap, Some(pose.place))
 }
 
 pub(super) fn text(calibration: &Calibration) -> Result<String, Problem> {

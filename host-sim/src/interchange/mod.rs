@@ -93,10 +93,12 @@ pub struct Options {
     pub from: Option<Format>,
     /// Size of the raw images; needed where the file lacks it, an error where it differs.
     pub size: Option<Dims>,
-    /// Unit of OpenCV's `T`; else metres below 5, millimetres above.
+    /// Unit of OpenCV's `T`; else that of `square_size` in the file, else metres below 5, millimetres above.
     pub translation_unit: Option<TranslationUnit>,
     /// Meaning of OpenCV's coefficients; else what the file says, else radial-tangential.
     pub lens: Option<LensModel>,
+    /// The second camera of foreign files is the left one.
+    pub swap: bool,
 }
 
 /// A rectification that an OpenCV file carries, for [`Calibration::rectify_as`].
@@ -177,7 +179,12 @@ fn own(paths: &[PathBuf], options: &Options) -> Result<Imported, Fault> {
     let [path] = paths else { return Err(file_count(Format::RigToml, "one file")) };
     let rig = RigFile::load(path).map_err(|error| Problem::RigFile(error).anywhere())?;
     check_size(&rig.calibration, options)?;
-    Ok(Imported { rig, format: Format::RigToml, stored: None, notes: Vec::new() })
+    let notes = if options.swap {
+        vec!["a rig.toml says which camera is the left one: they are not exchanged".to_owned()]
+    } else {
+        Vec::new()
+    };
+    Ok(Imported { rig, format: Format::RigToml, stored: None, notes })
 }
 
 fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
@@ -194,10 +201,10 @@ fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
     let mut notes = Vec::new();
     let mut stored = None;
     let calibration = match (format, nodes.as_slice()) {
-        (Format::Kalibr, [chain]) => kalibr::read(chain, &mut notes)?,
+        (Format::Kalibr, [chain]) => kalibr::read(chain, options.swap, &mut notes)?,
         (Format::Kalibr, _) => return Err(file_count(format, "one file")),
-        (Format::Ros, [left, right]) => ros::read([left, right])?,
-        (Format::Euroc, [left, right]) => euroc::read([left, right])?,
+        (Format::Ros, [left, right]) => ros::read([left, right], options.swap)?,
+        (Format::Euroc, [left, right]) => euroc::read([left, right], options.swap)?,
         (Format::Ros | Format::Euroc, _) => {
             return Err(file_count(format, "two files, the left camera's and then the right one's"));
         }

@@ -38,8 +38,20 @@ const LENS: &[&str] = &[
     "dc",
     "kc",
 ];
-const ROTATION: &[&str] =
-    &["r", "rotation", "rotationmatrix", "rot", "rstereo", "stereor", "r12", "rlr", "om", "rvec", "rotationvector"];
+const ROTATION: &[&str] = &[
+    "r",
+    "rmat",
+    "rotation",
+    "rotationmatrix",
+    "rot",
+    "rstereo",
+    "stereor",
+    "r12",
+    "rlr",
+    "om",
+    "rvec",
+    "rotationvector",
+];
 const TRANSLATION: &[&str] = &[
     "t",
     "translation",
@@ -59,6 +71,8 @@ const PROJECTION: &[&str] = &["p", "proj", "projection", "projectionmatrix"];
 const CONTRADICTION: f64 = 0.01;
 /// A length below this is taken as metres, above as millimetres.
 const LONGEST_IN_METRES: f64 = 5.0;
+/// Sides of the squares of boards, m: a file that says 1 means that its lengths are in squares, or nothing.
+const SQUARES: core::ops::RangeInclusive<f64> = 0.002..=0.5;
 /// Baselines outside of this are worth a word, m.
 const USUAL: core::ops::RangeInclusive<f64> = 0.01..=1.0;
 
@@ -93,12 +107,11 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
     }
     let rectified = rectification(&names, &mut notes)?;
     let (pose, place) = pose(&names, rectified.as_ref().map(|found| &found.pose), &mut notes)?;
-    let (scale, note) = scale(&pose, options.translation_unit);
+    let (scale, note) = scale(&pose, options.translation_unit, square(&names)?);
     notes.push(note);
     let scaled = Pose { translation: pose.translation * scale, ..pose };
-    let [left, right] = cameras;
-    let calibration = scaled.pair(left, right, place)?;
-    let stored = rectified.and_then(|found| found.stored(&pose, &mut notes));
+    let calibration = scaled.pair(cameras, options.swap, place)?;
+    let stored = rectified.filter(|_| !options.swap).and_then(|found| found.stored(&pose, &mut notes));
     Ok(Read { calibration, stored, notes })
 }
 
@@ -154,17 +167,25 @@ fn pose(names: &Names<'_>, rectified: Option<&Pose>, notes: &mut Vec<String>) ->
     }
 }
 
+/// Side of the board's squares in the unit of the file, where it is told.
+fn square(names: &Names<'_>) -> Result<Option<f64>, Fault> {
+    names.word(&["squaresize"]).map(|found| found.node.number(&found.name)).transpose()
+}
+
 /// Metres per unit of the file, and what was taken for it.
-fn scale(pose: &Pose, unit: Option<TranslationUnit>) -> (f64, String) {
+fn scale(pose: &Pose, unit: Option<TranslationUnit>, square: Option<f64>) -> (f64, String) {
     let length = pose.translation.norm();
-    let (scale, mut note) = match unit {
-        Some(TranslationUnit::Metres) => (1.0, "lengths are in m".to_owned()),
-        Some(TranslationUnit::Millimetres) => (1e-3, "lengths are in mm".to_owned()),
-        Some(TranslationUnit::Squares { millimetres }) => {
+    let likely = |unit, square| format!("lengths are assumed to be in {unit}, since square_size is {square}");
+    let (scale, mut note) = match (unit, square) {
+        (Some(TranslationUnit::Metres), _) => (1.0, "lengths are in m".to_owned()),
+        (Some(TranslationUnit::Millimetres), _) => (1e-3, "lengths are in mm".to_owned()),
+        (Some(TranslationUnit::Squares { millimetres }), _) => {
             (millimetres * 1e-3, format!("lengths are in squares of {millimetres} mm"))
         }
-        None if length < LONGEST_IN_METRES => (1.0, "lengths are assumed to be in m".to_owned()),
-        None => (1e-3, "lengths are assumed to be in mm".to_owned()),
+        (None, Some(square)) if SQUARES.contains(&square) => (1.0, likely("m", square)),
+        (None, Some(square)) if SQUARES.contains(&(square * 1e-3)) => (1e-3, likely("mm", square)),
+        (None, _) if length < LONGEST_IN_METRES => (1.0, "lengths are assumed to be in m".to_owned()),
+        (None, _) => (1e-3, "lengths are assumed to be in mm".to_owned()),
     };
     let baseline = length * scale;
     note.push_str(&format!(": the baseline is {baseline:.4} m"));

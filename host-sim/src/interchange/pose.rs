@@ -4,7 +4,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
-use linestereo::{Calibration, Camera};
+use linestereo::{Calibration, CalibrationError, Camera};
 use nalgebra::{Matrix3, Vector3};
 
 /// A matrix by rows.
@@ -57,10 +57,21 @@ impl Pose {
         }
     }
 
-    /// The pair of two cameras with this pose from left to right.
-    pub(super) fn pair(&self, left: Camera, right: Camera, place: Option<Place>) -> Result<Calibration, Fault> {
-        Calibration::new(left, right, quaternion(&self.rotation), self.translation.into())
-            .map_err(|error| Fault { place, problem: Problem::Pair(error) })
+    /// The pair of two cameras with this pose from the first to the second; `swap`: the second is the left one.
+    pub(super) fn pair(
+        &self,
+        [first, second]: [Camera; 2],
+        swap: bool,
+        place: Option<Place>,
+    ) -> Result<Calibration, Fault> {
+        let (left, right, pose) = if swap { (second, first, self.inverse()) } else { (first, second, *self) };
+        Calibration::new(left, right, quaternion(&pose.rotation), pose.translation.into()).map_err(|error| {
+            let problem = match error {
+                CalibrationError::Swapped => Problem::Swapped,
+                other => Problem::Pair(other),
+            };
+            Fault { place, problem }
+        })
     }
 }
 
@@ -124,7 +135,7 @@ pub(super) fn from_rectification(rotations: [&Matrix3<f64>; 2], [left, right]: [
         return wrong("the focal length of the projection is not above 0; calibrate as a stereo pair", right);
     }
     if p1[3] != 0.0 {
-        return wrong("the projection of the left camera has a baseline: exchange the files", left);
+        return wrong("the projection of the first camera has a baseline: exchange the files", left);
     }
     if p2[7].abs() > 1e-9 * p2[0] {
         return wrong("the projection puts the cameras above each other, not side by side", right);

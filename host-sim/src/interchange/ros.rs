@@ -40,11 +40,11 @@ struct Info {
     projection: Matrix,
 }
 
-pub(super) fn read([left, right]: [&Node; 2]) -> Result<Calibration, Fault> {
+pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
     let (left, right) = (info(left, Eye::Left)?, info(right, Eye::Right)?);
     let place = right.projection.place;
     let pose = pose::from_rectification([&left.rotation, &right.rotation], [&left.projection, &right.projection])?;
-    pose.pair(left.camera, right.camera, Some(place))
+    pose.pair([left.camera, right.camera], swap, Some(place))
 }
 
 fn info(node: &Node, eye: Eye) -> Result<Info, Fault> {
