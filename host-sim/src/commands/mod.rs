@@ -4,6 +4,7 @@
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
 //! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
+pub mod calibrate;
 pub mod convert_rig;
 pub mod demo;
 pub mod eval;
@@ -44,6 +45,7 @@ enum Command {
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
     Scene(scene::Args),
+    Calibrate(calibrate::Args),
     Monitor(monitor::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Scene(args)) => scene::run(args),
+        Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),

@@ -1,0 +1,245 @@
+//! `linestereo calibrate`: photos of a chessboard to a calibrated rig.
+
+use super::print;
+use crate::calibration::{
+    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, LEAST_VIEWS, LensModel, NotFound, Options, PhotoPair, Quality,
+    RigFile, assess, estimate, find_pairs, json, summary,
+};
+use crate::frames::load_gray;
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, anyhow, bail};
+use core::fmt::Write;
+use core::sync::atomic::{AtomicUsize, Ordering};
+use indicatif::{ProgressBar, ProgressStyle};
+use linestereo::Dims;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
+      left01.jpg, right01.jpg and so on in photos/, 9x6 inner corners (10x7 squares)
+  linestereo calibrate photos --board 9x6 --square-mm 25 --lens fisheye --report report.png
+      a wide lens; what was seen and what is left, as a picture
+
+Taking the photos:
+  Glue the printed board to something flat. Fix the focus. Take 15 to 25 pairs, both cameras at the same moment, with the whole
+  board in both images: near and far, in all corners of the images, tilted by 20 to 45 degrees to all sides.
+
+Verdict:
+  good      RMS up to 0.5 px, rows up to 0.25 px apart, 10 views or more, focal lengths and baseline known to 0.5 %
+  usable    twice that
+  repeat    anything worse; the reason and the remedy stand below it";
+
+/// Calibrate two cameras and the pose between them from photos of a chessboard.
+///
+/// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/ and right/ (cam0, cam1).
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Folder of the photos: PNG, JPEG, PGM or PPM.
+    folder: PathBuf,
+    /// Inner corners along both sides of the board: one less than squares.
+    #[arg(long, value_name = "COLSxROWS", value_parser = parse_board)]
+    board: [u8; 2],
+    /// Side of a square.
+    #[arg(long, value_name = "MM")]
+    square_mm: f64,
+    /// Write the rig to this file.
+    #[arg(long, value_name = "rig.toml")]
+    out: Option<PathBuf>,
+    /// Write everything that was estimated as JSON; "-" is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Family of the lenses.
+    #[arg(long, value_enum, default_value_t = LensName::BrownConrady)]
+    lens: LensName,
+    /// Hold k3 (of a fisheye k3 and k4) at 0.
+    #[arg(long)]
+    fix_k3: bool,
+    /// Estimate the skew of the pixels too.
+    #[arg(long)]
+    skew: bool,
+    /// Aspect of a pixel: estimated, or held at 1.
+    #[arg(long, value_enum, default_value_t = Aspect::Free)]
+    aspect: Aspect,
+    /// Disparity range for which the nearest distance is stated.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..))]
+    max_disparity: u16,
+    /// Leave out photos without a partner of the same number.
+    #[arg(long)]
+    skip_unpaired: bool,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum LensName {
+    /// Radial and tangential: most lenses.
+    BrownConrady,
+    /// Equidistant: wide lenses, above 100 degrees or so.
+    Fisheye,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Aspect {
+    /// Focal lengths across and down are estimated apart.
+    Free,
+    /// Square pixels.
+    #[value(name = "1")]
+    One,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let [cols, rows] = args.board;
+    let board = Board::new(cols, rows, args.square_mm / 1e3)
+        .map_err(|error| anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"))?;
+    let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
+    let (dims, found) = find_boards(&board, &pairs)?;
+    let (views, missing) = seen_by_both(&pairs, &found);
+    if views.len() < LEAST_VIEWS {
+        bail!("{}", too_few(&board, pairs.len(), views.len(), &found));
+    }
+    let options = Options {
+        lens: match args.lens {
+            LensName::BrownConrady => LensModel::BrownConrady,
+            LensName::Fisheye => LensModel::Fisheye,
+        },
+        skew: args.skew,
+        square_pixels: matches!(args.aspect, Aspect::One),
+        fix_k3: args.fix_k3,
+    };
+    let spinner = ProgressBar::new_spinner().with_message("estimating");
+    spinner.enable_steady_tick(core::time::Duration::from_millis(100));
+    let estimate = estimate(&board, dims, &views, &options);
+    spinner.finish_and_clear();
+    let estimate = estimate?;
+    let assessment = assess(&estimate, args.max_disparity);
+
+    let mut output = OutputFiles::new();
+    if let Some(path) = &args.out {
+        let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();
+        let quality = Quality {
+            source: format!("{used} pairs of photos of a {board} chessboard, squares of {} mm", args.square_mm),
+            views: used as u32,
+            stereo_rms_px: estimate.rms,
+            vertical_residual_px: assessment.rectified.as_ref().map_or(f64::NAN, |rectified| rectified.vertical),
+            verdict: assessment.verdict.to_string(),
+        };
+        let file = RigFile { calibration: estimate.calibration, quality: Some(quality) };
+        output.add(path, file.text().as_bytes())?;
+    }
+    let listing = || Ok::<_, anyhow::Error>(serde_json::to_string_pretty(&json(&estimate, &assessment))? + "\n");
+    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
+    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
+        output.add(path, listing()?.as_bytes())?;
+    }
+    output.commit()?;
+    if json_to_stdout {
+        return print(&listing()?);
+    }
+    let mut text = format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
+    for path in alone {
+        let _ = writeln!(text, "  {}: no partner, left out", path.display());
+    }
+    text.push_str(&missing);
+    text.push_str(&summary(&estimate, &assessment, args.max_disparity));
+    for path in [&args.out, &args.json].into_iter().flatten() {
+        let _ = writeln!(text, "wrote {}", path.display());
+    }
+    print(&text)
+}
+
+/// Corners, or why there are none, of both photos of a pair.
+type Found = [Result<BoardCorners, NotFound>; 2];
+
+/// Looks for the board in all photos, with as many threads as there are cores; checks that all have one size.
+fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)> {
+    let files: Vec<&PathBuf> = pairs.iter().flat_map(|pair| &pair.files).collect();
+    let style = ProgressStyle::with_template("finding the board {wide_bar} {pos}/{len}").context("progress bar")?;
+    let bar = ProgressBar::new(files.len() as u64).with_style(style);
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        while let Some(&path) = files.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let found = load_gray(path).map(|image| (path, image.dims, ChessFinder.find(&image, board)));
+            let failed = found.is_err();
+            done.push(found);
+            bar.inc(1);
+            if failed {
+                break;
+            }
+        }
+        done
+    };
+    let cores = thread::available_parallelism().map_or(1, core::num::NonZero::get);
+    let done = thread::scope(|scope| {
+        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect::<Result<Vec<_>, _>>()
+    });
+    bar.finish_and_clear();
+    let mut done = done?;
+    let (first, dims) = done.iter().map(|(path, dims, _)| (*path, *dims)).min_by_key(|(path, _)| *path).context("there are no photos")?;
+    if let Some((path, other, _)) = done.iter().find(|(_, other, _)| *other != dims) {
+        bail!(
+            "{} is {dims}, {} is {other}; all photos of a calibration have one size",
+            first.display(),
+            path.display()
+        );
+    }
+    let mut take = |path: &PathBuf| {
+        let at = done.iter().position(|(other, ..)| *other == path).context("a photo was not looked at")?;
+        Ok::<_, anyhow::Error>(done.swap_remove(at).2)
+    };
+    let found = pairs.iter().map(|pair| Ok([take(&pair.files[0])?, take(&pair.files[1])?]));
+    Ok((dims, found.collect::<Result<_>>()?))
+}
+
+/// Pairs in which both photos show the board, and a line for each other one.
+fn seen_by_both(pairs: &[PhotoPair], found: &[Found]) -> (Vec<BoardPair>, String) {
+    let (mut views, mut missing) = (Vec::new(), String::new());
+    for (pair, found) in pairs.iter().zip(found) {
+        if let [Ok(left), Ok(right)] = found {
+            let right = right.clone().turned_like(left);
+            views.push(BoardPair { name: pair.name.clone(), corners: [left.clone().into_inner(), right.into_inner()] });
+            continue;
+        }
+        for (path, found) in pair.files.iter().zip(found) {
+            if let Err(why) = found {
+                let _ = writeln!(missing, "  {}: {why}, pair left out", path.display());
+            }
+        }
+    }
+    (views, missing)
+}
+
+/// Why there are too few views, by what was seen most.
+fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> String {
+    let mut sizes: Vec<[usize; 2]> = Vec::new();
+    let failures = || found.iter().flatten().filter_map(|found| found.as_ref().err());
+    sizes.extend(failures().filter_map(|why| match why {
+        NotFound::OtherSize(cols, rows) => Some([*cols, *rows]),
+        _ => None,
+    }));
+    let count = |size: &[usize; 2]| sizes.iter().filter(|other| *other == size).count();
+    let most = sizes.iter().max_by_key(|size| count(size));
+    if let Some(size) = most.filter(|size| 2 * count(size) > found.len()) {
+        let ([cols, rows], seen) = (size, count(size));
+        return format!(
+            "the board is not {board}: {seen} of {} photos show {cols}x{rows} inner corners; give --board {cols}x{rows}",
+            2 * pairs
+        );
+    }
+    let photos = |eye: usize| found.iter().filter(|found| found[eye].is_ok()).count();
+    format!(
+        "the {board} board is whole in both photos of {usable} pairs only ({} left, {} right photos of {pairs}), {LEAST_VIEWS} are \
+         needed; check --board (inner corners, one less than squares) and take sharp photos of the whole board",
+        photos(0),
+        photos(1),
+    )
+}
+
+fn parse_board(text: &str) -> Result<[u8; 2], String> {
+    let sides = text.split_once('x').and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
+    sides.ok_or_else(|| "give inner corners as COLSxROWS, for example 9x6".to_owned())
+}
+
