@@ -173,7 +173,8 @@ impl BoardCorners {
         let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
         for row in 0..self.rows - 1 {
             for col in 0..self.cols - 1 {
-                let around = [self.at(col, row), self.at(col + 1, row), self.at(col, row + 1), self.at(col + 1, row + 1)];
+                let around =
+                    [self.at(col, row), self.at(col + 1, row), self.at(col, row + 1), self.at(col + 1, row + 1)];
                 let [x, y] = [0, 1].map(|axis| around.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
                 let parity = (row + col) % 2;
                 if let Some(grey) = grey_at(image, x, y) {

@@ -14,21 +14,30 @@ use crate::engine::GrayImage;
 
 /// Half sides of the window, px.
 const REACH: (f64, f64) = (2.0, 10.0);
-/// Share of the distance to the next corner that the window reaches.
-const SHARE: f64 = 0.42;
+/// Share of the distance to the next corner that the window reaches; and of one in the board's outermost lines, beyond which a printed
+/// board may end within half a square.
+const SHARES: (f64, f64) = (0.42, 0.25);
+/// A corner further from the detector's place than this, px, was pulled by something else inside the window: a smaller one is tried.
+const PULLED: f64 = 1.0;
 const ROUNDS: usize = 40;
 const MOVED: f64 = 1e-3;
 
-/// The corner near `start` whose next corner is `spacing` px away; `None` where there is none within the window.
+/// The corner near `start` whose next corner is `spacing` px away; `None` where the image shows none.
 #[must_use]
-pub(super) fn refine(image: &GrayImage, start: [f64; 2], spacing: f64) -> Option<[f64; 2]> {
-    let reach = (SHARE * spacing).clamp(REACH.0, REACH.1);
+pub(super) fn refine(image: &GrayImage, start: [f64; 2], spacing: f64, outermost: bool) -> Option<[f64; 2]> {
+    let share = if outermost { SHARES.1 } else { SHARES.0 };
+    let widest = (share * spacing).clamp(REACH.0, REACH.1);
+    let reaches = [1.0, 0.6, 0.4].map(|part| (part * widest).max(REACH.0));
+    reaches.into_iter().find_map(|reach| settled(image, start, reach))
+}
+
+fn settled(image: &GrayImage, start: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     let mut at = start;
     for _ in 0..ROUNDS {
         let next = step(image, at, reach)?;
         let moved = (next[0] - at[0]).hypot(next[1] - at[1]);
         at = next;
-        if (at[0] - start[0]).hypot(at[1] - start[1]) > reach {
+        if (at[0] - start[0]).hypot(at[1] - start[1]) > PULLED {
             return None;
         }
         if moved < MOVED {

@@ -203,12 +203,7 @@ impl fmt::Display for EstimateError {
 impl core::error::Error for EstimateError {}
 
 /// Estimates both cameras and their pose from boards that both saw.
-pub fn estimate(
-    board: &Board,
-    dims: Dims,
-    pairs: &[BoardPair],
-    options: &Options,
-) -> Result<Estimate, EstimateError> {
+pub fn estimate(board: &Board, dims: Dims, pairs: &[BoardPair], options: &Options) -> Result<Estimate, EstimateError> {
     if pairs.len() < LEAST_VIEWS {
         return Err(EstimateError::TooFew(pairs.len(), pairs.len()));
     }
@@ -318,7 +313,8 @@ fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> Option<Sing
             dropped[view] = Some(Dropped::Error(errors[view]));
         }
         let views = bundle.views.clone();
-        bundle.views = (0..views.len()).filter(|&view| dropped[view].is_none()).map(|view| views[view].clone()).collect();
+        bundle.views =
+            (0..views.len()).filter(|&view| dropped[view].is_none()).map(|view| views[view].clone()).collect();
         bundle.solve();
         let mut solved = core::mem::take(&mut bundle.views).into_iter();
         bundle.views = views
@@ -434,7 +430,11 @@ fn nearest_rig(camera: &Intrinsics, from: &[Pose], to: &[Pose], seen: &[&Sightin
 fn unmirrored(board: &Board, dims: Dims, seen: &Sightings, rows: bool) -> Sightings {
     let (cols, count) = (board.cols(), board.corners());
     let other = |index: usize| {
-        if rows { (count / cols - 1 - index / cols) * cols + index % cols } else { index / cols * cols + cols - 1 - index % cols }
+        if rows {
+            (count / cols - 1 - index / cols) * cols + index % cols
+        } else {
+            index / cols * cols + cols - 1 - index % cols
+        }
     };
     let turned = |(index, &(place, _)): (usize, &([f64; 2], [f64; 2]))| {
         let [u, v] = seen[other(index)].1;
@@ -496,9 +496,8 @@ fn report(
     used: &[usize],
     dropped: &[Option<Dropped>],
 ) -> Result<Estimate, EstimateError> {
-    let camera = |eye: usize, name: Eye| {
-        bundle.cameras[eye].camera(dims).map_err(|error| EstimateError::Camera(name, error))
-    };
+    let camera =
+        |eye: usize, name: Eye| bundle.cameras[eye].camera(dims).map_err(|error| EstimateError::Camera(name, error));
     let [rx, ry, rz, shift @ ..] = bundle.rig.0;
     let calibration = Calibration::new(camera(0, Eye::Left)?, camera(1, Eye::Right)?, quaternion([rx, ry, rz]), shift)
         .map_err(EstimateError::Pair)?;
@@ -508,7 +507,13 @@ fn report(
     let mut views: Vec<ViewReport> = pairs
         .iter()
         .zip(dropped)
-        .map(|(pair, dropped)| ViewReport { name: pair.name.clone(), rms: [0.0; 2], tilt: 0.0, bad_corners: 0, dropped: *dropped })
+        .map(|(pair, dropped)| ViewReport {
+            name: pair.name.clone(),
+            rms: [0.0; 2],
+            tilt: 0.0,
+            bad_corners: 0,
+            dropped: *dropped,
+        })
         .collect();
     for (view, &index) in bundle.views.iter().zip(used) {
         let all = bundle.errors(view);

@@ -159,7 +159,8 @@ impl Grid {
                 self.filled(left, top, cols, 1),
                 self.filled(left, top + rows - 1, cols, 1),
             ];
-            let Some(empty) = (0..4).filter(|&i| borders[i] <= FALSE_SHARE).min_by(|&a, &b| borders[a].total_cmp(&borders[b]))
+            let Some(empty) =
+                (0..4).filter(|&i| borders[i] <= FALSE_SHARE).min_by(|&a, &b| borders[a].total_cmp(&borders[b]))
             else {
                 return (left, top, cols, rows);
             };
@@ -181,7 +182,11 @@ fn placed(image: &GrayImage, board: &Board, grid: &Grid) -> Result<BoardCorners,
     let full = wide > 0 && high > 0 && grid.filled(left, top, wide, high) >= 1.0;
     if !upright && (high, wide) != (cols, rows) {
         let sides = [wide.max(high) as usize, wide.min(high) as usize];
-        return Err(if full && sides[1] >= 3 { NotFound::OtherSize(sides[0], sides[1]) } else { NotFound::Part(grid.at.len()) });
+        return Err(if full && sides[1] >= 3 {
+            NotFound::OtherSize(sides[0], sides[1])
+        } else {
+            NotFound::Part(grid.at.len())
+        });
     }
     if !full {
         return Err(NotFound::Part(grid.at.len()));
@@ -207,8 +212,9 @@ fn refined(image: &GrayImage, board: &Board, rough: &[[f64; 2]]) -> Vec<[f64; 2]
             (row + 1 < rows).then_some(index + cols),
         ];
         let spacing = neighbours.into_iter().flatten().map(|other| distance(index, other)).fold(f64::MAX, f64::min);
-        // A corner at the border of the image keeps its first place.
-        corner::refine(image, rough[index], spacing).unwrap_or(rough[index])
+        let outermost = neighbours.contains(&None);
+        // A corner that cannot be refined, at the border of the image, keeps the detector's place.
+        corner::refine(image, rough[index], spacing, outermost).unwrap_or(rough[index])
     };
     (0..rough.len()).map(refine).collect()
 }

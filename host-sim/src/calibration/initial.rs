@@ -33,12 +33,13 @@ pub(super) fn focals(model: LensModel, dims: Dims, views: &[Sightings]) -> Vec<f
     let step = |i: u32| FOCALS.0 * (FOCALS.1 / FOCALS.0).powf(f64::from(i) / f64::from(TRIED - 1));
     let score = |focal: f64| {
         let camera = Intrinsics::plain(model, dims, focal);
-        views.iter().map(|view| pose(&camera, dims, view).map_or(FAR_OFF * FAR_OFF, |pose| error(&camera, &pose, view))).sum()
+        views
+            .iter()
+            .map(|view| pose(&camera, dims, view).map_or(FAR_OFF * FAR_OFF, |pose| error(&camera, &pose, view)))
+            .sum()
     };
-    let mut tried: Vec<(f64, f64)> = (0..TRIED)
-        .map(|i| step(i) * f64::from(dims.width))
-        .map(|focal| (score(focal), focal))
-        .collect();
+    let mut tried: Vec<(f64, f64)> =
+        (0..TRIED).map(|i| step(i) * f64::from(dims.width)).map(|focal| (score(focal), focal)).collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     tried.into_iter().map(|(_, focal)| focal).collect()
 }
@@ -67,8 +68,7 @@ pub(super) fn pose(camera: &Intrinsics, dims: Dims, view: &Sightings) -> Option<
     let (a, b, shift) = (a * scale, b * scale, c * scale);
     let svd = Matrix3::from_columns(&[a, b, a.cross(&b)]).svd(true, true);
     let turn = svd.u? * svd.v_t?;
-    (turn.determinant() > 0.0 && shift.z > 0.0)
-        .then(|| Pose::new(Rotation3::from_matrix_unchecked(turn), shift))
+    (turn.determinant() > 0.0 && shift.z > 0.0).then(|| Pose::new(Rotation3::from_matrix_unchecked(turn), shift))
 }
 
 /// The plane-to-plane map, by the least eigenvector of normalised equations.

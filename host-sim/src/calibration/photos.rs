@@ -43,7 +43,9 @@ pub enum PhotoError {
 impl fmt::Display for PhotoError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Folder(path, error) => write!(f, "cannot read the folder {}: {error}; check the path", path.display()),
+            Self::Folder(path, error) => {
+                write!(f, "cannot read the folder {}: {error}; check the path", path.display())
+            }
             Self::None(path) => write!(
                 f,
                 "{} holds no photos named left*, right* (or cam0*, cam1*), nor folders of these names with photos; \
@@ -142,7 +144,9 @@ fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoErro
                 let below = path.join("data");
                 let inside = listed(if below.is_dir() { &below } else { &path })?;
                 let photos = inside.into_iter().filter(|path| is_photo(path));
-                found.extend(photos.map(|photo| (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))));
+                found.extend(
+                    photos.map(|photo| (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))),
+                );
             }
         } else if is_photo(&path)
             && let Some(rest) = rest_of(&path, side)

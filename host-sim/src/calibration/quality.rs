@@ -134,7 +134,9 @@ pub fn assess(estimate: &Estimate, max_disparity: u16) -> Assessment {
 fn covered(dims: Dims, corners: &[CornerError]) -> Coverage {
     let sides = [f64::from(dims.width), f64::from(dims.height)];
     let cell = |at: [f64; 2], counts: [usize; 2]| {
-        let step = |axis: usize| (((at[axis] + 0.5) / sides[axis] * counts[axis] as f64).max(0.0) as usize).min(counts[axis] - 1);
+        let step = |axis: usize| {
+            (((at[axis] + 0.5) / sides[axis] * counts[axis] as f64).max(0.0) as usize).min(counts[axis] - 1)
+        };
         step(1) * counts[0] + step(0)
     };
     let (mut cells, mut thirds) = (vec![0; CELLS[0] * CELLS[1]], [0_u32; 9]);
@@ -152,7 +154,8 @@ fn covered(dims: Dims, corners: &[CornerError]) -> Coverage {
 
 /// The raw size, reduced to what the core takes.
 fn rectified_dims(dims: Dims) -> Dims {
-    let scale = (f64::from(MAX_WIDTH) / f64::from(dims.width)).min(f64::from(MAX_HEIGHT) / f64::from(dims.height)).min(1.0);
+    let scale =
+        (f64::from(MAX_WIDTH) / f64::from(dims.width)).min(f64::from(MAX_HEIGHT) / f64::from(dims.height)).min(1.0);
     let side = |side: u16| (f64::from(side) * scale).round() as u16;
     Dims { width: side(dims.width), height: side(dims.height) }
 }
@@ -164,7 +167,8 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
     let focal = rectification.focal();
     let angle = |low: f64, high: f64| ((high / focal).atan() - (low / focal).atan()).to_degrees();
     let [cx, cy] = rectification.centre();
-    let field = [angle(-0.5 - cx, f64::from(dims.width) - 0.5 - cx), angle(-0.5 - cy, f64::from(dims.height) - 0.5 - cy)];
+    let field =
+        [angle(-0.5 - cx, f64::from(dims.width) - 0.5 - cx), angle(-0.5 - cy, f64::from(dims.height) - 0.5 - cy)];
     let strength = focal * rectification.baseline();
     let (vertical, view_vertical) = vertical_residuals(estimate, &rectification);
     Some(Rectified {
@@ -255,7 +259,10 @@ fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Re
     );
     for (coverage, side) in coverage.iter().zip(["left", "right"]) {
         let (places, remedy) = if coverage.unseen.is_empty() {
-            (format!("corners in {:.0} % of the {side} image only", 100.0 * coverage.share), "hold the board near its edges too")
+            (
+                format!("corners in {:.0} % of the {side} image only", 100.0 * coverage.share),
+                "hold the board near its edges too",
+            )
         } else {
             (format!("no corners in the {} of the {side} image", coverage.unseen.join(", ")), "hold the board there")
         };

@@ -50,7 +50,8 @@ pub fn summary(estimate: &Estimate, assessment: &Assessment, max_disparity: u16)
 
 fn rectified_text(text: &mut String, rectified: &Rectified, max_disparity: u16) {
     let Rectified { rectification, field, kept, near, far, vertical, .. } = rectified;
-    let _ = writeln!(text, "vertical residual {vertical:.3} px (mean difference of rows of the same corner, rectified)");
+    let _ =
+        writeln!(text, "vertical residual {vertical:.3} px (mean difference of rows of the same corner, rectified)");
     let _ = writeln!(
         text,
         "rectified {}: focal length {:.1} px, field of view {:.1} x {:.1} degrees, {:.0} % of the left and {:.0} % of the right image left",
@@ -79,7 +80,9 @@ fn parameter_table(text: &mut String, parameters: &[Parameter]) {
         let Some(right) = parameters.iter().find(|other| other.name == format!("right.{name}")) else { continue };
         let _ = writeln!(text, "  {name:4} {} {}", value(left), value(right));
     }
-    for (title, first, unit, scale) in [("rotation", "r", "degrees", 180.0 / core::f64::consts::PI), ("translation", "t", "mm", 1e3)] {
+    for (title, first, unit, scale) in
+        [("rotation", "r", "degrees", 180.0 / core::f64::consts::PI), ("translation", "t", "mm", 1e3)]
+    {
         let of = |axis: &str| parameters.iter().find(|parameter| parameter.name == format!("pose.{first}{axis}"));
         let shown = ["x", "y", "z"].into_iter().filter_map(of);
         let shown: Vec<String> = shown.map(|p| format!("{:.3} +- {:.3}", scale * p.value, scale * p.sigma)).collect();
@@ -126,9 +129,7 @@ pub fn json(estimate: &Estimate, assessment: &Assessment) -> Value {
             "kept": rectified.kept, "near_m": rectified.near, "far_m": rectified.far,
         })
     });
-    let finding = |finding: &Finding| {
-        json!({"verdict": finding.verdict.to_string(), "reason": finding.reason, "remedy": finding.remedy})
-    };
+    let finding = |finding: &Finding| json!({"verdict": finding.verdict.to_string(), "reason": finding.reason, "remedy": finding.remedy});
     json!({
         "stereo_rms_px": estimate.rms,
         "camera_rms_px": estimate.camera_rms,

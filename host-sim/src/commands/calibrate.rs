@@ -2,8 +2,8 @@
 
 use super::print;
 use crate::calibration::{
-    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, LEAST_VIEWS, LensModel, NotFound, Options, PhotoPair, Quality,
-    RigFile, assess, estimate, find_pairs, json, summary,
+    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, LEAST_VIEWS, LensModel, NotFound, Options, PhotoPair,
+    Quality, RigFile, assess, estimate, find_pairs, json, summary,
 };
 use crate::frames::load_gray;
 use crate::output::OutputFiles;
@@ -137,7 +137,8 @@ pub fn run(args: &Args) -> Result<()> {
     if json_to_stdout {
         return print(&listing()?);
     }
-    let mut text = format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
+    let mut text =
+        format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
     for path in alone {
         let _ = writeln!(text, "  {}: no partner, left out", path.display());
     }
@@ -178,7 +179,11 @@ fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)>
     });
     bar.finish_and_clear();
     let mut done = done?;
-    let (first, dims) = done.iter().map(|(path, dims, _)| (*path, *dims)).min_by_key(|(path, _)| *path).context("there are no photos")?;
+    let (first, dims) = done
+        .iter()
+        .map(|(path, dims, _)| (*path, *dims))
+        .min_by_key(|(path, _)| *path)
+        .context("there are no photos")?;
     if let Some((path, other, _)) = done.iter().find(|(_, other, _)| *other != dims) {
         bail!(
             "{} is {dims}, {} is {other}; all photos of a calibration have one size",
@@ -242,4 +247,3 @@ fn parse_board(text: &str) -> Result<[u8; 2], String> {
     let sides = text.split_once('x').and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
     sides.ok_or_else(|| "give inner corners as COLSxROWS, for example 9x6".to_owned())
 }
-

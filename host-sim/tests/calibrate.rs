@@ -1,0 +1,145 @@
+//! `linestereo calibrate` as a user meets it: files, messages, exit codes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn calibrate(folder: &Path, args: &[&str]) -> Output {
+    let program = Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("calibrate").args(args).output();
+    program.unwrap()
+}
+
+/// Fails with exit code 2 and one line that holds all of these words.
+fn assert_refused(output: &Output, words: &[&str]) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert_eq!(text.trim().lines().count(), 1, "{text}");
+    for word in words {
+        assert!(text.contains(word), "\"{word}\" is missing in: {text}");
+    }
+}
+
+fn empty_photo(path: &Path, width: u32, height: u32) {
+    image::GrayImage::from_pixel(width, height, image::Luma([128])).save(path).unwrap();
+}
+
+const BOARD: [&str; 4] = ["--board", "9x6", "--square-mm", "25"];
+
+fn refused(prepare: impl Fn(&Path), words: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let photos = folder.path().join("photos");
+    fs::create_dir(&photos).unwrap();
+    prepare(&photos);
+    let output = calibrate(folder.path(), &[&["photos", "--out", "rig.toml"], &BOARD[..]].concat());
+    assert_refused(&output, words);
+    assert!(!folder.path().join("rig.toml").exists());
+}
+
+#[test]
+fn folders_without_usable_pairs() {
+    refused(|_| {}, &["holds no photos", "left01.png"]);
+    refused(|photos| empty_photo(&photos.join("left1.png"), 64, 48), &["left photos but no right ones"]);
+    let pairs = |photos: &Path, left: u32, right: u32| {
+        (0..left).for_each(|i| empty_photo(&photos.join(format!("left{i:02}.png")), 64, 48));
+        (0..right).for_each(|i| empty_photo(&photos.join(format!("right{i:02}.png")), 64, 48));
+    };
+    refused(|photos| pairs(photos, 7, 6), &["7 left and 6 right", "left06.png", "--skip-unpaired"]);
+    refused(|photos| pairs(photos, 6, 6), &["0 pairs only", "5 are needed", "--board"]);
+    refused(
+        |photos| {
+            pairs(photos, 6, 6);
+            empty_photo(&photos.join("right03.png"), 32, 48);
+        },
+        &["right03.png is 32x48", "one size"],
+    );
+    refused(
+        |photos| {
+            pairs(photos, 6, 6);
+            fs::write(photos.join("left02.png"), b"no image").unwrap();
+        },
+        &["left02.png", "not a readable image"],
+    );
+    refused(
+        |photos| {
+            pairs(photos, 6, 6);
+            empty_photo(&photos.join("left2.png"), 64, 48);
+        },
+        &["left02.png", "left2.png", "the same number"],
+    );
+}
+
+#[test]
+fn options_that_are_slips() {
+    let folder = tempfile::tempdir().unwrap();
+    let words: [(&[&str], &[&str]); 4] = [
+        (&["--board", "9", "--square-mm", "25"], &["COLSxROWS"]),
+        (&["--board", "2x6", "--square-mm", "25"], &["3 to 60 inner corners"]),
+        (&["--board", "9x6", "--square-mm", "0"], &["0 mm"]),
+        (&["--board", "9x6"], &["--square-mm"]),
+    ];
+    for (args, words) in words {
+        assert_refused(&calibrate(folder.path(), &[&["."], args].concat()), words);
+    }
+}
+
+fn captured(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("LINESTEREO_FRAMES")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
+    let folder = root.join("calibration_boards").join(name);
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: no captured boards; set LINESTEREO_FRAMES to a folder that holds calibration_boards/");
+        return None;
+    }
+    Some(folder)
+}
+
+/// Copies photos under other names.
+fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "jpg")
+            && let Some(name) = name(path.file_name().unwrap().to_str().unwrap())
+        {
+            fs::create_dir_all(to.join(&name).parent().unwrap()).unwrap();
+            fs::copy(&path, to.join(name)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn photos_become_a_rig() {
+    let Some(photos) = captured("sourishg_2") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
+    let output = calibrate(folder.path(), &[&[photos.to_str().unwrap()], &args[..]].concat());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rms = text.lines().find_map(|line| line.strip_prefix("stereo RMS ")?.strip_suffix(" px")).unwrap();
+    assert!(rms.parse::<f64>().unwrap() <= 0.22 && rms.len() == 5, "{rms}");
+    for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "] {
+        assert!(text.contains(word), "\"{word}\" is missing in: {text}");
+    }
+    let rig = linestereo_sim::calibration::RigFile::load(&folder.path().join("rig.toml")).unwrap();
+    assert!((rig.calibration.baseline() - 0.0939).abs() < 5e-4);
+    assert!(rig.quality.unwrap().views >= 27);
+    let json: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("rig.json")).unwrap()).unwrap();
+    assert!(json["parameters"]["left.fx"]["sigma"].as_f64().unwrap() > 0.0);
+    assert!(image::open(folder.path().join("rig.png")).unwrap().width() > 600);
+}
+
+#[test]
+fn photos_in_folders_swapped_and_of_another_board() {
+    let Some(photos) = captured("opencv_chessboard") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let side = |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
+    let number = |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();
+    copied(&photos, &folder.path().join("folders"), |name| Some(format!("{}/{}", side(name).0, number(name))));
+    copied(&photos, &folder.path().join("swapped"), |name| Some(format!("{}{}", side(name).1, number(name))));
+    let run = |name: &str, board: &str| calibrate(folder.path(), &[name, "--board", board, "--square-mm", "25"]);
+    let good = run("folders", "9x6");
+    assert!(good.status.success() && String::from_utf8_lossy(&good.stdout).contains("13 of 13 pairs"));
+    assert_refused(&run("swapped", "9x6"), &["the cameras are swapped"]);
+    assert_refused(&run("folders", "10x7"), &["the board is not 10x7", "give --board 9x6"]);
+    copied(&photos, &folder.path().join("few"), |name| (number(name).as_str() < "05.jpg").then(|| name.to_owned()));
+    assert_refused(&run("few", "9x6"), &["4 pairs only", "5 are needed"]);
+}
