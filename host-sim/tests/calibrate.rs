@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn calibrate(folder: &Path, args: &[&str]) -> Output {
-    let program = Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("calibrate").args(args).output();
+    let program =
+        Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("calibrate").args(args).output();
     program.unwrap()
 }
 
@@ -110,7 +111,8 @@ fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
 fn photos_become_a_rig() {
     let Some(photos) = captured("sourishg_2") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let args = ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
+    let args =
+        ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
     let output = calibrate(folder.path(), &[&[photos.to_str().unwrap()], &args[..]].concat());
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -420,7 +420,9 @@ fn boards_are_found_in_drawn_photos() {
             let (found, put) = (estimate.calibration.camera(eye).focal()[0], rig.camera(eye).focal()[0]);
             assert!((found / put - 1.0).abs() < 0.005, "{board}: {found} for {put}");
         }
-        assert!(assess(&estimate, 64).rectified.unwrap().vertical < 0.06, "{board}");
+        // Rows with independent errors differ by 0.8 times the RMS in the mean.
+        let vertical = assess(&estimate, 64).rectified.unwrap().vertical;
+        assert!(vertical < estimate.rms, "{board}: {vertical}");
     }
 }
 

@@ -119,7 +119,7 @@ impl BoardCorners {
         let along = |option: &Self| option.direction()[0] * x + option.direction()[1] * y;
         let half = self.turns().into_iter().filter(|option| option.cols == other.cols);
         // A quarter turn of a square board of odd sides exchanges the colours; half a turn never does.
-        let quarter = self.cols % 2 == 0;
+        let quarter = self.cols.is_multiple_of(2);
         let allowed = half.enumerate().filter(|(turn, _)| quarter || turn % 2 == 0 || self.cols != self.rows);
         allowed.map(|(_, option)| option).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(self)
     }

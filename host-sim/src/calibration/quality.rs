@@ -126,7 +126,7 @@ pub fn assess(estimate: &Estimate, max_disparity: u16) -> Assessment {
     let coverage = [0, 1].map(|eye| covered(dims, &estimate.errors[eye]));
     let rectified = rectified(estimate, max_disparity);
     let mut findings = findings(estimate, &coverage, rectified.as_ref());
-    findings.sort_by(|a, b| b.verdict.cmp(&a.verdict));
+    findings.sort_by_key(|finding| core::cmp::Reverse(finding.verdict));
     let verdict = findings.first().map_or(Verdict::Good, |finding| finding.verdict);
     Assessment { coverage, rectified, verdict, findings }
 }

@@ -2,9 +2,11 @@
 
 use super::print;
 use crate::calibration::{
-    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, LEAST_VIEWS, LensModel, NotFound, Options, PhotoPair,
-    Quality, RigFile, assess, estimate, find_pairs, json, summary,
+    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
+    PhotoPair, Quality, RigFile, ViewReport, assess, estimate, find_pairs, json, summary,
 };
+use crate::draw;
+use crate::engine::GrayImage;
 use crate::frames::load_gray;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
@@ -51,6 +53,9 @@ pub struct Args {
     /// Write everything that was estimated as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Draw coverage, errors, views and a rectified pair as PNG.
+    #[arg(long, value_name = "FILE.png")]
+    report: Option<PathBuf>,
     /// Family of the lenses.
     #[arg(long, value_enum, default_value_t = LensName::BrownConrady)]
     lens: LensName,
@@ -133,6 +138,10 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
         output.add(path, listing()?.as_bytes())?;
     }
+    if let Some(path) = &args.report {
+        let photos = clearest_pair(&estimate, &pairs)?;
+        output.add(path, &draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)?;
+    }
     output.commit()?;
     if json_to_stdout {
         return print(&listing()?);
@@ -144,10 +153,22 @@ pub fn run(args: &Args) -> Result<()> {
     }
     text.push_str(&missing);
     text.push_str(&summary(&estimate, &assessment, args.max_disparity));
-    for path in [&args.out, &args.json].into_iter().flatten() {
+    for path in [&args.out, &args.json, &args.report].into_iter().flatten() {
         let _ = writeln!(text, "wrote {}", path.display());
     }
     print(&text)
+}
+
+/// The photos of the view with the least error.
+fn clearest_pair(estimate: &Estimate, pairs: &[PhotoPair]) -> Result<Option<[GrayImage; 2]>> {
+    let used = estimate.views.iter().filter(|view| view.dropped.is_none());
+    let error = |view: &ViewReport| view.rms[0] + view.rms[1];
+    let clearest = used.min_by(|a, b| error(a).total_cmp(&error(b)));
+    let Some(pair) = clearest.and_then(|view| pairs.iter().find(|pair| pair.name == view.name)) else {
+        return Ok(None);
+    };
+    let [left, right] = &pair.files;
+    Ok(Some([load_gray(left)?, load_gray(right)?]))
 }
 
 /// Corners, or why there are none, of both photos of a pair.

@@ -4,11 +4,13 @@
 //! near, blue far), ticks on the owning side, the claimed points as tinted pixels, and a legend in px and metres below. What is
 //! less probable is fainter; below p = 0.9 it is dashed.
 
+mod calibration;
 mod colour;
 mod legend;
 mod plan;
 mod text;
 
+pub use calibration::calibration;
 pub use plan::plan;
 
 use crate::engine::{FrameResult, GrayImage};

@@ -1,0 +1,237 @@
+//! A calibration as a picture: where corners were seen, how far each is off, each view's error, and a rectified pair.
+
+use super::paint;
+use super::text::{Align, write};
+use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
+use crate::engine::GrayImage;
+use image::{Rgb, RgbImage};
+use linestereo::{Eye, Rectification};
+use tiny_skia::{Color, LineCap, PathBuilder, Pixmap, Rect, Stroke, Transform};
+
+const WIDTH: u32 = 1280;
+const BACKGROUND: [u8; 3] = [16, 16, 18];
+const INK: [u8; 3] = [225, 225, 225];
+const FAINT: [u8; 3] = [90, 90, 96];
+const GOOD: [u8; 3] = [70, 225, 110];
+const FAIR: [u8; 3] = [255, 225, 40];
+const POOR: [u8; 3] = [255, 45, 45];
+const SEEN: [u8; 3] = [0, 200, 255];
+const TEXT: f32 = 15.0;
+const MARGIN: f32 = 24.0;
+/// Width of one camera's field.
+const FIELD: f32 = 604.0;
+/// An arrow is this many times as long as its error, in px of the field.
+const ENLARGED: f32 = 40.0;
+/// Height of the bars, and the error that fills it, as a multiple of the median view's.
+const BARS: (f32, f64) = (140.0, 3.0);
+/// Lines across the rectified pair.
+const LINES: u32 = 12;
+
+/// The estimate with the pair of photos that is shown rectified.
+#[must_use]
+pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<&[GrayImage; 2]>) -> RgbImage {
+    let dims = estimate.calibration.camera(Eye::Left).dims();
+    let scale = FIELD / f32::from(dims.width);
+    let field = scale * f32::from(dims.height);
+    let bars = MARGIN + 60.0 + field + 50.0;
+    let pair = bars + BARS.0 + 60.0;
+    let shown = photos.zip(assessment.rectified.as_ref());
+    let height = if let Some((_, rectified)) = &shown {
+        let dims = rectified.rectification.dims();
+        pair + 20.0 + FIELD * f32::from(dims.height) / f32::from(dims.width) + MARGIN
+    } else {
+        pair - 30.0
+    };
+    let mut sheet = Sheet::new(height.ceil() as u32);
+    let verdict = match assessment.verdict {
+        Verdict::Good => GOOD,
+        Verdict::Usable => FAIR,
+        Verdict::Repeat => POOR,
+    };
+    let title = format!(
+        "{}: stereo RMS {:.3} px, baseline {:.2} +- {:.2} mm{}",
+        assessment.verdict,
+        estimate.rms,
+        1e3 * estimate.calibration.baseline(),
+        1e3 * estimate.baseline_sigma,
+        assessment.rectified.as_ref().map_or(String::new(), |r| format!(", vertical residual {:.3} px", r.vertical)),
+    );
+    sheet.label((MARGIN, 14.0), Align::Left, verdict, title);
+    for (eye, side) in ["left", "right"].into_iter().enumerate() {
+        let left = MARGIN + eye as f32 * (FIELD + MARGIN);
+        let text = format!(
+            "{side}: RMS {:.3} px, corners in {:.0} % of cells, errors {ENLARGED:.0} times as long",
+            estimate.camera_rms[eye],
+            100.0 * assessment.coverage[eye].share
+        );
+        sheet.label((left, 50.0), Align::Left, INK, text);
+        let frame = [left, MARGIN + 54.0, FIELD, field];
+        cells(&mut sheet, frame, &assessment.coverage[eye].cells);
+        arrows(&mut sheet, frame, scale, &estimate.errors[eye]);
+    }
+    views(&mut sheet, estimate, bars);
+    if let Some((photos, rectified)) = shown {
+        sheet.label((MARGIN, pair - 8.0), Align::Left, INK, "rectified: the same corner on the same line".into());
+        rectified_pair(&mut sheet, &rectified.rectification, photos, pair + 16.0);
+    }
+    sheet.into_picture()
+}
+
+/// Cells without corners are empty.
+fn cells(sheet: &mut Sheet, [left, top, width, height]: [f32; 4], counts: &[u32]) {
+    let (across, down) = (8, counts.len() / 8);
+    for (index, &count) in counts.iter().enumerate() {
+        let (w, h) = (width / across as f32, height / down as f32);
+        let at = [left + w * (index % across) as f32, top + h * (index / across) as f32, w, h];
+        if count > 0 {
+            sheet.fill(at, SEEN, 0.08 + 0.25 * (count as f32 / 40.0).min(1.0));
+        }
+        sheet.frame(at, FAINT);
+    }
+}
+
+fn arrows(sheet: &mut Sheet, [left, top, ..]: [f32; 4], scale: f32, errors: &[CornerError]) {
+    for corner in errors {
+        let [x, y] = corner.at.map(|v| (v as f32 + 0.5) * scale);
+        let [dx, dy] = corner.error.map(|v| v as f32 * scale * ENLARGED);
+        let size = corner.error[0].hypot(corner.error[1]);
+        let rgb = if size < 0.3 {
+            GOOD
+        } else if size < 0.6 {
+            FAIR
+        } else {
+            POOR
+        };
+        sheet.line((left + x, top + y), (left + x + dx, top + y + dy), rgb, 1.2);
+    }
+}
+
+/// Two bars for each view: left and right error.
+fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
+    let bottom = top + BARS.0;
+    let largest = BARS.1 * estimate.rms;
+    let step = (WIDTH as f32 - 2.0 * MARGIN) / estimate.views.len() as f32;
+    let level = bottom - BARS.0 * (estimate.rms / largest) as f32;
+    sheet.label(
+        (MARGIN, top - 24.0),
+        Align::Left,
+        INK,
+        "error of each view, left and right; line: all; x: dropped".into(),
+    );
+    for (index, view) in estimate.views.iter().enumerate() {
+        let left = MARGIN + step * index as f32;
+        for (eye, rms) in view.rms.into_iter().enumerate() {
+            let height = BARS.0 * (rms / largest).min(1.0) as f32;
+            let at = [left + step * (0.15 + 0.35 * eye as f32), bottom - height, 0.32 * step, height];
+            sheet.fill(at, if eye == 0 { SEEN } else { FAIR }, 0.8);
+        }
+        let middle = left + 0.5 * step;
+        if view.dropped.is_some() {
+            sheet.line((middle - 6.0, bottom - 14.0), (middle + 6.0, bottom - 2.0), POOR, 2.0);
+            sheet.line((middle - 6.0, bottom - 2.0), (middle + 6.0, bottom - 14.0), POOR, 2.0);
+        }
+        // Every name where they have room.
+        let every = (40.0 / step).ceil().max(1.0) as usize;
+        if index % every == 0 {
+            sheet.label((middle, bottom + 4.0), Align::Centre, FAINT, view.name.chars().take(8).collect());
+        }
+    }
+    sheet.line((MARGIN, level), (WIDTH as f32 - MARGIN, level), INK, 1.0);
+}
+
+/// Nearest pixels: for the eye only.
+fn rectified_pair(sheet: &mut Sheet, rectification: &Rectification, photos: &[GrayImage; 2], top: f32) {
+    let dims = rectification.dims();
+    let scale = FIELD / f32::from(dims.width);
+    let height = (scale * f32::from(dims.height)) as u32;
+    for (eye, (photo, side)) in photos.iter().zip(Eye::BOTH).enumerate() {
+        let left = MARGIN as u32 + eye as u32 * (FIELD + MARGIN) as u32;
+        for y in 0..height {
+            for x in 0..FIELD as u32 {
+                let at = [x, y].map(|v| f64::from(v as f32 / scale));
+                let grey = rectification.source(side, at).and_then(|raw| nearest(photo, raw));
+                sheet.pixels.push((left + x, top as u32 + y, grey.map_or(BACKGROUND, |grey| [grey; 3])));
+            }
+        }
+    }
+    sheet.lines.extend((1..LINES).map(|line| top as u32 + height * line / LINES));
+}
+
+fn nearest(photo: &GrayImage, [x, y]: [f64; 2]) -> Option<u8> {
+    let (width, height) = (f64::from(photo.dims.width), f64::from(photo.dims.height));
+    let (x, y) = (x.round(), y.round());
+    let inside = (0.0..width).contains(&x) && (0.0..height).contains(&y);
+    inside.then(|| photo.pixels[y as usize * usize::from(photo.dims.width) + x as usize])
+}
+
+/// A picture in the making: shapes first, then photos, then words.
+struct Sheet {
+    pixmap: Pixmap,
+    pixels: Vec<(u32, u32, [u8; 3])>,
+    lines: Vec<u32>,
+    labels: Vec<Label>,
+}
+
+struct Label {
+    at: (f32, f32),
+    align: Align,
+    rgb: [u8; 3],
+    text: String,
+}
+
+impl Sheet {
+    fn new(height: u32) -> Self {
+        let mut pixmap = Pixmap::new(WIDTH, height.max(1)).expect("sides are above 0");
+        let [red, green, blue] = BACKGROUND;
+        pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
+        Self { pixmap, pixels: Vec::new(), lines: Vec::new(), labels: Vec::new() }
+    }
+
+    fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
+        self.labels.push(Label { at, align, rgb, text });
+    }
+
+    fn fill(&mut self, [x, y, width, height]: [f32; 4], rgb: [u8; 3], alpha: f32) {
+        if let Some(area) = Rect::from_xywh(x, y, width, height) {
+            self.pixmap.fill_rect(area, &paint(rgb, alpha), Transform::identity(), None);
+        }
+    }
+
+    fn frame(&mut self, [x, y, width, height]: [f32; 4], rgb: [u8; 3]) {
+        let round = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
+        for index in 0..4 {
+            self.line(round[index], round[(index + 1) % 4], rgb, 0.7);
+        }
+    }
+
+    fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
+        let mut path = PathBuilder::new();
+        path.move_to(from.0, from.1);
+        path.line_to(to.0, to.1);
+        if let Some(path) = path.finish() {
+            let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+            self.pixmap.stroke_path(&path, &paint(rgb, 1.0), &stroke, Transform::identity(), None);
+        }
+    }
+
+    fn into_picture(self) -> RgbImage {
+        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        let mut picture = RgbImage::from_raw(WIDTH, self.pixmap.height(), bytes).expect("three bytes for each pixel");
+        for (x, y, rgb) in self.pixels {
+            if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
+                *pixel = Rgb(rgb);
+            }
+        }
+        for y in self.lines {
+            for x in MARGIN as u32..WIDTH - MARGIN as u32 {
+                if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
+                    *pixel = Rgb(GOOD);
+                }
+            }
+        }
+        for Label { at, align, rgb, text } in &self.labels {
+            write(&mut picture, *at, *align, TEXT, *rgb, text);
+        }
+        picture
+    }
+}
