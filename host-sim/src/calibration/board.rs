@@ -204,7 +204,7 @@ mod tests {
     /// A board of 10-px squares, the first dark, whose first inner corner is at (30, 30), and its corners.
     fn drawn(cols: usize, rows: usize) -> (GrayImage, Vec<[f64; 2]>) {
         let dims = Dims { width: 160, height: 160 };
-        let dark = |x: usize, y: usize| (x / 10 + y / 10) % 2 == 0;
+        let dark = |x: usize, y: usize| (x / 10 + y / 10).is_multiple_of(2);
         let pixels = (0..160 * 160).map(|i| if dark(i % 160, i / 160) { 20 } else { 230 }).collect();
         let corners = (0..cols * rows).map(|i| [29.5 + 10.0 * (i % cols) as f64, 29.5 + 10.0 * (i / cols) as f64]);
         (GrayImage { dims, pixels }, corners.collect())
