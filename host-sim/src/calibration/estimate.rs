@@ -329,11 +329,12 @@ fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> Option<Sing
 /// Refined from one focal length.
 fn refined(dims: Dims, sightings: &[Sightings], options: &Options, focal: f64) -> Option<Bundle> {
     let camera = Intrinsics::plain(options.lens, dims, focal);
+    // A view whose first pose fails must not cost the others: the solver finds it from a board face to face, or it is dropped.
     let view = |seen: &Sightings| {
-        let pose = initial::pose(&camera, dims, seen)?;
-        Some(BoardView { seen: [seen.clone(), Vec::new()], pose })
+        let pose = initial::pose(&camera, dims, seen).unwrap_or_else(|| initial::facing(&camera, seen));
+        BoardView { seen: [seen.clone(), Vec::new()], pose }
     };
-    let views = sightings.iter().map(view).collect::<Option<Vec<_>>>()?;
+    let views = sightings.iter().map(view).collect();
     let mut bundle = Bundle {
         cameras: [camera; 2],
         rig: Pose([0.0; 6]),
@@ -458,7 +459,7 @@ fn robust(mut bundle: Bundle, dropped: &mut [Option<Dropped>]) -> Result<(Bundle
         let limit = BAD_VIEW * median(&errors);
         let bad: Vec<bool> = errors.iter().map(|&error| error > limit).collect();
         if bad_corners == 0 && !bad.contains(&true) {
-            break;
+            return Ok((bundle, used));
         }
         for ((&view, &error), _) in used.iter().zip(&errors).zip(&bad).filter(|(_, bad)| **bad) {
             dropped[view] = Some(Dropped::Error(error));
@@ -467,6 +468,7 @@ fn robust(mut bundle: Bundle, dropped: &mut [Option<Dropped>]) -> Result<(Bundle
         bundle.views.retain(|_| keep.next().unwrap_or(true));
         used.retain(|&view| dropped[view].is_none());
     }
+    bundle.solve();
     Ok((bundle, used))
 }
 

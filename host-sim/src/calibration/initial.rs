@@ -71,6 +71,19 @@ pub(super) fn pose(camera: &Intrinsics, dims: Dims, view: &Sightings) -> Option<
     (turn.determinant() > 0.0 && shift.z > 0.0).then(|| Pose::new(Rotation3::from_matrix_unchecked(turn), shift))
 }
 
+/// A board parallel to the image, as far away as its size says.
+pub(super) fn facing(camera: &Intrinsics, view: &Sightings) -> Pose {
+    let [fx, fy, cx, cy, ..] = camera.numbers;
+    let mean =
+        |pick: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| view.iter().map(pick).sum::<f64>() / view.len().max(1) as f64;
+    let [x, y] = [0, 1].map(|axis| mean(&|pair| pair.0[axis]));
+    let [u, v] = [0, 1].map(|axis| mean(&|pair| pair.1[axis]));
+    let on_board = mean(&|pair| (pair.0[0] - x).hypot(pair.0[1] - y));
+    let in_image = mean(&|pair| (pair.1[0] - u).hypot(pair.1[1] - v)).max(1.0);
+    let z = fx * on_board / in_image;
+    Pose::new(Rotation3::identity(), Vector3::new((u - cx) * z / fx - x, (v - cy) * z / fy - y, z))
+}
+
 /// The plane-to-plane map, by the least eigenvector of normalised equations.
 fn homography(pairs: &[([f64; 2], [f64; 2])]) -> Option<Matrix3<f64>> {
     let from = normaliser(pairs.iter().map(|pair| pair.0))?;
