@@ -26,7 +26,9 @@ const LEAST_POINTS: usize = 8;
 const FAR_OFF: f64 = 20.0;
 
 /// Corners of one board in one image: place on the board in m, and in the image in px.
-pub(super) type Sightings = Vec<([f64; 2], [f64; 2])>;
+pub(super) type Sightings = Vec<Sighting>;
+/// One of them.
+type Sighting = ([f64; 2], [f64; 2]);
 
 /// Focal lengths in px, the most promising first.
 pub(super) fn focals(model: LensModel, dims: Dims, views: &[Sightings]) -> Vec<f64> {
@@ -74,8 +76,7 @@ pub(super) fn pose(camera: &Intrinsics, dims: Dims, view: &Sightings) -> Option<
 /// A board parallel to the image, as far away as its size says.
 pub(super) fn facing(camera: &Intrinsics, view: &Sightings) -> Pose {
     let [fx, fy, cx, cy, ..] = camera.numbers;
-    let mean =
-        |pick: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| view.iter().map(pick).sum::<f64>() / view.len().max(1) as f64;
+    let mean = |pick: &dyn Fn(&Sighting) -> f64| view.iter().map(pick).sum::<f64>() / view.len().max(1) as f64;
     let [x, y] = [0, 1].map(|axis| mean(&|pair| pair.0[axis]));
     let [u, v] = [0, 1].map(|axis| mean(&|pair| pair.1[axis]));
     let on_board = mean(&|pair| (pair.0[0] - x).hypot(pair.0[1] - y));
