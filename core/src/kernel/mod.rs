@@ -20,19 +20,19 @@ mod dsp;
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
 mod sse2;
 
-pub use portable::{Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear, bilinear_run};
+pub use portable::{Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear};
 
 #[cfg(dsp)]
 pub use dsp::{
-    census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step,
-    lower_curve, lower_sum_curve, lowest, reverse_row, sad_curve, sum_curve,
+    bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
+    largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sad_curve, sum_curve,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64")))]
 pub use portable::sad_curve;
 #[cfg(not(dsp))]
 pub use portable::{
-    census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step,
-    lower_curve, lower_sum_curve, lowest, reverse_row, sum_curve,
+    bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
+    largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sum_curve,
 };
 #[cfg(target_arch = "x86_64")]
 pub use sse2::sad_curve;

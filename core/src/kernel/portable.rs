@@ -229,9 +229,14 @@ pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8
     Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
 }
 
-/// Positions of pixels that follow each other on a straight line between two rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Pixels that follow each other on a straight line between two rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct Run {
+    /// Where the upper row starts.
+    pub top: u32,
+    /// Where the lower row starts.
+    pub bottom: u32,
     /// Column of the first pixel, px in Q16; the fraction counts down to 1/128.
     pub x_q16: i32,
     /// From pixel to pixel, px in Q16.
@@ -240,6 +245,8 @@ pub struct Run {
     pub fy_q14: i32,
     /// From pixel to pixel, px in Q14.
     pub dfy_q14: i32,
+    /// Number of pixels.
+    pub length: u32,
 }
 
 /// A grey level between four pixels, rounded to nearest: `fx_q7` 0 ..= 128 from left to right, `fy_q14` 0 ..= 16 384 from top to bottom.
@@ -251,9 +258,21 @@ pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
     ((across(top) * ((1 << 14) - fy_q14) + across(bottom) * fy_q14 + (1 << 20)) >> 21) as u8
 }
 
-/// [`bilinear`] at each pixel of a run between two rows; a pixel is 0 that does not lie between two pixels of both.
-pub fn bilinear_run(top: &[u8], bottom: &[u8], out: &mut [u8], run: Run) {
-    let Run { mut x_q16, dx_q16, mut fy_q14, dfy_q14 } = run;
+/// [`bilinear`] at each pixel of one run after the other, between rows of `width` pixels that lie anywhere in `rows`. A pixel is 0 that
+/// does not lie between two pixels of both rows. What `out` is longer than the runs stays.
+pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
+    let mut left = out;
+    for run in runs {
+        let length = left.len().min(run.length as usize);
+        let Some((out, behind)) = core::mem::take(&mut left).split_at_mut_checked(length) else { return };
+        left = behind;
+        let row = |start: u32| rows.get(start as usize..).and_then(|row| row.get(..width)).unwrap_or(&[]);
+        bilinear_run(row(run.top), row(run.bottom), out, *run);
+    }
+}
+
+fn bilinear_run(top: &[u8], bottom: &[u8], out: &mut [u8], run: Run) {
+    let Run { mut x_q16, dx_q16, mut fy_q14, dfy_q14, .. } = run;
     for out in out {
         let two = |row: &[u8]| {
             let column = usize::try_from(x_q16 >> 16).ok()?;

@@ -14,8 +14,8 @@
 //! ```
 //!
 //! # Bounds
-//! Nodes are clamped to 8192 px: below 2^29 in Q16. Weights in Q15 sum to 2^15 and their sizes to less than 2^16: products fit `i64`, and
-//! a sum is below 2^30.
+//! Nodes are clamped to 8192 px, 2^29 in Q16: two of them sum to 2^30. Weights in Q30 sum to 2^30 and their sizes to less than 2^31: upper
+//! halves of products sum to less than 2^28, which is Q14.
 //!
 //! # Cost
 //! 8 bytes for a node, 6 for a row: 4.8 KiB for a camera at QVGA.
@@ -25,7 +25,7 @@
 
 use super::calibration::Eye;
 use super::rectification::Rectification;
-use crate::image::{Dims, Span};
+use crate::image::{Dims, MAX_WIDTH, Span};
 use core::fmt;
 
 /// log2 of the distance of nodes in pixels.
@@ -60,12 +60,14 @@ const fn nodes_along(side: u16, cell: u8) -> u16 {
 ///
 /// The last bits hold, until the rows are known: x: the camera cannot see this; y: it is behind the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Node {
+pub(super) struct Node {
     x: i32,
     y: i32,
 }
 
 impl Node {
+    pub(super) const ZERO: Self = Self { x: 0, y: 0 };
+
     #[expect(clippy::float_arithmetic, reason = "set-up")]
     fn new(source: Option<([f64; 2], bool)>) -> Self {
         let Some(([x, y], seen)) = source else { return Self { x: 1, y: 1 } };
@@ -81,37 +83,58 @@ impl Node {
         self.y & 1 == 1
     }
 
+    /// Upper halves of products, which is one instruction on most cores: each is rounded down, by half of 2^-14 px on average.
+    #[inline]
     fn weighted(nodes: [Self; 4], weights: [i32; 4]) -> Self {
-        let mut sums = [0_i64; 2];
+        let mut sum = Self { x: 2, y: 2 };
         for (node, weight) in nodes.into_iter().zip(weights) {
-            sums = [sums[0] + i64::from(node.x) * i64::from(weight), sums[1] + i64::from(node.y) * i64::from(weight)];
+            let upper = |v: i32| ((i64::from(v) * i64::from(weight)) >> 32) as i32;
+            sum = Self { x: sum.x.wrapping_add(upper(node.x)), y: sum.y.wrapping_add(upper(node.y)) };
         }
-        Self { x: (sums[0] >> 15) as i32, y: (sums[1] >> 15) as i32 }
+        Self { x: sum.x << 2, y: sum.y << 2 }
+    }
+
+    /// Of four nodes, in the middle of the inner two: (-1, 9, 9, -1) / 16.
+    #[inline]
+    fn middle([a, b, c, d]: [Self; 4]) -> Self {
+        let of = |a: i32, b: i32, c: i32, d: i32| ((b + c) >> 1) + ((b + c - a - d) >> 4);
+        Self { x: of(a.x, b.x, c.x, d.x), y: of(a.y, b.y, c.y, d.y) }
     }
 }
 
-/// Of the cubic through values at -1, 0, 1 and 2, at every sixteenth from 0 to 1: Q15.
+/// Of the cubic through values at -1, 0, 1 and 2, at every sixteenth from 0 to 1: Q30.
 const CUBIC: [[i32; 4]; 16] = {
     let mut table = [[0; 4]; 16];
     let mut t = 0;
     while t < 16 {
-        // Products of three distances in sixteenths, Q12, to Q15.
+        // Products of three distances in sixteenths, Q12, to Q30.
         let [a, b, c] = [
-            rounded(-t * (t - 16) * (t - 32) * 8, 6),
-            rounded((t + 16) * (t - 16) * (t - 32) * 8, 2),
-            rounded((t + 16) * t * (t - 16) * 8, 6),
+            rounded(-t * (t - 16) * (t - 32), 6),
+            rounded((t + 16) * (t - 16) * (t - 32), 2),
+            rounded((t + 16) * t * (t - 16), 6),
         ];
         #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
         {
-            table[t as usize] = [a, b, (1 << 15) - a - b - c, c];
+            table[t as usize] = [a, b, (1 << 30) - a - b - c, c];
         }
         t += 1;
     }
     table
 };
 
-const fn rounded(value: i32, by: i32) -> i32 {
-    (value + if value < 0 { -by / 2 } else { by / 2 }) / by
+/// The one at a quarter.
+const QUARTER: [i32; 4] = CUBIC[4];
+
+/// Most nodes along a row: a mesh is not fine above half of the largest width.
+const MOST_COLUMNS: usize = nodes_along(MAX_WIDTH, COARSE) as usize;
+
+/// Memory for the nodes along one row.
+pub(super) type Knots = [Node; MOST_COLUMNS];
+
+/// Q12 divided, as Q30.
+const fn rounded(value: i32, by: i64) -> i32 {
+    let value = (value as i64) << 18;
+    ((value + if value < 0 { -by / 2 } else { by / 2 }) / by) as i32
 }
 
 /// Pixels that follow each other on a straight line through the raw image.
@@ -154,6 +177,8 @@ pub(super) struct Grid {
     /// log2 of the pixels of a piece.
     piece: u8,
     pub(super) band_rows: u16,
+    /// Do all pixels of all rows lie between four raw ones?
+    pub(super) is_inner: bool,
     error_q16: i32,
 }
 
@@ -243,8 +268,16 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     #[must_use]
     pub const fn new() -> Self {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
-        let grid =
-            Grid { dims: NOTHING, raw: NOTHING, columns: 0, cell: COARSE, piece: COARSE, band_rows: 0, error_q16: 0 };
+        let grid = Grid {
+            dims: NOTHING,
+            raw: NOTHING,
+            columns: 0,
+            cell: COARSE,
+            piece: COARSE,
+            band_rows: 0,
+            is_inner: false,
+            error_q16: 0,
+        };
         Self { grid, nodes: [Node { x: 1, y: 1 }; NODES], spans: [Span { start: 0, end: 0 }; ROWS], last: [0; ROWS] }
     }
 
@@ -304,7 +337,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
             return None;
         }
         let mut found = None;
-        plan.for_each_piece(y, |start, length, piece| {
+        plan.for_each_piece(y, &mut [Node::default(); MOST_COLUMNS], |start, length, piece| {
             if let Some(i) = x.checked_sub(start).filter(|i| *i < length) {
                 let [x_q16, y_q14] = piece.at(i);
                 found = Some([x_q16.wrapping_sub(X_ROUNDING), y_q14 << 2]);
@@ -346,9 +379,9 @@ impl MeshPlan<'_> {
     }
 
     /// Calls `each` with first pixel, length and positions of every piece of row `y`.
-    #[inline]
-    pub(super) fn for_each_piece(&self, y: u16, each: impl FnMut(u16, u16, Piece)) {
-        self.grid.for_each_piece(self.nodes, y, each);
+    #[inline(always)]
+    pub(super) fn for_each_piece(&self, y: u16, memory: &mut Knots, each: impl FnMut(u16, u16, Piece)) {
+        self.grid.pieces_between(self.grid.knots(self.nodes, y, memory), each);
     }
 }
 
@@ -361,7 +394,7 @@ impl Grid {
     ) -> Result<Self, MeshError> {
         let mut grid = Self::placed(rectification, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
-        if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() {
+        if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() && grid.dims.width <= MAX_WIDTH / 2 {
             grid = Self::placed(rectification, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);
         }
@@ -383,7 +416,7 @@ impl Grid {
                 *node = Node::new(rectification.extended_source(eye, [x, y]));
             }
         }
-        Self { dims, raw, columns, cell, piece: cell, band_rows: 0, error_q16: 0 }
+        Self { dims, raw, columns, cell, piece: cell, band_rows: 0, is_inner: false, error_q16: 0 }
     }
 
     /// The rows of nodes.
@@ -438,7 +471,7 @@ impl Grid {
         4 + 2 * (self.cell - piece)
     }
 
-    /// The longest pieces that err by at most 1/64 px: in its middle a line errs by h^2/8 times the second derivative, half of that once
+    /// The longest pieces that err by at most 1/32 px: in its middle a line errs by h^2/8 times the second derivative, half of that once
     /// centred.
     fn choose_pieces(&mut self, nodes: &[Node]) {
         let mut largest = 0;
@@ -450,7 +483,7 @@ impl Grid {
                 }
             }
         }
-        let suits = |piece: &u8| *piece <= self.cell && largest >> self.bend_shift(*piece) <= ONE / 64;
+        let suits = |piece: &u8| *piece <= self.cell && largest >> self.bend_shift(*piece) <= ONE / 32;
         self.piece = [4, 3].into_iter().find(suits).unwrap_or(2);
         self.error_q16 = largest >> self.bend_shift(self.piece);
     }
@@ -487,13 +520,14 @@ impl Grid {
         nodes: &[Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Result<(), MeshError> {
-        let mut last = 0;
+        let (mut last, mut is_inner) = (0, true);
         for ((row_span, row_last), y) in rows.zip(0..) {
             let span = self.longest_run(rectification, eye, nodes, y);
             let (mut low, mut high) = (i32::MAX, 0);
             self.for_each_piece(nodes, y, |start, length, piece| {
                 for i in (0..length).filter(|i| span.contains(i32::from(start + i))) {
                     let [_, y_q14] = piece.at(i);
+                    is_inner &= self.is_between(piece.at(i));
                     let row = (y_q14 >> 14).clamp(0, i32::from(self.raw.height) - 2);
                     (low, high) = (low.min(row), high.max(row + 1));
                 }
@@ -504,6 +538,7 @@ impl Grid {
                 self.band_rows = self.band_rows.max(last + 1 - low as u16);
             }
         }
+        self.is_inner = is_inner;
         if self.band_rows == 0 { Err(MeshError::NothingSeen) } else { Ok(()) }
     }
 
@@ -539,6 +574,13 @@ impl Grid {
         inside(x_q16 - X_ROUNDING, self.raw.width) && inside(y_q14 << 2, self.raw.height)
     }
 
+    /// Does a position, with the rounding of pieces, lie between four raw pixels?
+    #[inline]
+    pub(super) fn is_between(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
+        let end = |side: u16| i32::from(side.saturating_sub(1));
+        (0..end(self.raw.width) << 16).contains(&x_q16) && (0..end(self.raw.height) << 14).contains(&y_q14)
+    }
+
     /// What the camera sees of one cell.
     fn sight(&self, nodes: &[Node], column: u16, row: u16) -> Sight {
         let columns = usize::from(self.columns);
@@ -559,38 +601,56 @@ impl Grid {
         }
     }
 
-    /// See [`MeshPlan::for_each_piece`].
+    /// Nodes along row `y`: one before the first pixel, one at the end of each cell, one more.
     #[inline]
-    fn for_each_piece(&self, nodes: &[Node], y: u16, mut each: impl FnMut(u16, u16, Piece)) {
+    pub(super) fn knots<'a>(&self, nodes: &[Node], y: u16, memory: &'a mut Knots) -> &'a [Node] {
         let columns = usize::from(self.columns);
         let first = usize::from(y >> self.cell) * columns;
-        let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return };
-        let row = |v: usize| nodes.get(first + v * columns..).unwrap_or(&[]).iter().take(columns);
-        let mut four = [Node::default(); 4];
-        for ((((a, b), c), d), column) in row(0).zip(row(1)).zip(row(2)).zip(row(3)).zip(0_u16..) {
-            let [_, p, q, r] = four;
-            four = [p, q, r, Node::weighted([*a, *b, *c, *d], *weights)];
-            if let Some(cell) = column.checked_sub(3) {
-                self.pieces_of_cell(four, cell << self.cell, &mut each);
+        let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return &[] };
+        let row = |v: usize| nodes.get(first + v * columns..).and_then(|row| row.get(..columns)).unwrap_or(&[]);
+        let rows = row(0).iter().zip(row(1)).zip(row(2)).zip(row(3));
+        for (knot, (((a, b), c), d)) in memory.iter_mut().zip(rows) {
+            *knot = Node::weighted([*a, *b, *c, *d], *weights);
+        }
+        memory.get(..columns).unwrap_or(&[])
+    }
+
+    /// Calls `each` with first pixel, length and positions of every piece of row `y`.
+    #[inline(always)]
+    fn for_each_piece(&self, nodes: &[Node], y: u16, each: impl FnMut(u16, u16, Piece)) {
+        let mut memory = [Node::default(); MOST_COLUMNS];
+        self.pieces_between(self.knots(nodes, y, &mut memory), each);
+    }
+
+    #[inline(always)]
+    fn pieces_between(&self, knots: &[Node], mut each: impl FnMut(u16, u16, Piece)) {
+        let mut start = 0;
+        let pieces = 1_u32 << ((self.cell - self.piece) & 3);
+        for four in knots.windows(4).filter_map(|four| four.first_chunk::<4>()) {
+            let [_, mut from, ..] = *four;
+            for number in 1..=pieces {
+                let Some(left) = self.dims.width.checked_sub(start).filter(|left| *left > 0) else { return };
+                let to = end_of_piece(four, number, pieces);
+                each(start, left.min(1 << (self.piece & 15)), Piece::between(from, to, self.piece));
+                from = to;
+                start += 1 << (self.piece & 15);
             }
         }
     }
+}
 
-    #[inline]
-    fn pieces_of_cell(&self, four: [Node; 4], start: u16, each: &mut impl FnMut(u16, u16, Piece)) {
-        let [_, mut from, end, _] = four;
-        let (length, cell) = (1 << self.piece, 1 << self.cell);
-        let mut place = 0;
-        while place < cell && start + place < self.dims.width {
-            let to = match CUBIC.get(usize::from((place + length) << (4 - self.cell))) {
-                Some(weights) => Node::weighted(four, *weights),
-                None => end,
-            };
-            let piece = Piece::between(from, to, self.piece);
-            each(start + place, length.min(self.dims.width - start - place), piece);
-            from = to;
-            place += length;
+/// End of one of the pieces between the inner two of four nodes.
+#[inline(always)]
+fn end_of_piece(four: &[Node; 4], number: u32, pieces: u32) -> Node {
+    let [_, _, end, _] = *four;
+    match (number, pieces) {
+        (1, 2) | (2, 4) => Node::middle(*four),
+        (1, 4) => Node::weighted(*four, QUARTER),
+        (3, 4) => {
+            let [a, b, c, d] = QUARTER;
+            Node::weighted(*four, [d, c, b, a])
         }
+        _ => end,
     }
 }
 

@@ -7,15 +7,15 @@
 //!     into the band, a ring of as many raw rows as any rectified row needs at once, over the oldest
 //!     for each rectified row that is complete now:
 //!         for each piece of it (see Mesh):
-//!             split where the raw row changes; bilinear_run
+//!             split where the raw row changes; bilinear_runs
 //!             at the border of the raw image pixel by pixel, held inside
 //! ```
 //!
 //! # Bounds
-//! See [`portable::bilinear_run`](crate::kernel::portable::bilinear_run).
+//! See [`portable::bilinear`](crate::kernel::portable::bilinear).
 
-use super::mesh::{Mesh, MeshPlan, Piece};
-use crate::kernel::{Run, bilinear, bilinear_run};
+use super::mesh::{Knots, Mesh, MeshPlan, Node, Piece};
+use crate::kernel::{Run, bilinear, bilinear_runs};
 use core::fmt;
 use core::ops::Range;
 
@@ -24,7 +24,18 @@ use core::ops::Range;
 pub struct Band<const BYTES: usize> {
     bytes: [u8; BYTES],
     place: Place,
+    work: Work,
 }
+
+/// What is needed while a row is computed.
+#[derive(Clone, Debug)]
+struct Work {
+    knots: Knots,
+    runs: [Run; RUNS],
+}
+
+/// Runs that are painted at once.
+const RUNS: usize = 32;
 
 /// How far a frame has come.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,7 +100,9 @@ impl<const BYTES: usize> Band<BYTES> {
     /// An empty one.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bytes: [0; BYTES], place: Place { raw: 0, row: 0 } }
+        const NOTHING: Run = Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
+        let work = Work { knots: [Node::ZERO; _], runs: [NOTHING; RUNS] };
+        Self { bytes: [0; BYTES], place: Place { raw: 0, row: 0 }, work }
     }
 
     /// Forgets the frame: the next raw row is the first of another one.
@@ -105,7 +118,7 @@ impl<const BYTES: usize> Band<BYTES> {
         raw_row: &[u8],
         frame: &mut [u8],
     ) -> Result<Range<u16>, RowError> {
-        self.place.push(&mesh.plan(), &mut self.bytes, raw_row, frame)
+        self.place.push(&mesh.plan(), &mut self.bytes, &mut self.work, raw_row, frame)
     }
 
     /// Is every row of the rectified frame written?
@@ -127,6 +140,7 @@ impl Place {
         &mut self,
         mesh: &MeshPlan<'_>,
         bytes: &mut [u8],
+        work: &mut Work,
         raw_row: &[u8],
         frame: &mut [u8],
     ) -> Result<Range<u16>, RowError> {
@@ -148,14 +162,14 @@ impl Place {
         if let Some(slot) = slot(self.raw, mesh).and_then(|start| bytes.get_mut(start..)?.get_mut(..width)) {
             slot.copy_from_slice(raw_row);
         }
-        let rows = Rows { mesh: *mesh, bytes };
+        let rows = Rows { mesh: *mesh, bytes, lap: self.raw - self.raw.checked_rem(mesh.grid.band_rows).unwrap_or(0) };
         let first = self.row;
         let out = frame.chunks_exact_mut(usize::from(dims.width).max(1)).skip(first.into());
         for out in out {
             if !mesh.suffices(self.raw, self.row) {
                 break;
             }
-            rows.rectify(self.row, out);
+            rows.rectify(self.row, work, out);
             self.row = self.row.saturating_add(1);
         }
         self.raw = self.raw.saturating_add(1);
@@ -172,43 +186,52 @@ fn slot(row: u16, mesh: &MeshPlan<'_>) -> Option<usize> {
 struct Rows<'a> {
     mesh: MeshPlan<'a>,
     bytes: &'a [u8],
+    /// The raw row at the start of the ring: those before it lie at its end.
+    lap: u16,
 }
 
 impl Rows<'_> {
-    /// Raw row `y`, if it is one.
-    fn raw(&self, y: i32) -> &[u8] {
-        let row = u16::try_from(y).ok().and_then(|y| slot(y, &self.mesh)).and_then(|start| self.bytes.get(start..));
-        row.and_then(|row| row.get(..usize::from(self.mesh.grid.raw.width))).unwrap_or(&[])
+    /// Where raw row `y` and the next one start.
+    #[inline]
+    fn places(&self, y: i32) -> (u32, u32) {
+        let grid = self.mesh.grid;
+        let (width, rows) = (u32::from(grid.raw.width), i32::from(grid.band_rows));
+        let place = y - i32::from(self.lap);
+        let place = if place < 0 { place + rows } else { place };
+        let top = (place as u32).wrapping_mul(width);
+        (top, if place + 1 == rows { 0 } else { top.wrapping_add(width) })
     }
 
-    fn rectify(&self, y: u16, out: &mut [u8]) {
+    /// Raw row `y`, if it is held.
+    fn raw(&self, y: i32) -> &[u8] {
+        let width = usize::from(self.mesh.grid.raw.width);
+        let place = y - i32::from(self.lap);
+        let place = if place < 0 { place + i32::from(self.mesh.grid.band_rows) } else { place };
+        let start = (place as usize).wrapping_mul(width);
+        self.bytes.get(start..start.wrapping_add(width)).unwrap_or(&[])
+    }
+
+    fn rectify(&self, y: u16, work: &mut Work, out: &mut [u8]) {
         let span = self.mesh.span(y);
         let (before, rest) = out.split_at_mut_checked(span.start.into()).unwrap_or_default();
         let (valid, behind) = rest.split_at_mut_checked(span.end.saturating_sub(span.start).into()).unwrap_or_default();
         before.fill(0);
         behind.fill(0);
-        let mut left = valid;
-        self.mesh.for_each_piece(y, |start, length, piece| {
+        let mut list = List { rows: self, runs: &mut work.runs, count: 0, pixels: 0, left: valid };
+        self.mesh.for_each_piece(y, &mut work.knots, |start, length, piece| {
             let (from, to) = (start.max(span.start), (start + length).min(span.end));
-            if from >= to {
-                return;
+            if from < to {
+                let [x_q16, y_q14] = piece.at(from - start);
+                list.add(Piece { x_q16, y_q14, ..piece }, to - from);
             }
-            let (out, behind) = core::mem::take(&mut left).split_at_mut_checked((to - from).into()).unwrap_or_default();
-            left = behind;
-            let [x_q16, y_q14] = piece.at(from - start);
-            self.paint(Piece { x_q16, y_q14, ..piece }, out);
         });
+        list.paint();
     }
 
-    /// Pixels that lie on one line.
-    fn paint(&self, piece: Piece, out: &mut [u8]) {
+    /// Pixel by pixel, held inside.
+    fn paint_border(&self, piece: Piece, out: &mut [u8]) {
         let raw = self.mesh.grid.raw;
         let (ends_x, ends_y) = ((i32::from(raw.width) - 1) << 16, (i32::from(raw.height) - 1) << 14);
-        let inside = |[x, y]: [i32; 2]| (0..ends_x).contains(&x) && (0..ends_y).contains(&y);
-        let last = piece.at((out.len() as u16).saturating_sub(1));
-        if inside(piece.at(0)) && inside(last) {
-            return self.paint_inside(piece, out);
-        }
         for (pixel, i) in out.iter_mut().zip(0..) {
             let [x, y] = piece.at(i);
             let (x, y) = (x.clamp(0, ends_x), y.clamp(0, ends_y));
@@ -221,31 +244,74 @@ impl Rows<'_> {
             };
         }
     }
+}
 
-    /// The same where all neighbours of all pixels exist.
-    fn paint_inside(&self, piece: Piece, out: &mut [u8]) {
-        let Piece { mut x_q16, dx_q16, mut y_q14, dy_q14 } = piece;
-        let mut left = out;
-        while !left.is_empty() {
-            let row = y_q14 >> 14;
-            let fraction = y_q14 - (row << 14);
-            let length = before_next_row(fraction, dy_q14).min(left.len() as u32);
-            let (out, behind) = core::mem::take(&mut left).split_at_mut_checked(length as usize).unwrap_or_default();
-            left = behind;
-            bilinear_run(
-                self.raw(row),
-                self.raw(row + 1),
-                out,
-                Run { x_q16, dx_q16, fy_q14: fraction, dfy_q14: dy_q14 },
-            );
-            x_q16 = x_q16.wrapping_add(dx_q16.wrapping_mul(length as i32));
-            y_q14 = y_q14.wrapping_add(dy_q14.wrapping_mul(length as i32));
+/// Runs that are to be painted, and where to.
+struct List<'a> {
+    rows: &'a Rows<'a>,
+    runs: &'a mut [Run; RUNS],
+    count: usize,
+    /// Of all runs.
+    pixels: usize,
+    left: &'a mut [u8],
+}
+
+impl List<'_> {
+    #[inline]
+    fn add(&mut self, piece: Piece, length: u16) {
+        let grid = self.rows.mesh.grid;
+        if grid.is_inner || grid.is_between(piece.at(0)) && grid.is_between(piece.at(length - 1)) {
+            return self.split(piece, length.into());
         }
+        self.paint();
+        if let Some((out, behind)) = core::mem::take(&mut self.left).split_at_mut_checked(length.into()) {
+            self.rows.paint_border(piece, out);
+            self.left = behind;
+        }
+    }
+
+    /// Where the raw row changes.
+    #[inline]
+    fn split(&mut self, piece: Piece, length: i32) {
+        let Piece { mut x_q16, dx_q16, mut y_q14, dy_q14 } = piece;
+        let mut left = length;
+        loop {
+            let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
+            let last_row = y_q14.wrapping_add(dy_q14.wrapping_mul(left - 1)) >> 14;
+            let length = if last_row == row { left } else { before_next_row(fy_q14, dy_q14).min(left) };
+            let (top, bottom) = self.rows.places(row);
+            let run = Run { top, bottom, x_q16, dx_q16, fy_q14, dfy_q14: dy_q14, length: length as u32 };
+            if let Some(place) = self.runs.get_mut(self.count) {
+                *place = run;
+                self.count += 1;
+                self.pixels += length as usize;
+            }
+            if self.count == RUNS {
+                self.paint();
+            }
+            left -= length;
+            if left <= 0 {
+                return;
+            }
+            x_q16 = x_q16.wrapping_add(dx_q16.wrapping_mul(length));
+            y_q14 = y_q14.wrapping_add(dy_q14.wrapping_mul(length));
+        }
+    }
+
+    #[inline(never)]
+    fn paint(&mut self) {
+        let width = usize::from(self.rows.mesh.grid.raw.width);
+        let (runs, pixels) = (self.runs.get(..self.count).unwrap_or(&[]), self.pixels);
+        if let Some((out, behind)) = core::mem::take(&mut self.left).split_at_mut_checked(pixels) {
+            bilinear_runs(self.rows.bytes, width, runs, out);
+            self.left = behind;
+        }
+        (self.count, self.pixels) = (0, 0);
     }
 }
 
 /// Pixels, at least one, before a position that starts at a fraction of a row and moves by `step` leaves the row.
-fn before_next_row(fraction: i32, step: i32) -> u32 {
+fn before_next_row(fraction: i32, step: i32) -> i32 {
     let distance = if step < 0 { fraction } else { (1 << 14) - 1 - fraction };
-    (distance as u32).checked_div(step.unsigned_abs()).map_or(u32::MAX, |steps| steps.saturating_add(1))
+    distance.checked_div(step.wrapping_abs()).map_or(i32::MAX, |steps| steps.wrapping_add(1))
 }

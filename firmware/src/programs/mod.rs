@@ -4,5 +4,6 @@ pub mod bench;
 pub mod expected;
 pub mod kernels;
 pub mod live;
+pub mod rectify;
 pub mod replay;
 pub mod selftest;

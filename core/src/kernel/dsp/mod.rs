@@ -5,6 +5,7 @@
 //! ```text
 //! rows    gradient, census, reversal of a row
 //! curves  costs over disparity: sums of strips and points, and what is made of several curves
+//! pixels  grey levels between the pixels of two rows
 //! edges   the largest step along a row or column, gradients where an edge crosses
 //! ```
 //!
@@ -16,14 +17,16 @@
 //! In the modules.
 //!
 //! # Source
-//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16.
+//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16, UXTB16, SMLAD.
 
 mod curves;
 mod edges;
+mod pixels;
 mod rows;
 
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
+pub use pixels::bilinear_runs;
 pub use rows::{census_code, census_row, gradient_row, reverse_row};
 
 /// A function of two words that is one instruction.

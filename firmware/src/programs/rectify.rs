@@ -1,0 +1,196 @@
+//! What rectifying a pair costs, and which bytes it gives.
+//!
+//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the dearest raw row, and a digest of both rectified images.
+//!
+//! ```text
+//! set-up:  rig -> common view -> two meshes                floating point, once
+//! rows:    noise, row by row, as a camera would deliver it -> rectified rows
+//! ```
+
+use crate::ports::Clock;
+use core::fmt;
+use linestereo::{
+    Band, Calibration, Camera, CameraError, Dims, Eye, Lens, Mesh, MeshError, RectifyError, RowError, View, mesh_nodes,
+};
+
+/// The largest frames here.
+pub const LARGEST: Dims = Dims { width: 320, height: 240 };
+const BAND: usize = LARGEST.width as usize * 64;
+const PIXELS: usize = LARGEST.width as usize * LARGEST.height as usize;
+
+/// What rectification needs, but for the raw frames.
+#[derive(Debug)]
+pub struct Workspace {
+    meshes: [Mesh<{ mesh_nodes(LARGEST) }, { LARGEST.height as usize }>; 2],
+    band: Band<BAND>,
+    raw_row: [u8; LARGEST.width as usize],
+    frame: [u8; PIXELS],
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Workspace {
+    /// Cleared memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            meshes: [Mesh::new(), Mesh::new()],
+            band: Band::new(),
+            raw_row: [0; LARGEST.width as usize],
+            frame: [0; PIXELS],
+        }
+    }
+}
+
+/// A built-in rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuiltIn {
+    /// A lens with little distortion, cameras turned against each other by 1 degree: 75 degrees of view.
+    Moderate,
+    /// A strong barrel, cameras turned against each other by 2 degrees: 110 degrees of view.
+    Strong,
+}
+
+impl BuiltIn {
+    /// Every rig.
+    pub const ALL: [Self; 2] = [Self::Moderate, Self::Strong];
+
+    /// As it stands in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Moderate => "moderate",
+            Self::Strong => "strong",
+        }
+    }
+
+    /// The rig, for raw images of a size.
+    fn calibration(self, dims: Dims) -> Result<Calibration, CannotMeasure> {
+        let (width, height) = (f64::from(dims.width), f64::from(dims.height));
+        // Rotations are normalised by the core; half angles in radians.
+        let (focal, k, half_turn) = match self {
+            Self::Moderate => (0.65, [-0.18, 0.04, 0.0], [0.003, -0.004, 0.007]),
+            Self::Strong => (0.5, [-0.3, 0.09, -0.011], [0.006, -0.008, 0.014]),
+        };
+        let lens = Lens::BrownConrady { k, p: [0.0005, -0.0003] };
+        let camera = |x: f64, y: f64| {
+            Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens)
+        };
+        let [x, y, z] = half_turn;
+        Ok(Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, [1.0, x, y, z], [-0.06, 0.0005, 0.001])?)
+    }
+}
+
+/// What was measured, in the unit of the clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measured {
+    /// From the rig to both meshes.
+    pub set_up: u64,
+    /// All rows of both images.
+    pub rows: u64,
+    /// The dearest raw row.
+    pub dearest_row: u64,
+    /// Bytes of raw rows held, of the camera that needs more.
+    pub band_bytes: usize,
+    /// Of both rectified images (FNV-1a).
+    pub digest: u32,
+}
+
+/// Why nothing was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CannotMeasure {
+    /// The rig has no such camera.
+    Camera,
+    /// The cameras are no pair.
+    Pair,
+    /// There is no common view.
+    View(RectifyError),
+    /// The memory is too small for the mesh.
+    Mesh(MeshError),
+    /// The memory is too small for the rows.
+    Row(RowError),
+}
+
+impl From<CameraError> for CannotMeasure {
+    fn from(_: CameraError) -> Self {
+        Self::Camera
+    }
+}
+
+impl From<linestereo::CalibrationError> for CannotMeasure {
+    fn from(_: linestereo::CalibrationError) -> Self {
+        Self::Pair
+    }
+}
+
+impl From<RectifyError> for CannotMeasure {
+    fn from(error: RectifyError) -> Self {
+        Self::View(error)
+    }
+}
+
+impl From<MeshError> for CannotMeasure {
+    fn from(error: MeshError) -> Self {
+        Self::Mesh(error)
+    }
+}
+
+impl From<RowError> for CannotMeasure {
+    fn from(error: RowError) -> Self {
+        Self::Row(error)
+    }
+}
+
+/// Sets a rig up for frames of this size and rectifies a pair of noise.
+pub fn measure(
+    workspace: &mut Workspace,
+    clock: &impl Clock,
+    rig: BuiltIn,
+    dims: Dims,
+) -> Result<Measured, CannotMeasure> {
+    let started = clock.now();
+    let rectification = rig.calibration(dims)?.rectify(dims, View::default())?;
+    for (mesh, eye) in workspace.meshes.iter_mut().zip(Eye::BOTH) {
+        mesh.build(&rectification, eye)?;
+    }
+    let set_up = clock.elapsed(started, clock.now());
+    let mut measured = Measured { set_up, rows: 0, dearest_row: 0, band_bytes: 0, digest: 0x811c_9dc5 };
+    let mut noise = 1;
+    for mesh in &workspace.meshes {
+        workspace.band.restart();
+        measured.band_bytes = measured.band_bytes.max(mesh.band_bytes());
+        for _ in 0..dims.height {
+            let raw_row = workspace.raw_row.get_mut(..dims.width.into()).unwrap_or_default();
+            raw_row.fill_with(|| grey(&mut noise));
+            let before = clock.now();
+            let finished = workspace.band.push(mesh, raw_row, &mut workspace.frame)?;
+            let cost = clock.elapsed(before, clock.now());
+            measured.rows += cost;
+            measured.dearest_row = measured.dearest_row.max(cost);
+            let [first, last] = [finished.start, finished.end].map(|y| usize::from(y) * usize::from(dims.width));
+            for &pixel in workspace.frame.get(first..last).unwrap_or(&[]) {
+                measured.digest = (measured.digest ^ u32::from(pixel)).wrapping_mul(0x0100_0193);
+            }
+        }
+    }
+    Ok(measured)
+}
+
+/// The next grey level of noise (Marsaglia's xorshift, 2003).
+fn grey(state: &mut u32) -> u8 {
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    (*state >> 24) as u8
+}
+
+/// One line of the table that the PC reads, separated by tabs.
+pub fn line(out: &mut impl fmt::Write, rig: BuiltIn, dims: Dims, measured: &Measured) {
+    let Measured { set_up, rows, dearest_row, band_bytes, digest } = measured;
+    let name = rig.name();
+    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{dearest_row}\t{band_bytes}\t{digest:08x}");
+}
