@@ -1,8 +1,9 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::kernel::{
-    Crossing, FLAT, LANES, LargestStep, STRIP, Strip, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
-    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve,
+    Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear, bilinear_runs, census_row, crossing_of_columns,
+    crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, portable,
+    reverse_row, sad_curve, sum_curve,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
@@ -206,5 +207,65 @@ fn a_crossing_is_the_strongest_of_three_gradients() {
             assert_eq!(crossing_of_rows(&rows, 1, 7, sign), None, "beyond the last row");
             assert_eq!(crossing_of_columns(&columns, 1, 2, sign), None, "beyond the last column");
         }
+    }
+}
+
+/// Between four pixels, in floating point.
+fn between([[a, b], [c, d]]: [[u8; 2]; 2], fx: f64, fy: f64) -> f64 {
+    let [a, b, c, d] = [a, b, c, d].map(f64::from);
+    (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
+}
+
+#[test]
+fn grey_levels_between_pixels_are_rounded_to_the_nearest() {
+    let mut random = Random(9);
+    for round in 0..20_000 {
+        let four = [0; 4].map(|_| if round % 5 == 0 { [0, 255][random.below(2) as usize] } else { random.grey() });
+        let [a, b, c, d] = four;
+        let (fx, fy) = match round % 4 {
+            0 => ([0, 128][random.below(2) as usize], [0, 1 << 14][random.below(2) as usize]),
+            _ => (random.below(129) as i32, random.below((1 << 14) + 1) as i32),
+        };
+        let exact = between([[a, b], [c, d]], f64::from(fx) / 128.0, f64::from(fy) / 16384.0);
+        let found = f64::from(bilinear([a, b], [c, d], fx, fy));
+        assert!((found - exact).abs() <= 0.5, "{four:?} at {fx}, {fy}: {found} for {exact}");
+    }
+}
+
+#[test]
+fn runs_follow_their_lines() {
+    let mut random = Random(10);
+    let (width, rows) = (60_usize, 9_usize);
+    for round in 0..500 {
+        let pixels: Vec<u8> = (0..width * rows).map(|_| random.grey()).collect();
+        let count = 1 + random.below(6) as usize;
+        let mut runs = Vec::new();
+        for _ in 0..count {
+            let length = 1 + random.below(20) as u32;
+            // From anywhere to anywhere, backwards as well.
+            let [x0, x1] = [0; 2].map(|_| random.below((width as u64 - 1) << 16) as i32);
+            let [y0, y1] = [0; 2].map(|_| random.below(1 << 14) as i32);
+            let steps = (length as i32 - 1).max(1);
+            let [top, bottom] = [0; 2].map(|_| (random.below(rows as u64) * width as u64) as u32);
+            let (dx_q16, dfy_q14) = ((x1 - x0) / steps, (y1 - y0) / steps);
+            runs.push(Run { top, bottom, x_q16: x0, dx_q16, fy_q14: y0, dfy_q14, length });
+        }
+        let total: u32 = runs.iter().map(|run| run.length).sum();
+        let mut found = vec![77; total as usize + 3];
+        bilinear_runs(&pixels, width, &runs, &mut found);
+        let mut places = found.iter();
+        for run in &runs {
+            for i in 0..run.length as i32 {
+                let (x, fy) = (run.x_q16 + i * run.dx_q16, run.fy_q14 + i * run.dfy_q14);
+                let column = (x >> 16) as usize;
+                let two = |start: u32| [0, 1].map(|k| pixels[start as usize + column + k]);
+                let fx = f64::from(x & 0xffff) / 65536.0;
+                let exact = between([two(run.top), two(run.bottom)], fx, f64::from(fy) / 16384.0);
+                let found = f64::from(*places.next().unwrap());
+                // The fraction across is cut to 1/128: up to 255/128 levels.
+                assert!((found - exact).abs() <= 0.5 + 255.0 / 128.0, "round {round}: {found} for {exact}");
+            }
+        }
+        assert!(places.all(|&beyond| beyond == 77));
     }
 }

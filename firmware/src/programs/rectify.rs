@@ -77,9 +77,8 @@ impl BuiltIn {
             Self::Strong => (0.5, [-0.3, 0.09, -0.011], [0.006, -0.008, 0.014]),
         };
         let lens = Lens::BrownConrady { k, p: [0.0005, -0.0003] };
-        let camera = |x: f64, y: f64| {
-            Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens)
-        };
+        let camera =
+            |x: f64, y: f64| Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens);
         let [x, y, z] = half_turn;
         Ok(Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, [1.0, x, y, z], [-0.06, 0.0005, 0.001])?)
     }

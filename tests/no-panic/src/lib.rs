@@ -5,6 +5,10 @@
 
 use core::panic::PanicInfo;
 use linestereo::{
+    Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
+    RowError, View, mesh_nodes,
+};
+use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, Output, ParamError, Params, Plan, Rejection, Rig, RigError, Scratch,
     SizeMismatch, ViewError, mark_words, row_bytes,
 };
@@ -76,4 +80,77 @@ pub fn proof_run(
 #[unsafe(no_mangle)]
 pub fn proof_counts(counts: &Counts, reason: Rejection) -> u16 {
     counts.rejected(reason)
+}
+
+type BoardMesh = Mesh<{ mesh_nodes(QVGA) }, 240>;
+
+#[unsafe(no_mangle)]
+pub fn proof_camera(
+    dims: Dims,
+    focal: [f64; 2],
+    centre: [f64; 2],
+    skew: f64,
+    lens: Lens,
+) -> Result<Camera, CameraError> {
+    Camera::new(dims, focal, centre, skew, lens)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rays(camera: &Camera, ray: [f64; 3], raw: [f64; 2]) -> (Option<[f64; 2]>, Option<[f64; 2]>) {
+    (camera.project(ray), camera.unproject(raw))
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_calibration(
+    left: Camera,
+    right: Camera,
+    rotation: [f64; 4],
+    translation: [f64; 3],
+) -> Result<Calibration, CalibrationError> {
+    Calibration::new(left, right, rotation, translation)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rectify(rig: &Calibration, dims: Dims, view: View) -> Result<Rectification, RectifyError> {
+    rig.rectify(dims, view)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rectify_as(
+    rig: &Calibration,
+    dims: Dims,
+    rotations: [[[f64; 3]; 3]; 2],
+    focal: f64,
+    centre: [f64; 2],
+) -> Result<Rectification, RectifyError> {
+    rig.rectify_as(dims, rotations, focal, centre)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_positions(
+    rectification: &Rectification,
+    eye: Eye,
+    position: [f64; 2],
+) -> (Option<[f64; 2]>, Option<[f64; 2]>) {
+    (rectification.source(eye, position), rectification.rectified(eye, position))
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_mesh(mesh: &mut BoardMesh, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
+    mesh.build(rectification, eye)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_mesh_source(mesh: &BoardMesh, x: u16, y: u16) -> (Option<[i32; 2]>, usize, f64) {
+    (mesh.source(x, y), mesh.spans().len() + mesh.band_bytes(), mesh.error())
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_push(
+    band: &mut Band<10240>,
+    mesh: &BoardMesh,
+    raw_row: &[u8],
+    frame: &mut [u8],
+) -> Result<core::ops::Range<u16>, RowError> {
+    band.push(mesh, raw_row, frame)
 }

@@ -1,0 +1,148 @@
+//! Curves of costs over disparity.
+
+use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Random, Rooms, place};
+use super::{Compared, Kernels};
+use linestereo::kernel::{LANES, STRIP, Strip, portable};
+
+/// Lengths of cost curves: whole blocks, and such that are none.
+fn curve_lengths() -> impl Iterator<Item = usize> {
+    (0..=256_usize).filter(|length| *length <= 40 || matches!(length % LANES, 0 | 1 | 8 | 15))
+}
+
+/// Most strips or points of one curve here.
+const MOST: usize = 34;
+
+/// Curves that sum what `count` slices of pixels give, with slices that are too short or longer than need be among them. `given` runs a
+/// kernel on the slices; the first of both runs is that of the kernel.
+fn summed_curves(
+    compared: &mut Compared,
+    rooms: &mut Rooms,
+    counts: core::ops::RangeInclusive<usize>,
+    beyond: usize,
+    mut run: impl FnMut(&[&[u8]], u32, &mut [u16], &mut [u16]),
+) {
+    let mut random = Random::new();
+    for length in curve_lengths() {
+        for count in counts.clone() {
+            let contents = Contents::ALL[random.below(6)];
+            for room in &mut rooms.rows {
+                contents.fill(&mut random, &mut room.contents);
+            }
+            for distance in 0..ALIGNMENTS {
+                let needed = length + beyond;
+                let mut others: [&[u8]; MOST] = [&[]; MOST];
+                let mut starts = [0; 4];
+                let some_short = random.below(2) == 0;
+                for (i, other) in others.iter_mut().enumerate().take(count) {
+                    let long = match random.below(12) {
+                        0 if some_short => random.below(needed + 1),
+                        1 if some_short => needed.saturating_sub(1),
+                        2 => needed + 1 + random.below(20),
+                        _ => needed,
+                    };
+                    let place = place(ROW, long, (distance + i) % ALIGNMENTS, random.below(2) == 0);
+                    if let Some(start) = starts.get_mut(i).filter(|_| i < 3) {
+                        *start = place.start;
+                    }
+                    *other = &rooms.rows[i % 3].contents[place];
+                }
+                let curve = &mut rooms.curve.contents;
+                curve.fill_with(|| random.entry());
+                let mut expected = *curve;
+                let place = place(CURVE, length, distance / 2, distance % 2 == 0);
+                starts[3] = place.start;
+                run(&others[..count], random.next(), &mut curve[place.clone()], &mut expected[place]);
+                compared.note(*curve == expected, length, (count, 0), starts);
+            }
+        }
+    }
+}
+
+pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("sad_curve");
+    summed_curves(&mut compared, rooms, 0..=10, STRIP - 1, |others, seed, ours, theirs| {
+        let mut random = Random(seed | 1);
+        let mut strips = [Strip { reference: [0; STRIP], other: &[] }; MOST];
+        for (strip, &other) in strips.iter_mut().zip(others) {
+            Contents::ALL[random.below(6)].fill(&mut random, &mut strip.reference);
+            strip.other = other;
+        }
+        let strips = &strips[..others.len()];
+        (kernels.sad_curve)(strips, ours);
+        portable::sad_curve(strips, theirs);
+    });
+    compared
+}
+
+pub(super) fn hamming_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("hamming_curve");
+    // Three more than the most that are allowed: no reason to give other bits.
+    summed_curves(&mut compared, rooms, 0..=MOST, 0, |others, seed, ours, theirs| {
+        let mut random = Random(seed | 1);
+        let mut points: [(u8, &[u8]); MOST] = [(0, &[]); MOST];
+        let extreme = seed & 0x100 != 0;
+        for (point, &other) in points.iter_mut().zip(others) {
+            let code = random.next() as u8;
+            *point = (if extreme { !other.first().unwrap_or(&0) } else { code }, other);
+        }
+        let points = &points[..others.len()];
+        (kernels.hamming_curve)(points, ours);
+        portable::hamming_curve(points, theirs);
+    });
+    compared
+}
+
+/// Entries of the longest curve that is combined with others.
+const COMBINED: usize = 72;
+
+pub(super) fn combined_curves(
+    name: &'static str,
+    kernel: impl Fn([&[u16]; 3], &mut [u16]),
+    definition: impl Fn([&[u16]; 3], &mut [u16]),
+) -> Compared {
+    let mut compared = Compared::new(name);
+    let mut random = Random::new();
+    for length in 0..=70 {
+        for round in 0..64_usize {
+            let mut inputs = [[0; COMBINED]; 3];
+            inputs.as_flattened_mut().fill_with(|| random.entry());
+            let mut starts = [0, 1, 2, 3].map(|bit| round >> bit & 1);
+            let mut lengths = [length; 4];
+            if round >= 48 {
+                lengths = [0; 4].map(|_: usize| random.below(length + 1));
+            } else if round >= 32 {
+                lengths[round % 4] = random.below(length + 1);
+            }
+            let [a, b, c, to] = [0, 1, 2, 3].map(|i: usize| starts[i]..starts[i] + lengths[i]);
+            let given = [&inputs[0][a], &inputs[1][b], &inputs[2][c]];
+            let mut out = [0; COMBINED];
+            out.fill_with(|| random.entry());
+            let mut expected = out;
+            kernel(given, &mut out[to.clone()]);
+            definition(given, &mut expected[to]);
+            starts = starts.map(|start| 2 * start);
+            compared.note(out == expected, length, (3, 0), starts);
+        }
+    }
+    compared
+}
+
+pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("lowest");
+    let mut random = Random::new();
+    for length in 0..=70 {
+        for round in 0..64 {
+            let mut curve = [u16::MAX; COMBINED];
+            match round {
+                0 | 1 => {}
+                2..10 => curve[random.below(COMBINED)] = random.next() as u16,
+                10..20 => curve.fill_with(|| 0xffff - (random.next() & 3) as u16),
+                _ => curve.fill_with(|| random.entry()),
+            }
+            let start = round % 2;
+            let curve = &curve[start..start + length];
+            compared.note((kernels.lowest)(curve) == portable::lowest(curve), length, (1, 0), [2 * start, 0, 0, 0]);
+        }
+    }
+    compared
+}

@@ -1,0 +1,268 @@
+//! Do the kernels of this machine equal the portable ones? Every length and alignment, down to inputs that the core never gives them.
+//!
+//! In: the kernels, and [`Rooms`] that hold what they read and write. Out: per kernel, comparisons made and the first difference.
+//!
+//! ```text
+//! for each kernel, length, contents:
+//!     place inputs and output at every alignment, once at the front of their rooms and once at the back, next to a fence
+//!     kernel, portable kernel: the whole rooms must be equal, not the output alone
+//! ```
+//!
+//! ```text
+//! rooms   memory for inputs and outputs between fences; what is put there
+//! rows    kernels that give a row: gradient, census, reversal
+//! curves  costs over disparity, and what is made of several curves
+//! edges   the largest step; crossings, and census of one pixel
+//! pixels  grey levels between pixels
+//! ```
+//!
+//! On a board the fences are forbidden memory (`fence.rs`): a kernel that reads or writes one byte too far ends in a fault.
+
+mod curves;
+mod edges;
+mod pixels;
+mod rooms;
+mod rows;
+
+pub use rooms::{Fence, Rooms};
+
+use linestereo::kernel::{self, Crossing, LargestStep, Run, Strip, portable};
+use rooms::ALIGNMENTS;
+
+/// The kernels of one machine.
+#[derive(Clone, Copy, Debug)]
+#[expect(missing_docs, clippy::type_complexity, reason = "each is described where it is defined")]
+pub struct Kernels {
+    pub gradient_row: fn(&[u8], &[u8], &[u8], &mut [u8]),
+    pub census_row: fn([&[u8]; 3], &mut [u8]),
+    pub reverse_row: fn(&mut [u8]),
+    pub sad_curve: fn(&[Strip<'_>], &mut [u16]),
+    pub hamming_curve: fn(&[(u8, &[u8])], &mut [u16]),
+    pub sum_curve: fn(&[u16], &[u16], &mut [u16]),
+    pub lower_curve: fn(&[u16], &[u16], &mut [u16]),
+    pub lower_sum_curve: fn(&[u16], &[u16], &[u16], &mut [u16]),
+    pub lowest: fn(&[u16]) -> u16,
+    pub largest_step: fn(&[u8], usize, usize) -> LargestStep,
+    pub census_code: fn(&[u8], usize, usize) -> Option<u8>,
+    pub crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    pub crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    pub bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
+}
+
+impl Kernels {
+    /// Number of kernels.
+    pub const COUNT: usize = 14;
+
+    /// Those that the core uses on this machine.
+    pub const CHOSEN: Self = Self {
+        gradient_row: kernel::gradient_row,
+        census_row: kernel::census_row,
+        reverse_row: kernel::reverse_row,
+        sad_curve: kernel::sad_curve,
+        hamming_curve: kernel::hamming_curve,
+        sum_curve: kernel::sum_curve,
+        lower_curve: kernel::lower_curve,
+        lower_sum_curve: kernel::lower_sum_curve,
+        lowest: kernel::lowest,
+        largest_step: kernel::largest_step,
+        census_code: kernel::census_code,
+        crossing_of_rows: kernel::crossing_of_rows,
+        crossing_of_columns: kernel::crossing_of_columns,
+        bilinear_runs: kernel::bilinear_runs,
+    };
+
+    /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
+    pub const WRONG: Self = Self {
+        gradient_row: |above, row, below, out| {
+            portable::gradient_row(above, row, below, out);
+            if let (77, Some(last)) = (row.len(), out.get_mut(75)) {
+                *last ^= 1;
+            }
+        },
+        census_row: |rows, out| {
+            portable::census_row(rows, out);
+            if let (61, Some(beyond)) = (rows[1].len(), out.get_mut(59)) {
+                *beyond = 1;
+            }
+        },
+        reverse_row: |row| {
+            if row.len() != 43 {
+                row.reverse();
+            }
+        },
+        sad_curve: |strips, curve| {
+            let forgotten = usize::from(strips.len() == 7);
+            portable::sad_curve(strips.get(forgotten..).unwrap_or(&[]), curve);
+        },
+        hamming_curve: |points, curve| {
+            portable::hamming_curve(points, curve);
+            if let (31, Some(cost)) = (points.len(), curve.get_mut(17)) {
+                *cost = cost.wrapping_add(256);
+            }
+        },
+        sum_curve: |a, b, out| {
+            for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+                *out = a.wrapping_add(*b);
+            }
+        },
+        lower_curve: |a, b, out| {
+            portable::lower_curve(a, b, out);
+            if let (Some(out), Some(a)) = (out.get_mut(69), a.get(69)) {
+                *out = *a;
+            }
+        },
+        lower_sum_curve: |a, b, c, out| {
+            for (((out, a), b), c) in out.iter_mut().zip(a).zip(b).zip(c) {
+                *out = a.min(b).wrapping_add(*c);
+            }
+        },
+        lowest: |curve| portable::lowest(curve.get(..curve.len() & !1).unwrap_or(&[])),
+        largest_step: |pixels, stride, count| {
+            let found = portable::largest_step(pixels, stride, count);
+            if count == 19 { LargestStep { place: 0, ..found } } else { found }
+        },
+        census_code: |pixels, first, stride| {
+            let (_, shorter) = pixels.split_last()?;
+            portable::census_code(shorter, first, stride)
+        },
+        crossing_of_rows: |pixels, first, stride, sign| {
+            let (_, shorter) = pixels.split_last()?;
+            portable::crossing_of_rows(shorter, first, stride, sign)
+        },
+        crossing_of_columns: |pixels, first, stride, sign| {
+            portable::crossing_of_columns(pixels, first, stride.wrapping_mul(7) / 7, sign)
+        },
+        bilinear_runs: |rows, width, runs, out| {
+            portable::bilinear_runs(rows, width, runs, out);
+            if let (Some(run), Some(last)) = (runs.first(), out.get_mut(6)) {
+                *last ^= u8::from(run.length == 7);
+            }
+        },
+    };
+}
+
+/// Where a kernel was found to differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Length of the row, curve or slice of pixels.
+    pub length: usize,
+    /// Number of strips, points or pixels; for crossings the index of the first pixel.
+    pub count: usize,
+    /// From pixel to pixel, or row to row.
+    pub stride: usize,
+    /// Position of inputs and output within a word (pixels) or an entry (curves).
+    pub alignments: [u8; 4],
+}
+
+/// One kernel against the portable one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Compared {
+    /// Its name.
+    pub kernel: &'static str,
+    /// Comparisons made.
+    pub comparisons: u32,
+    /// The first difference.
+    pub first: Option<Difference>,
+}
+
+impl Compared {
+    const fn new(kernel: &'static str) -> Self {
+        Self { kernel, comparisons: 0, first: None }
+    }
+
+    fn note(&mut self, equal: bool, length: usize, (count, stride): (usize, usize), starts: [usize; 4]) {
+        self.comparisons += 1;
+        if !equal && self.first.is_none() {
+            let alignments = starts.map(|start| (start % ALIGNMENTS) as u8);
+            self.first = Some(Difference { length, count, stride, alignments });
+        }
+    }
+}
+
+/// Compares every kernel, and says whether all are equal to the portable ones.
+pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)) -> bool {
+    let compare: [fn(&Kernels, &mut Rooms) -> Compared; Kernels::COUNT] = [
+        |kernels, rooms| {
+            let ours = |[a, r, b]: [&[u8]; 3], out: &mut [u8]| (kernels.gradient_row)(a, r, b, out);
+            rows::rows("gradient_row", ours, |[a, r, b], out| portable::gradient_row(a, r, b, out), rooms)
+        },
+        |kernels, rooms| rows::rows("census_row", kernels.census_row, portable::census_row, rooms),
+        rows::reversed_rows,
+        curves::sad_curves,
+        curves::hamming_curves,
+        |kernels, _| {
+            let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.sum_curve)(a, b, out);
+            curves::combined_curves("sum_curve", ours, |[a, b, _], out| portable::sum_curve(a, b, out))
+        },
+        |kernels, _| {
+            let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_curve)(a, b, out);
+            curves::combined_curves("lower_curve", ours, |[a, b, _], out| portable::lower_curve(a, b, out))
+        },
+        |kernels, _| {
+            let ours = |[a, b, c]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_sum_curve)(a, b, c, out);
+            curves::combined_curves("lower_sum_curve", ours, |[a, b, c], out| portable::lower_sum_curve(a, b, c, out))
+        },
+        curves::lowest_entries,
+        edges::largest_steps,
+        |kernels, rooms| {
+            let ours = |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
+            edges::crossings(
+                "census_code",
+                ours,
+                |pixels, first, stride, _| portable::census_code(pixels, first, stride),
+                rooms,
+            )
+        },
+        |kernels, rooms| {
+            edges::crossings("crossing_of_rows", kernels.crossing_of_rows, portable::crossing_of_rows, rooms)
+        },
+        |kernels, rooms| {
+            edges::crossings("crossing_of_columns", kernels.crossing_of_columns, portable::crossing_of_columns, rooms)
+        },
+        pixels::bilinear_runs,
+    ];
+    let mut all_equal = true;
+    for compare in compare {
+        let compared = compare(kernels, rooms);
+        all_equal &= compared.first.is_none();
+        tell(&compared);
+    }
+    all_equal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_of_this_machine_equal_the_portable_ones() {
+        let mut rooms = Box::new(Rooms::new());
+        let (mut names, mut comparisons) = (Vec::new(), 0);
+        let all_equal = run(&Kernels::CHOSEN, &mut rooms, |compared| {
+            assert_eq!(compared.first, None, "{}", compared.kernel);
+            assert!(compared.comparisons >= 600, "{compared:?}");
+            names.push(compared.kernel);
+            comparisons += compared.comparisons;
+        });
+        assert!(all_equal && names.len() == Kernels::COUNT);
+        assert!(comparisons > 300_000, "{comparisons}");
+        assert!(rooms.fences().iter().all(|fence| fence.is_untouched()));
+    }
+
+    #[test]
+    fn every_wrong_kernel_is_found() {
+        let mut rooms = Box::new(Rooms::new());
+        let mut found = Vec::new();
+        assert!(!run(&Kernels::WRONG, &mut rooms, |compared| found.push((compared.kernel, compared.first))));
+        assert!(found.iter().all(|(_, first)| first.is_some()), "{found:?}");
+        let of = |name: &str| found.iter().find(|(kernel, _)| *kernel == name).and_then(|(_, first)| *first).unwrap();
+        assert_eq!(of("gradient_row").length, 77);
+        assert_eq!(of("census_row").length, 61);
+        assert_eq!(of("reverse_row").length, 43);
+        assert_eq!(of("sad_curve").count, 7);
+        assert_eq!((of("hamming_curve").length, of("hamming_curve").count), (18, 31));
+        assert_eq!(of("lowest").length % 2, 1);
+        assert_eq!(of("largest_step").count, 19);
+        assert_eq!(of("bilinear_runs").length, 7);
+    }
+}

@@ -1,0 +1,82 @@
+//! Grey levels between pixels.
+
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, place};
+use super::{Compared, Kernels};
+use linestereo::kernel::{Run, portable};
+
+/// Most runs of one list here.
+const MOST: usize = 5;
+
+/// A run that lies between two rows, often as close to an end of them as can be.
+fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run {
+    let end = (width as i32 - 1) << 16;
+    let mut run = Run { length: length as u32, ..Run::default() };
+    let mut row = || if random.below(3) == 0 { bytes - width } else { random.below(bytes - width + 1) } as u32;
+    (run.top, run.bottom) = (row(), row());
+    let mut ends = |most: i32| match random.below(4) {
+        0 => 0,
+        1 => most,
+        _ => (random.next() >> 1) as i32 % (most + 1),
+    };
+    let steps = (length as i32 - 1).max(1);
+    for (from, step, most) in [(&mut run.x_q16, &mut run.dx_q16, end - 1), (&mut run.fy_q14, &mut run.dfy_q14, 1 << 14)]
+    {
+        let (first, last) = (ends(most), ends(most));
+        // Rounded towards zero: the last one is not passed.
+        (*from, *step) = (first, (last - first) / steps);
+    }
+    run
+}
+
+pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("bilinear_runs");
+    let mut random = Random::new();
+    for round in 0..12_000_usize {
+        if round % 40 == 0 {
+            Contents::ALL[round / 40 % 6].fill(&mut random, &mut rooms.image.contents);
+        }
+        let at_back = round % 2 == 0;
+        let width = match round % 5 {
+            0 => random.below(4),
+            1 => 320,
+            _ => 2 + random.below(60),
+        };
+        let bytes = width + random.below(1000);
+        let mut runs = [Run::default(); MOST];
+        let count = 1 + random.below(MOST);
+        let mut total = 0;
+        for run in &mut runs[..count] {
+            let length = if round % 7 == 0 { random.below(90) } else { 1 + random.below(18) };
+            if width >= 2 {
+                *run = inside(&mut random, width, length, bytes);
+            }
+            total += length;
+        }
+        // Often one of them is off by a little or by much.
+        if round % 3 == 0 {
+            let run = &mut runs[random.below(count)];
+            let much = [1, -1, 1 << 14, -(1 << 16), 1 << 26, i32::MAX, i32::MIN][random.below(7)];
+            match random.below(7) {
+                0 => run.x_q16 = run.x_q16.wrapping_add(much),
+                1 => run.dx_q16 = run.dx_q16.wrapping_add(much),
+                2 => run.fy_q14 = run.fy_q14.wrapping_add(much),
+                3 => run.dfy_q14 = run.dfy_q14.wrapping_add(much),
+                4 => run.top = run.top.wrapping_add(much as u32),
+                5 => run.bottom = run.bottom.wrapping_add(much as u32),
+                _ => run.length = run.length.wrapping_add(much as u32),
+            }
+        }
+        let length = if round % 11 == 0 { random.below(total + 3) } else { total }.min(ROW - ALIGNMENTS);
+        let rows = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let starts = [rows.start, to.start, 0, 0];
+        let (rows, runs) = (&rooms.image.contents[rows], &runs[..count]);
+        let out = &mut rooms.out.contents;
+        out.fill(UNTOUCHED);
+        let mut expected = *out;
+        (kernels.bilinear_runs)(rows, width, runs, &mut out[to.clone()]);
+        portable::bilinear_runs(rows, width, runs, &mut expected[to]);
+        compared.note(*out == expected, runs[0].length as usize, (count, width), starts);
+    }
+    compared
+}

@@ -1,0 +1,79 @@
+//! Kernels that give a row.
+
+use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, UNTOUCHED, place};
+use super::{Compared, Kernels};
+use linestereo::kernel::portable;
+
+/// A kernel that computes a row from three, at every width; then with rows that are not equally long.
+pub(super) fn rows(
+    name: &'static str,
+    kernel: impl Fn([&[u8]; 3], &mut [u8]),
+    definition: impl Fn([&[u8]; 3], &mut [u8]),
+    rooms: &mut Rooms,
+) -> Compared {
+    let mut compared = Compared::new(name);
+    let mut random = Random::new();
+    let mut expected = [0; ROW];
+    let mut compare = |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
+        let mut places = [const { 0..0 }; 4];
+        for ((place, length), distance) in places.iter_mut().zip(lengths).zip(distances) {
+            *place = super::rooms::place(ROW, length, distance, at_back);
+        }
+        let starts = [0, 1, 2, 3].map(|i: usize| places[i].start);
+        let [a, r, b, to] = places;
+        let [above, row, below] = &rooms.rows;
+        let inputs = [&above.contents[a], &row.contents[r], &below.contents[b]];
+        let out = &mut rooms.out.contents;
+        out.fill(UNTOUCHED);
+        expected.fill(UNTOUCHED);
+        kernel(inputs, &mut out[to.clone()]);
+        definition(inputs, &mut expected[to]);
+        compared.note(*out == expected, lengths[1], (3, 0), starts);
+    };
+    for width in (1..=80).chain([320]) {
+        for contents in Contents::ALL {
+            for room in &mut rooms.rows {
+                contents.fill(&mut random, &mut room.contents);
+            }
+            for at_back in [false, true] {
+                // Every combination once; with other contents all alignments of each slice, in twenty combinations.
+                let step = if contents == Contents::Random { 1 } else { 13 };
+                for combination in (0..256_usize).step_by(step) {
+                    let distances = [0, 2, 4, 6].map(|bit| combination >> bit & 3);
+                    compare(rooms, [width; 4], distances, at_back);
+                }
+            }
+        }
+    }
+    for round in 0..4000 {
+        let mut around = || random.below(32);
+        let length = around();
+        // Often one of them alone is off.
+        let mut lengths = [length; 4];
+        lengths[round % 4] = around();
+        if round % 3 == 0 {
+            lengths = [around(), around(), around(), around()];
+        }
+        compare(rooms, lengths, [0; 4].map(|_: usize| random.below(ALIGNMENTS)), round % 8 < 4);
+    }
+    compared
+}
+
+pub(super) fn reversed_rows(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("reverse_row");
+    let mut random = Random::new();
+    for length in (0..=80).chain([320]) {
+        for distance in 0..ALIGNMENTS {
+            for at_back in [false, true] {
+                let place = place(ROW, length, distance, at_back);
+                let out = &mut rooms.out.contents;
+                Contents::Random.fill(&mut random, out);
+                let mut expected = *out;
+                (kernels.reverse_row)(&mut out[place.clone()]);
+                portable::reverse_row(&mut expected[place.clone()]);
+                compared.note(*out == expected, length, (1, 0), [place.start, 0, 0, 0]);
+            }
+        }
+    }
+    compared
+}
