@@ -47,6 +47,7 @@
 
 mod claims;
 mod confidence;
+mod health;
 mod image;
 pub mod kernel;
 pub mod lines;
@@ -63,6 +64,7 @@ mod units;
 
 pub use claims::Views;
 pub use confidence::{FITTED, Model, Models, NODES};
+pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
 pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
 pub use lines::Segment;
 pub use matching::band::row_bytes;

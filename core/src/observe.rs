@@ -2,6 +2,7 @@
 //!
 //! In: what each stage gives, at the moment it ends. Out: whatever the observer makes of it; the result of the run does not depend on it.
 
+use crate::health::PairHealth;
 use crate::lines::Segment;
 use crate::matching::Candidate;
 use crate::matching::evidence::Evidence;
@@ -25,6 +26,8 @@ pub enum Step<'a> {
     Consistency(&'a [Candidate]),
     /// The lists.
     Report(&'a [Match], &'a [PointClaim]),
+    /// The health of the pair. A run knows nothing of it: whoever runs the monitor beside it tells its observer.
+    Health(&'a PairHealth),
 }
 
 /// The stages in the order of their first steps.
@@ -45,11 +48,13 @@ pub enum Stage {
     Consistency,
     /// Probability, exclusion, lists.
     Report,
+    /// What the monitor looks at, before and after the run.
+    Health,
 }
 
 impl Stage {
     /// Every stage.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::LinesLeft,
         Self::LinesRight,
         Self::Selection,
@@ -57,6 +62,7 @@ impl Stage {
         Self::Matching,
         Self::Consistency,
         Self::Report,
+        Self::Health,
     ];
 
     /// In snake case, as it stands in tables.
@@ -70,6 +76,7 @@ impl Stage {
             Self::Matching => "matching",
             Self::Consistency => "consistency",
             Self::Report => "report",
+            Self::Health => "health",
         }
     }
 }
@@ -86,6 +93,7 @@ impl Step<'_> {
             Self::Segment(_) => Stage::Matching,
             Self::Consistency(_) => Stage::Consistency,
             Self::Report(..) => Stage::Report,
+            Self::Health(_) => Stage::Health,
         }
     }
 }
@@ -147,6 +155,7 @@ impl Observer for StageDigests {
                 each(matches, &mut hash);
                 each(points, &mut hash);
             }
+            Step::Health(health) => health.hash(&mut hash),
         }
         *slot = hash.0;
     }

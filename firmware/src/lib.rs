@@ -25,6 +25,7 @@ pub mod ports;
 pub mod programs;
 pub mod rig_store;
 pub mod session;
+pub mod watch;
 
 #[cfg(target_os = "none")]
 pub mod fault;

@@ -29,6 +29,9 @@ pub trait Memory {
     /// The memories of the left and the right frame.
     fn frames(&mut self) -> [&mut [u8]; 2];
 
+    /// The pair that lies in the frames.
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
+
     /// Matches the pair that lies in the frames.
     fn run(&mut self, params: &Params, dims: Dims, observer: &mut impl Observer) -> Result<(), RunError>;
 
@@ -110,6 +113,14 @@ impl<
 
     fn frames(&mut self) -> [&mut [u8]; 2] {
         [&mut self.left, &mut self.right]
+    }
+
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError> {
+        if !self.fits(dims) {
+            return Err(RunError::Size(dims));
+        }
+        let stride = usize::from(dims.width);
+        Ok([Gray::new(&self.left, dims, stride)?, Gray::new(&self.right, dims, stride)?])
     }
 
     fn run(&mut self, params: &Params, dims: Dims, observer: &mut impl Observer) -> Result<(), RunError> {

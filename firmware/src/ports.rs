@@ -32,9 +32,27 @@ pub trait ByteSink {
 
 /// Where pairs come from: a camera, or what stands for one.
 pub trait PairSource {
-    /// Puts the next pair into the memories of the left and the right frame, from their starts and without padding, and gives its size.
+    /// Puts the next pair into the memories of the left and the right frame, from their starts and without padding, and says what it is.
     /// `None` when the camera delivered no whole pair.
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<Dims>;
+    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair>;
+}
+
+/// A pair that lies in the frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CapturedPair {
+    /// Size of both images.
+    pub dims: Dims,
+    /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
+    /// captured too far apart is not matched.
+    pub times_us: Option<[u64; 2]>,
+}
+
+impl CapturedPair {
+    /// One of which nothing else is known.
+    #[must_use]
+    pub const fn of(dims: Dims) -> Self {
+        Self { dims, times_us: None }
+    }
 }
 
 /// What a pair gave.

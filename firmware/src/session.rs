@@ -2,6 +2,7 @@
 
 use crate::boards::Board;
 use crate::memory::RunError;
+use crate::watch::Watch;
 use linestereo::{Counts, Dims, MIN_SIDE, Params};
 use linestereo_wire::{Answer, Command, FrameHead, Health, Hello, Outcome, PairHead, Refusal, Request};
 
@@ -11,6 +12,8 @@ pub struct Session {
     board: Board,
     /// Parameters of the method.
     pub params: Params,
+    /// Limits of a pair's health, and the monitor.
+    pub watch: Watch,
     /// Send results?
     pub running: bool,
     sequence: u32,
@@ -36,7 +39,7 @@ impl Session {
     /// The state after a reset.
     #[must_use]
     pub const fn new(board: Board) -> Self {
-        Self { board, params: Params::DEFAULT, running: false, sequence: 0 }
+        Self { board, params: Params::DEFAULT, watch: Watch::new(), running: false, sequence: 0 }
     }
 
     /// What the board is.

@@ -1,11 +1,11 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::Dims;
+use linestereo::{Dims, HealthFlags};
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Scene;
-use linestereo_firmware::ports::{ByteSink, ByteSource, Clock, PairSource};
+use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use linestereo_firmware::programs::live::{Live, Painter};
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::session::Session;
@@ -64,7 +64,12 @@ fn push(bytes: &mut Vec<u8>, id: u16, request: Request) {
 }
 
 fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
-    let head = PairHead { width: dims.width, height: dims.height, capture_time_us: 1000 * u64::from(id) };
+    let head = PairHead {
+        width: dims.width,
+        height: dims.height,
+        capture_time_us: 1000 * u64::from(id),
+        right_capture_time_us: None,
+    };
     push(bytes, id, Request::Pair(head));
     let pixels = usize::from(dims.width) * usize::from(dims.height);
     let (mut left, mut right) = (vec![0; pixels], vec![0; pixels]);
@@ -171,15 +176,19 @@ impl ByteSink for Line<'_> {
     }
 }
 
-/// A camera with a loose cable: no pair, a pair of a wrong size, then painted ones.
+/// A camera with a loose cable: no pair, a pair of a wrong size, one with a late right image, then painted ones.
 struct Camera(u32, Painter);
 
 impl PairSource for Camera {
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<Dims> {
+    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair> {
         self.0 += 1;
         match self.0 {
             1 => None,
-            2 => Some(Dims { width: 320, height: 240 }),
+            2 => Some(CapturedPair::of(Dims { width: 320, height: 240 })),
+            3 => {
+                let times_us = Some([7_000_000, 7_002_500]);
+                Painter::new(DIMS).next_pair(frames).map(|pair| CapturedPair { times_us, ..pair })
+            }
             _ => self.1.next_pair(frames),
         }
     }
@@ -211,16 +220,58 @@ fn live_serves_commands_and_survives_its_camera() {
     live.turn(&mut *memory, &mut camera);
     assert!(matches!(&received()[..], [Message::Frame(head)] if head.health == Health::SIZE_MISMATCH));
     live.turn(&mut *memory, &mut camera);
+    let skewed = received();
+    let [Message::Frame(head)] = skewed[..] else { panic!("a head alone was expected: {skewed:?}") };
+    assert_eq!((head.sequence, head.segments, head.capture_time_us), (2, 0, 7_000_000));
+    assert!(head.health.of_pair().contains(HealthFlags::SKEW), "{}", head.health);
+    assert_eq!(head.pair.unwrap().skew_us, Some(2500));
+    live.turn(&mut *memory, &mut camera);
     let frame = received();
     let Message::Frame(head) = &frame[0] else { panic!("no frame: {frame:?}") };
-    assert_eq!((head.sequence, head.width), (2, 128));
+    assert_eq!((head.sequence, head.width), (3, 128));
+    assert!(head.pair.unwrap().skew_us.is_none() && head.pair.unwrap().cameras[0].level > 0);
     assert!(head.segments > 10 && head.capture_time_us > 0);
     assert_eq!(frame.len(), 1 + usize::from(head.segments).div_ceil(SEGMENTS_PER_PACKET));
 
-    send(2, Request::Pair(PairHead { width: 16, height: 16, capture_time_us: 0 }));
+    send(2, Request::Pair(PairHead { width: 16, height: 16, capture_time_us: 0, right_capture_time_us: None }));
     live.turn(&mut *memory, &mut camera);
     assert_eq!(received()[0], Message::Answer(Answer { command: 2, outcome: Outcome::Refused(Refusal::Unsupported) }));
     send(3, Request::Stop);
     live.turn(&mut *memory, &mut camera);
     assert_eq!(received(), [accepted(3)]);
+}
+
+#[test]
+fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
+    let (left, right) = {
+        let mut images = [vec![0; 128 * 96], vec![0; 128 * 96]];
+        let [left, right] = &mut images;
+        Scene::Blocks.paint(DIMS, left, right);
+        let [left, right] = images;
+        (left, right)
+    };
+    let mut input = Vec::new();
+    for (id, skew_us, changed) in
+        [(1, None, 0), (2, Some(1001), 1), (3, Some(1000), 2), (4, Some(0), 3), (5, Some(7), 4)]
+    {
+        let (width, height, capture_time_us) = (DIMS.width, DIMS.height, 50_000 * u64::from(id));
+        let right_capture_time_us = skew_us.map(|skew_us| capture_time_us - skew_us);
+        push(&mut input, id, Request::Pair(PairHead { width, height, capture_time_us, right_capture_time_us }));
+        // A sensor never gives the same picture twice.
+        input.extend([&left, &right].into_iter().flatten().map(|&grey| grey + changed));
+    }
+    let (mut memory, mut source) = (Box::new(Workspace::new()), Trickle { bytes: input.into(), step: 256 });
+    let (clock, mut output) = (Microseconds::default(), Written::default());
+    replay::run(&mut *memory, &clock, &mut Session::new(BOARD), &mut source, &mut output, |_| {});
+    let (mut heads, mut refused) = (Vec::new(), Vec::new());
+    for message in messages(&output.0) {
+        match message {
+            Message::Frame(head) => heads.push((head.sequence, head.pair.unwrap().skew_us, head.health.of_pair())),
+            Message::Answer(Answer { command, outcome: Outcome::Refused(why) }) => refused.push((command, why)),
+            _ => {}
+        }
+    }
+    assert_eq!(refused, [(2, Refusal::Skewed { skew_us: 1001, limit_us: 1000 })]);
+    let (good, skew) = (HealthFlags::GOOD, HealthFlags::SKEW);
+    assert_eq!(heads, [(0, None, good), (2, Some(1000), skew), (3, Some(0), skew), (4, Some(7), good)]);
 }

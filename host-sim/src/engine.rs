@@ -1,10 +1,10 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Dims, Gray, Match, Models, Observer, Output, ParamError, Params, Plan, PointClaim, Scratch,
-    SizeMismatch, mark_words, row_bytes,
+    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, Observer, Output, ParamError, Params, Plan,
+    PointClaim, Scratch, SizeMismatch, mark_words, row_bytes,
 };
-use linestereo_wire::Counts;
+use linestereo_wire::{Counts, Health, PairReport};
 
 /// Most segments listed per frame on a PC.
 pub const MAX_MATCHES: usize = 4096;
@@ -40,6 +40,10 @@ pub struct FrameResult {
     pub points: Vec<PointClaim>,
     /// What was found, rejected and dropped.
     pub counts: Counts,
+    /// What is wrong with the pair.
+    pub health: Health,
+    /// The numbers behind it; `None` when nobody looked.
+    pub pair: Option<PairReport>,
 }
 
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
@@ -89,13 +93,39 @@ impl Engine {
         Ok(&self.output)
     }
 
-    /// Runs the core on one rectified pair.
+    /// Runs the core on one rectified pair that stands alone: its health knows of no other.
     pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, SizeMismatch> {
+        self.run_watched(left, right, &mut HealthMonitor::new(), &HealthLimits::DEFAULT, None)
+    }
+
+    /// Runs the core on the next pair of a rig. A pair that is refused has an empty result.
+    pub fn run_watched(
+        &mut self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        monitor: &mut HealthMonitor,
+        limits: &HealthLimits,
+        times_us: Option<[u64; 2]>,
+    ) -> Result<FrameResult, SizeMismatch> {
+        let mut health = monitor.look(limits, left, right, times_us);
+        let empty = FrameResult {
+            matches: Vec::new(),
+            points: Vec::new(),
+            counts: Counts::default(),
+            health: health.flags.into(),
+            pair: Some((&health).into()),
+        };
+        if health.is_refused() {
+            return Ok(empty);
+        }
         let output = self.run_in_place(left, right)?;
+        monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
         Ok(FrameResult {
             matches: output.matches.to_vec(),
             points: output.points.to_vec(),
             counts: (&output.counts).into(),
+            health: Health::of(&output.counts) | health.flags.into(),
+            pair: Some((&health).into()),
         })
     }
 }

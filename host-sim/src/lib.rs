@@ -8,6 +8,7 @@ pub mod engine;
 pub mod evaluate;
 pub mod fitting;
 pub mod frames;
+pub mod health;
 pub mod interchange;
 pub mod listing;
 pub mod monitor;

@@ -4,6 +4,7 @@
 //! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
 
 use crate::engine::FrameResult;
+use crate::health;
 use core::fmt::Write;
 use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Point, Rejection};
 use linestereo_wire::Counts;
@@ -20,6 +21,7 @@ struct Listing {
     points: Vec<(u16, u16, f64, f64)>,
     #[serde(serialize_with = "as_map")]
     counts: Vec<(&'static str, u32)>,
+    health: health::Listing,
 }
 
 #[derive(Serialize)]
@@ -41,7 +43,7 @@ struct TechniqueDisparities {
     census: f64,
 }
 
-/// The result as JSON: `size`, `segments`, `points` and `counts`.
+/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`.
 pub fn json(dims: Dims, result: &FrameResult) -> serde_json::Result<String> {
     let points = result.points.iter();
     let listing = Listing {
@@ -49,6 +51,7 @@ pub fn json(dims: Dims, result: &FrameResult) -> serde_json::Result<String> {
         segments: result.matches.iter().enumerate().map(segment).collect(),
         points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
         counts: counts(&result.counts),
+        health: health::Listing::new(result.health, result.pair.as_ref()),
     };
     let mut text = serde_json::to_string(&listing)?;
     text.push('\n');
@@ -153,6 +156,7 @@ fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Resul
 mod tests {
     use super::*;
     use linestereo::{Confidence, PointClaim, Position, Techniques};
+    use linestereo_wire::Health;
 
     fn example() -> FrameResult {
         let point = |x: f64, y: f64| Point { x: Position::from_num(x), y: Position::from_num(y) };
@@ -172,7 +176,13 @@ mod tests {
         };
         let point =
             PointClaim { x: 7, y: 9, disparity: Disparity::from_num(10), confidence: Confidence::MAX, source: Some(0) };
-        FrameResult { matches: vec![matched], points: vec![point], counts: Counts::default() }
+        FrameResult {
+            matches: vec![matched],
+            points: vec![point],
+            counts: Counts::default(),
+            health: Health::GOOD,
+            pair: None,
+        }
     }
 
     #[test]
@@ -185,7 +195,9 @@ mod tests {
                 + r#""sigma_px":0.125,"confidence":0.875,"owner":"left","depth_m":[2.5,null],"#
                 + r#""techniques":{"feature":null,"window":10.25,"census":10.5}}],"points":[[7,9,10.0,0.99998]],"#;
         assert_eq!(head, expected);
-        let counts = counts.trim_end().trim_end_matches('}');
+        let (counts, health) = counts.split_once(r#","health":"#).unwrap();
+        assert_eq!(health, "{\"flags\":[]}}\n");
+        let counts = counts.trim_end_matches('}');
         let head = format!(r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#, Rejection::ALL[0].name());
         assert!(counts.starts_with(&head), "{counts}");
         assert!(counts.ends_with(r#""points":0,"points_dropped":0"#), "{counts}");

@@ -103,7 +103,7 @@ fn damaged_recording() -> (Vec<u8>, usize) {
     fourth[0] = with_a_wrong_bit(&fourth[0]);
     bytes.extend(fourth.concat());
     let garbage = [&[0x55; 2000][..], &[DELIMITER], &[9, 1, 2, DELIMITER]].concat(); // too long; cut short
-    let version = enclosed(&[2, 77, 66, 55]);
+    let version = enclosed(&[1, 77, 66, 55]);
     let malformed = enclosed(&[VERSION, 9, 9]);
     bytes.extend([&garbage[..], &version, &malformed].concat());
     bytes.extend(frame(5, 0).concat());
@@ -124,12 +124,13 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
         "    frame      time s  since ms  segments  nearest m  farthest m  health\n\
          board: a board, images up to 320x240, up to 512 segments\n\
         \x20       1       0.040         -        25       2.00    infinite  points_dropped\n\
+         health: points_dropped: more points than the list holds; the least credible are left out\n\
         \x20       2       0.080      40.0     15/25       2.00    infinite  good\n\
         \x20       5       0.200     120.0         0          -           -  good\n\
         \x20       6       0.240      40.0     10/12       2.00    infinite  good\n\
          frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n\
          packets: 12 good, 2 framing damaged, 2 checksum wrong, 1 too long, 1 malformed, 1 of another version\n\
-         another version: version 2, this program reads version 1\n\
+         another version: version 1, this program reads version 2\n\
          bytes: {} received, {skipped} skipped\n",
         bytes.len()
     );
@@ -153,7 +154,7 @@ fn json_has_one_line_per_complete_frame() {
     assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size"]);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
-    assert_eq!(first["health"], serde_json::json!(["points_dropped"]));
+    assert_eq!(first["health"], serde_json::json!({"flags": ["points_dropped"]}));
     let expected = serde_json::json!({
         "id": 7, "left": [[7.0, 10.25], [10.0, 40.25]], "disparity_px": [20.0, 20.25], "sigma_px": 0.125,
         "confidence": 0.95, "owner": "left", "depth_m": [2.0, null],

@@ -3,8 +3,11 @@
 use core::any::Any;
 use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
+use linestereo_firmware::ports::CapturedPair;
+use linestereo_firmware::watch::Watch;
 use linestereo_sim::board::Machine;
 use linestereo_sim::engine::{FrameResult, GrayImage};
+use linestereo_wire::Health;
 use std::io::Write;
 
 /// What `made` holds. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
@@ -76,11 +79,17 @@ fn run(
     for (frame, image) in memory.frames().into_iter().zip([left, right]) {
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
-    memory.run(params, left.dims, &mut ())?;
+    let health = Watch::new().run(memory, params, &CapturedPair::of(left.dims), &mut ())?;
     let mut points = Vec::new();
     memory.for_each_point(params, left.dims, |point| points.push(point));
     let results = memory.results();
-    let mut result = FrameResult { matches: results.matches.to_vec(), points, counts: results.counts.into() };
+    let mut result = FrameResult {
+        matches: results.matches.to_vec(),
+        points,
+        counts: results.counts.into(),
+        health: Health::of(results.counts) | health.flags.into(),
+        pair: Some((&health).into()),
+    };
     result.counts.points = result.points.len() as u32;
     Ok(result)
 }

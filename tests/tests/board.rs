@@ -168,7 +168,7 @@ fn faults_end_in_exit_codes() {
 /// A command that sends a pair, and its pixels.
 fn pair_bytes(id: u16, dims: Dims, pixels: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let head = PairHead { width: dims.width, height: dims.height, capture_time_us: 0 };
+    let head = PairHead { width: dims.width, height: dims.height, capture_time_us: 0, right_capture_time_us: None };
     push(&mut bytes, &Command { id, request: Request::Pair(head) }).unwrap();
     pixels.iter().for_each(|image| bytes.extend_from_slice(image));
     bytes

@@ -5,7 +5,7 @@
 
 use core::fmt;
 use heapless::String;
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Plan, Rig, RigError};
+use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Plan, Rig, RigError, Skewed};
 use serde::{Deserialize, Serialize};
 
 /// The name of a parameter in a refusal.
@@ -43,8 +43,10 @@ pub struct PairHead {
     pub width: u16,
     /// Height of both images in px.
     pub height: u16,
-    /// When it was captured, microseconds; comes back with the result.
+    /// When it was captured (the left image), microseconds; comes back with the result.
     pub capture_time_us: u64,
+    /// When the right image was captured, by the same clock; `None` when nobody knows. Too far from the left one, the pair is refused.
+    pub right_capture_time_us: Option<u64>,
 }
 
 /// Parameters to change; `None` leaves one as it is. Meanings and ranges are those of [`Params`].
@@ -182,6 +184,19 @@ pub enum Refusal {
         /// Bytes there.
         given: u32,
     },
+    /// [`Skewed`]: the images of the pair were captured too far apart.
+    Skewed {
+        /// Microseconds between the captures.
+        skew_us: u32,
+        /// Allowed ones.
+        limit_us: u32,
+    },
+}
+
+impl From<Skewed> for Refusal {
+    fn from(Skewed { skew_us, limit_us }: Skewed) -> Self {
+        Self::Skewed { skew_us, limit_us }
+    }
 }
 
 impl From<ParamError> for Refusal {
@@ -236,6 +251,7 @@ impl fmt::Display for Refusal {
             Self::Baseline(value) => RigError::Baseline(value).fmt(f),
             Self::Offset(value) => RigError::Offset(value).fmt(f),
             Self::Unsupported => write!(f, "this board cannot do that"),
+            Self::Skewed { skew_us, limit_us } => Skewed { skew_us, limit_us }.fmt(f),
             Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
         }
     }

@@ -3,11 +3,11 @@
 //! In: the core's counts and matches. Out: records of the same bits (a [`Match`] that went over the wire comes back equal), in the core's
 //! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
 
-use crate::health::Health;
+use crate::health::{Health, PairReport};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Match, Owner, Point, PointClaim, Position, Rejection, Techniques,
+    Confidence, Depth, Dims, Disparity, Match, Owner, PairHealth, Point, PointClaim, Position, Rejection, Techniques,
 };
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,8 @@ pub struct FrameHead {
     pub height: u16,
     /// What the frame suffered.
     pub health: Health,
+    /// The numbers behind it; `None` when there was no pair to look at.
+    pub pair: Option<PairReport>,
     /// What was found and lost.
     pub counts: Counts,
     /// Segments that follow.
@@ -37,7 +39,13 @@ impl FrameHead {
     pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
-        Self { sequence, capture_time_us, width, height, health, counts: counts.into(), segments: 0 }
+        Self { sequence, capture_time_us, width, height, health, pair: None, counts: counts.into(), segments: 0 }
+    }
+
+    /// The same with what a monitor says of the pair.
+    #[must_use]
+    pub fn with_pair(self, pair: &PairHealth) -> Self {
+        Self { health: self.health | pair.flags.into(), pair: Some(pair.into()), ..self }
     }
 }
 

@@ -1,22 +1,42 @@
-//! What a frame suffered, as a set of flags.
+//! What a frame suffered, as a set of flags, and the numbers behind them.
 //!
-//! In: what the board saw, and the core's counts. Out: 16 bits, of which the unnamed ones are left for later and survive the journey.
+//! In: what the board saw, the core's counts and its [`PairHealth`]. Out: 32 bits, of which the unnamed ones are left for later and survive
+//! the journey, and a [`PairReport`].
+//!
+//! ```text
+//! bits 0 ..= 7    the board and its port, named here
+//! bits 8 ..= 31   the core's HealthFlags, moved up by 8
+//! ```
 
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
-use linestereo::Counts;
+use linestereo::{CameraHealth, Counts, HealthFlags, PairHealth, Rows};
 use serde::{Deserialize, Serialize};
+
+/// Where the core's flags begin.
+const CORE: u32 = 8;
+/// Flags of the board.
+const BOARD: [(Health, &str); 6] = [
+    (Health::SIZE_MISMATCH, "size_mismatch"),
+    (Health::SEGMENTS_DROPPED, "segments_dropped"),
+    (Health::MATCHES_DROPPED, "matches_dropped"),
+    (Health::POINTS_DROPPED, "points_dropped"),
+    (Health::RESULTS_SKIPPED, "results_skipped"),
+    (Health::PAIR_MISSING, "pair_missing"),
+];
 
 /// A set of flags; empty when there is nothing to say.
 ///
 /// ```
+/// use linestereo::HealthFlags;
 /// use linestereo_wire::Health;
-/// let health = Health::SEGMENTS_DROPPED | Health::RESULTS_SKIPPED;
-/// assert!(health.contains(Health::RESULTS_SKIPPED) && !health.contains(Health::POINTS_DROPPED));
-/// assert!(health.names().eq(["segments_dropped", "results_skipped"]));
+/// let health = Health::SEGMENTS_DROPPED | Health::from(HealthFlags::ROWS_OFF);
+/// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::POINTS_DROPPED));
+/// assert!(health.names().eq(["segments_dropped", "rows_off"]));
+/// assert_eq!(health.of_pair(), HealthFlags::ROWS_OFF);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Health(u16);
+pub struct Health(u32);
 
 impl Health {
     /// Nothing to say.
@@ -34,15 +54,18 @@ impl Health {
     /// The camera delivered no whole pair for this frame.
     pub const PAIR_MISSING: Self = Self(1 << 5);
 
-    /// Every flag with its name.
-    pub const NAMES: [(Self, &'static str); 6] = [
-        (Self::SIZE_MISMATCH, "size_mismatch"),
-        (Self::SEGMENTS_DROPPED, "segments_dropped"),
-        (Self::MATCHES_DROPPED, "matches_dropped"),
-        (Self::POINTS_DROPPED, "points_dropped"),
-        (Self::RESULTS_SKIPPED, "results_skipped"),
-        (Self::PAIR_MISSING, "pair_missing"),
-    ];
+    /// Every flag with its name: the board's, then the core's.
+    pub const NAMES: [(Self, &'static str); BOARD.len() + HealthFlags::NAMES.len()] = {
+        let mut names = [(Self::GOOD, ""); BOARD.len() + HealthFlags::NAMES.len()];
+        let (boards, cores) = names.split_at_mut(BOARD.len());
+        boards.copy_from_slice(&BOARD);
+        let mut rest: (&mut [(Self, &str)], &[(HealthFlags, &str)]) = (cores, &HealthFlags::NAMES);
+        while let ([name, names @ ..], [(flag, text), flags @ ..]) = rest {
+            *name = (Self(flag.bits() << CORE), text);
+            rest = (names, flags);
+        }
+        names
+    };
 
     /// The flags that follow from what the core counted: its full lists.
     #[must_use]
@@ -53,15 +76,21 @@ impl Health {
             | flag(counts.points_dropped > 0, Self::POINTS_DROPPED)
     }
 
+    /// The core's flags among them.
+    #[must_use]
+    pub const fn of_pair(self) -> HealthFlags {
+        HealthFlags::from_bits(self.0 >> CORE)
+    }
+
     /// The set as bits.
     #[must_use]
-    pub const fn bits(self) -> u16 {
+    pub const fn bits(self) -> u32 {
         self.0
     }
 
     /// A set from bits; unnamed ones are kept.
     #[must_use]
-    pub const fn from_bits(bits: u16) -> Self {
+    pub const fn from_bits(bits: u32) -> Self {
         Self(bits)
     }
 
@@ -69,6 +98,12 @@ impl Health {
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
+    }
+
+    /// The flags that are not in `other`.
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
     }
 
     /// The names of the flags that are set, in the order of [`Health::NAMES`].
@@ -80,6 +115,12 @@ impl Health {
     #[must_use]
     pub fn unnamed(self) -> Self {
         Self(Self::NAMES.iter().fold(self.0, |bits, (flag, _)| bits & !flag.0))
+    }
+}
+
+impl From<HealthFlags> for Health {
+    fn from(flags: HealthFlags) -> Self {
+        Self(flags.bits() << CORE)
     }
 }
 
@@ -110,7 +151,7 @@ impl fmt::Display for Health {
         }
         match self.unnamed() {
             Self::GOOD => Ok(()),
-            Self(bits) => write!(f, "{separator}{bits:#06x}"),
+            Self(bits) => write!(f, "{separator}{bits:#010x}"),
         }
     }
 }
@@ -118,5 +159,65 @@ impl fmt::Display for Health {
 impl fmt::Debug for Health {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Health({self})")
+    }
+}
+
+/// The numbers of a [`PairHealth`]; its flags are in the [`Health`] beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct PairReport {
+    /// Left and right camera.
+    pub cameras: [CameraReport; 2],
+    /// [`PairHealth::skew_us`].
+    pub skew_us: Option<u32>,
+    /// [`PairHealth::rows`].
+    pub rows: Option<RowsReport>,
+    /// [`PairHealth::row_offset_q8`], 1/256 px.
+    pub row_offset_q8: Option<i16>,
+    /// [`PairHealth::row_drift_q8`], 1/256 px.
+    pub row_drift_q8: Option<i16>,
+    /// [`PairHealth::least_disparity_q6`], 1/64 px.
+    pub least_disparity_q6: Option<i16>,
+}
+
+/// The core's [`CameraHealth`], number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct CameraReport {
+    /// Mean grey level.
+    pub level: u8,
+    /// Mean grey step between neighbouring samples, 1/16.
+    pub detail_q4: u16,
+    /// Black samples per thousand.
+    pub black_permille: u16,
+    /// White samples per thousand.
+    pub white_permille: u16,
+    /// Usable pixels per thousand.
+    pub view_permille: u16,
+}
+
+/// The core's [`Rows`], number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct RowsReport {
+    /// Row in the right image minus row in the left one, 1/256 px.
+    pub offset_q8: i16,
+    /// Spread, 1/256 px.
+    pub spread_q8: u16,
+    /// Matches that said so.
+    pub witnesses: u8,
+}
+
+impl From<&PairHealth> for PairReport {
+    fn from(health: &PairHealth) -> Self {
+        let camera = |&CameraHealth { level, detail_q4, black_permille, white_permille, view_permille }: &_| {
+            CameraReport { level, detail_q4, black_permille, white_permille, view_permille }
+        };
+        let rows = |Rows { offset_q8, spread_q8, witnesses }| RowsReport { offset_q8, spread_q8, witnesses };
+        Self {
+            cameras: health.cameras.each_ref().map(camera),
+            skew_us: health.skew_us,
+            rows: health.rows.map(rows),
+            row_offset_q8: health.row_offset_q8,
+            row_drift_q8: health.row_drift_q8,
+            least_disparity_q6: health.least_disparity_q6,
+        }
     }
 }

@@ -54,7 +54,7 @@ mod send;
 
 pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigUpdate};
 pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
-pub use health::Health;
+pub use health::{CameraReport, Health, PairReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, Message, Outcome};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,

@@ -22,7 +22,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Version of the records' layout.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// Ends every packet, and stands nowhere else.
 pub const DELIMITER: u8 = 0;

@@ -186,7 +186,7 @@ fn another_version_is_named() {
         }
     }
     let text = |found| DecodeError::Version { found }.to_string();
-    assert_eq!(text(2), "the packet goes from a board and has version 2, this program has version 1");
+    assert_eq!(text(1), "the packet goes from a board and has version 1, this program has version 2");
 }
 
 #[test]
@@ -249,5 +249,5 @@ fn a_decoder_with_too_little_memory_says_so() {
     let mut decoder: Decoder<Message, 32> = Decoder::new();
     let results: Vec<_> =
         [&bytes[..], &packet(&commands()[0])].concat().iter().filter_map(|&b| decoder.push(b)).collect();
-    assert_eq!(results, [Err(DecodeError::TooLong), Err(DecodeError::Version { found: 0x81 })]);
+    assert_eq!(results, [Err(DecodeError::TooLong), Err(DecodeError::Version { found: 0x82 })]);
 }

@@ -2,7 +2,7 @@
 
 mod support;
 
-use linestereo::{Dims, Margin, Params, Rejection, Rig};
+use linestereo::{Dims, HealthFlags, Margin, Params, Rejection, Rig};
 use linestereo_wire::*;
 use support::*;
 
@@ -135,7 +135,7 @@ fn health_follows_full_lists() {
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
     assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
     assert_eq!(Health::GOOD.to_string(), "good");
-    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(0x8000)).to_string(), "size_mismatch+0x8000");
+    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(1 << 31)).to_string(), "size_mismatch+0x80000000");
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn a_buffer_needs_every_byte_of_the_packet() {
     }
 }
 
-/// The bytes of version 1. When this fails, the records changed: give them another [`VERSION`].
+/// The bytes of version 2. When this fails, the records changed: give them another [`VERSION`].
 #[test]
 fn the_layout_of_this_version_is_exactly_this() {
     /// What is under the byte stuffing and before the checksum.
@@ -169,15 +169,28 @@ fn the_layout_of_this_version_is_exactly_this() {
         assert_eq!(u32::from_le_bytes(*crc), crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload));
         payload.to_vec()
     }
-    assert_eq!(VERSION, 1);
+    assert_eq!(VERSION, 2);
     let hello = Hello { board: "qemu".try_into().unwrap(), largest_width: 320, largest_height: 240, segments: 512 };
-    assert_eq!(payload(&Message::Hello(hello)), [1, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4]);
+    assert_eq!(payload(&Message::Hello(hello)), [2, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4]);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        1, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
-        17, 3,
+        2, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 0, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+        16, 17, 3,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
+    let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let pair = PairReport {
+        cameras: [camera(1), camera(6)],
+        skew_us: Some(7),
+        rows: Some(RowsReport { offset_q8: -1, spread_q8: 9, witnesses: 10 }),
+        row_offset_q8: Some(-6),
+        row_drift_q8: None,
+        least_disparity_q6: Some(6),
+    };
+    let health = Health::POINTS_DROPPED | HealthFlags::ROWS_OFF.into();
+    let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
+    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12];
+    assert_eq!(watched, [&expected[..9], &[0x88, 0x80, 0x80, 2], &report, &expected[11..]].concat());
     let segment = Segment {
         ends_q5: [[1, 2], [3, 4]],
         disparity_q6: [5, -6],
@@ -191,15 +204,15 @@ fn the_layout_of_this_version_is_exactly_this() {
         census_q6: 13,
     };
     let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
-    let expected = [1, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
+    let expected = [2, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
     assert_eq!(payload(&Message::Segments(segments)), expected);
     let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
     let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
-    let expected = [1, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
+    let expected = [2, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
     assert_eq!(payload(&Message::Answer(answer)), expected);
-    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x81, 4, 2]);
+    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x82, 4, 2]);
     let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
-    let expected = [0x81, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
+    let expected = [0x82, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
     assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
 }
 

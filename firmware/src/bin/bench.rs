@@ -6,9 +6,10 @@ fn bench() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
+    use linestereo_firmware::ports::CapturedPair;
     use linestereo_firmware::programs::bench;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::{stack, startup::Exit};
+    use linestereo_firmware::{stack, startup::Exit, watch::Watch};
 
     let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
     let Some(memory) = memory::take() else { return Exit::Usage };
@@ -16,7 +17,8 @@ fn bench() -> linestereo_firmware::startup::Exit {
     for case in Case::all(&SELECTED) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
-        if let Ok(costs) = bench::measure(memory, &clock, &case.params(), case.dims) {
+        let pair = CapturedPair::of(case.dims);
+        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &case.params(), &pair) {
             bench::line(&mut table, case, &costs, memory.results());
         }
     }

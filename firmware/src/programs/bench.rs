@@ -1,17 +1,24 @@
 //! What a pair costs, by stage.
 
 use crate::memory::{Memory, RunError};
-use crate::ports::{Clock, Results};
-use linestereo::{Dims, Observer, Params, Stage, Step};
+use crate::ports::{CapturedPair, Clock, Results};
+use crate::watch::Watch;
+use linestereo::{Observer, PairHealth, Params, Stage, Step};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
 
 /// Runs the pair that lies in the frames and gives the cost of each stage.
-pub fn measure(memory: &mut impl Memory, clock: &impl Clock, params: &Params, dims: Dims) -> Result<Costs, RunError> {
+pub fn measure(
+    memory: &mut impl Memory,
+    clock: &impl Clock,
+    watch: &mut Watch,
+    params: &Params,
+    pair: &CapturedPair,
+) -> Result<(Costs, PairHealth), RunError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
-    memory.run(params, dims, &mut observer)?;
-    Ok(observer.costs)
+    let health = watch.run(memory, params, pair, &mut observer)?;
+    Ok((observer.costs, health))
 }
 
 /// Adds what passes between the ends of steps to their stages; what it costs itself (a few instructions per step) is left out.
@@ -47,6 +54,7 @@ mod tests {
     use crate::boards::mps2_an386::{BOARD, Workspace};
     use crate::painter::Scene;
     use core::cell::Cell;
+    use linestereo::Dims;
 
     /// Counts how often it was asked.
     struct Asked(Cell<u32>);
@@ -74,8 +82,10 @@ mod tests {
         let [left, right] = memory.frames();
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
-        let costs = measure(&mut *memory, &clock, &Params::DEFAULT, BOARD.largest).unwrap();
+        let pair = CapturedPair::of(BOARD.largest);
+        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &Params::DEFAULT, &pair).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
+        assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
         assert!(costs[Stage::Matching as usize] > 20);
     }
@@ -85,6 +95,7 @@ mod tests {
         let mut memory = Box::new(Workspace::new());
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
-        assert_eq!(measure(&mut *memory, &clock, &Params::DEFAULT, dims), Err(RunError::Size(dims)));
+        let refused = measure(&mut *memory, &clock, &mut Watch::new(), &Params::DEFAULT, &CapturedPair::of(dims));
+        assert_eq!(refused, Err(RunError::Size(dims)));
     }
 }

@@ -1,7 +1,7 @@
 //! A board at work: pairs from a camera, results to a port, commands from it.
 
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, Clock, PairSource};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
 use linestereo::Dims;
@@ -68,16 +68,22 @@ impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
     fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
         let sequence = self.session.next_sequence();
         let captured = camera.next_pair(memory.frames());
-        let time_us = self.time();
-        let Some(dims) = captured else {
+        let now_us = self.time();
+        let time_us = captured.and_then(|pair| pair.times_us).map_or(now_us, |[left, _]| left);
+        let Some(pair) = captured else {
             let none = Dims { width: 0, height: 0 };
             return self.write(&Message::Frame(failed_frame(sequence, time_us, none, Health::PAIR_MISSING)));
         };
-        if memory.run(&self.session.params, dims, &mut ()).is_err() {
+        let dims = pair.dims;
+        let Ok(health) = self.session.watch.run(memory, &self.session.params, &pair, &mut ()) else {
             return self.write(&Message::Frame(failed_frame(sequence, time_us, dims, Health::SIZE_MISMATCH)));
+        };
+        if health.is_refused() {
+            let refused = failed_frame(sequence, time_us, dims, Health::GOOD).with_pair(&health);
+            return self.write(&Message::Frame(refused));
         }
         let results = memory.results();
-        let head = FrameHead::new(sequence, time_us, dims, Health::GOOD, results.counts);
+        let head = FrameHead::new(sequence, time_us, dims, Health::GOOD, results.counts).with_pair(&health);
         let _ = send_frame(&head, results.matches, &mut |packet| {
             self.port.write(packet);
             Ok::<(), Infallible>(())
@@ -116,10 +122,10 @@ impl Painter {
 }
 
 impl PairSource for Painter {
-    fn next_pair(&mut self, [left, right]: [&mut [u8]; 2]) -> Option<Dims> {
+    fn next_pair(&mut self, [left, right]: [&mut [u8]; 2]) -> Option<CapturedPair> {
         let scene = crate::painter::Scene::ALL.get(self.next)?;
         self.next = (self.next + 1) % crate::painter::Scene::ALL.len();
         scene.paint(self.dims, left, right);
-        Some(self.dims)
+        Some(CapturedPair::of(self.dims))
     }
 }

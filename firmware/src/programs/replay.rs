@@ -9,9 +9,9 @@
 
 use super::bench::{self, Costs};
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, Clock};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock};
 use crate::session::{self, Reply, Session};
-use linestereo::Dims;
+use linestereo::{Dims, PairHealth};
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
     Refusal, send, send_frame,
@@ -58,9 +58,9 @@ pub fn run(
             Reply::Pair { command, head } => {
                 let sequence = session.next_sequence();
                 let outcome = match pair(memory, clock, session, &mut input, &head) {
-                    Ok(costs) => {
+                    Ok((costs, health)) => {
                         tell(&Event::Matched { sequence, costs });
-                        write_results(memory, session, sequence, &head, output);
+                        write_results(memory, session, (sequence, &health), &head, output);
                         Outcome::Accepted
                     }
                     Err(why) => {
@@ -80,10 +80,10 @@ pub fn run(
 fn pair<S: ByteSource>(
     memory: &mut impl Memory,
     clock: &impl Clock,
-    session: &Session,
+    session: &mut Session,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
-) -> Result<Costs, Refusal> {
+) -> Result<(Costs, PairHealth), Refusal> {
     let dims = Dims { width: head.width, height: head.height };
     let pixels = usize::from(dims.width).saturating_mul(dims.height.into());
     if let Err(refusal) = session.check_size(dims) {
@@ -98,14 +98,21 @@ fn pair<S: ByteSource>(
     if given < 2 * pixels {
         return Err(Refusal::Truncated { needed: 2 * pixels as u32, given: given as u32 });
     }
-    bench::measure(memory, clock, &session.params, dims).map_err(session::refusal)
+    let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
+    let pair = CapturedPair { dims, times_us };
+    let found = bench::measure(memory, clock, &mut session.watch, &session.params, &pair);
+    let (costs, health) = found.map_err(session::refusal)?;
+    if let Some(Err(skewed)) = times_us.map(|times| session.watch.limits.skew_us(times)) {
+        return Err(skewed.into());
+    }
+    Ok((costs, health))
 }
 
 /// Points are made twice, to count them and to send them: no board has the memory to list them.
 fn write_results(
     memory: &mut impl Memory,
     session: &Session,
-    sequence: u32,
+    (sequence, health): (u32, &PairHealth),
     pair: &PairHead,
     output: &mut impl ByteSink,
 ) {
@@ -113,7 +120,7 @@ fn write_results(
     let mut points = 0;
     memory.for_each_point(&session.params, dims, |_| points += 1);
     let results = memory.results();
-    let mut head = FrameHead::new(sequence, pair.capture_time_us, dims, Health::GOOD, results.counts);
+    let mut head = FrameHead::new(sequence, pair.capture_time_us, dims, Health::GOOD, results.counts).with_pair(health);
     head.counts.points = points;
     let mut write = |packet: &[u8]| {
         output.write(packet);

@@ -4,6 +4,8 @@ use super::expected::Digests;
 use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
+use crate::ports::CapturedPair;
+use crate::watch::Watch;
 use linestereo::{Stage, StageDigests};
 
 /// What a case gave.
@@ -43,7 +45,7 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
-    memory.run(&case.params(), case.dims, &mut digests).ok()?;
+    Watch::new().run(memory, &case.params(), &CapturedPair::of(case.dims), &mut digests).ok()?;
     Some(Stage::ALL.map(|stage| digests.of(stage)))
 }
 

@@ -6,10 +6,10 @@ use super::{Board, qemu, top};
 use crate::engine::{FrameResult, GrayImage};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
-use linestereo::{Margin, Params, Stage};
+use linestereo::{Dims, Margin, Params, Stage};
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead, ParamUpdate,
-    Refusal, Request, RigUpdate, encode,
+    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
+    ParamUpdate, Refusal, Request, RigUpdate, encode,
 };
 use std::path::PathBuf;
 
@@ -87,7 +87,8 @@ impl Machine {
         let mut input = Vec::new();
         push(&mut input, &Command { id: 0, request: Request::SetParams(*update) })?;
         for (number, (left, right)) in pairs.iter().enumerate() {
-            let head = PairHead { width: left.dims.width, height: left.dims.height, capture_time_us: number as u64 };
+            let Dims { width, height } = left.dims;
+            let head = PairHead { width, height, capture_time_us: number as u64, right_capture_time_us: None };
             push(&mut input, &Command { id: id_of(number), request: Request::Pair(head) })?;
             input.extend_from_slice(&left.pixels);
             input.extend_from_slice(&right.pixels);
@@ -138,7 +139,8 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
         match message? {
             Message::Hello(_) => {}
             Message::Frame(head) => {
-                let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts: head.counts };
+                let FrameHead { counts, health, pair, .. } = head;
+                let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };
                 frame = Some(BoardResult { result, costs: Costs::default() });
             }
             Message::Segments(segments) => {

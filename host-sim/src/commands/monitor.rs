@@ -1,5 +1,6 @@
 //! `linestereo monitor`: a board's results as they arrive, and commands to it.
 
+use crate::health;
 use crate::monitor::frames::{Assembler, Frame};
 use crate::monitor::port::{Port, Received};
 use crate::monitor::requests::{self, Wanted};
@@ -9,7 +10,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_wire::{
-    Command, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, encode,
+    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, encode,
 };
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -42,12 +43,14 @@ Columns:
   frame, time    number and capture time of the pair, since ms after the one before
   segments       matched; 12/20 when 8 of 20 were lost on the way
   nearest, farthest   - without a rig
-  health         what the frame suffered: full lists, results skipped because the port is slow, ...
+  health         what the frame suffered: full lists, a covered or frozen camera, rows that are off, ...
+                 a flag that was not set before is explained on a line of its own
 
 At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
 With --json that summary goes to stderr, and each complete frame is one line on stdout:
-  {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":[\"...\"],
-   \"segments\":[as in linestereo run --json], \"counts\":{...}}";
+  {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":{...},
+   \"segments\":[...], \"counts\":{...}}
+health, segments and counts as in linestereo run --json.";
 
 /// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
 ///
@@ -156,6 +159,8 @@ struct Monitor {
     waiting: Option<Waiting>,
     next_id: u16,
     last_capture: Option<u64>,
+    /// Flags of the last frame.
+    health: Health,
     has_summary: bool,
     screen: Screen,
 }
@@ -172,6 +177,7 @@ impl Monitor {
             waiting: None,
             next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
             last_capture: None,
+            health: Health::GOOD,
             has_summary: args.count != Some(0),
             screen: Screen::new(args.json, args.count != Some(0)),
         }
@@ -270,6 +276,11 @@ impl Monitor {
         }
         self.screen.frame(frame, self.last_capture)?;
         self.last_capture = Some(frame.head.capture_time_us);
+        let news = frame.head.health.without(self.health);
+        self.health = frame.head.health;
+        for (name, what) in health::advice(news) {
+            self.screen.note(&format!("health: {name}: {what}"))?;
+        }
         Ok(())
     }
 

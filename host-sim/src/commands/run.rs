@@ -8,6 +8,7 @@ use crate::engine::{FrameResult, GrayImage};
 use crate::frames::{
     SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
 };
+use crate::health;
 use crate::listing;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
@@ -40,11 +41,21 @@ JSON:
                 \"confidence\":c, \"owner\":\"left|right|both\", \"depth_m\":[z0,z1],
                 \"techniques\":{\"feature\":d, \"window\":d, \"census\":d}}],
    \"points\":[[x,y,disparity_px,confidence]],
-   \"counts\":{...}}
+   \"counts\":{...},
+   \"health\":{\"flags\":[\"...\"],
+             \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
+             \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"witnesses\":n},
+             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d}}
   confidence  probability of being within 1 px
   owner       side whose surface has this depth; left is above on a near-horizontal segment
   depth_m     null without a rig; a z of null is infinite
-  feature     null when no segment of the right image is alike";
+  feature     null when no segment of the right image is alike
+  health      what is wrong with the pair, and the numbers behind it; null is not known
+  level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
+              detail: mean grey step between samples; view: share of the usable pixels
+  skew_us     between the captures: null here, files have no capture times
+  rows        row in the right image minus row in the left one, by the matches: its median, spread and
+              the number of matches that could say; row_offset_px smooths it over pairs";
 
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
@@ -206,5 +217,6 @@ fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, cost: &str) -> 
         let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "rejected: {}", list.join(", "));
     }
+    text.push_str(&health::summary(result.health, result.pair.as_ref()));
     text
 }

@@ -174,7 +174,7 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 mod tests {
     use super::*;
     use linestereo::{Confidence, Dims, Disparity, Point, PointClaim, Techniques};
-    use linestereo_wire::Counts;
+    use linestereo_wire::{Counts, Health};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
         let point = |y: f64| Point { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };
@@ -223,6 +223,8 @@ mod tests {
             matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],
             points: vec![point],
             counts: Counts::default(),
+            health: Health::GOOD,
+            pair: None,
         };
         let picture = overlay(&left, &result, None, 64);
         assert_eq!(picture.width(), 4 * 320);

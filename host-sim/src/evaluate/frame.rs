@@ -149,7 +149,7 @@ pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
 pub(super) mod tests {
     use super::*;
     use linestereo::{Confidence, Dims, Disparity, Owner, Point, PointClaim, Position, Techniques};
-    use linestereo_wire::Counts;
+    use linestereo_wire::{Counts, Health};
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {
         let point = |[x, y]: [f64; 2]| Point { x: Position::from_num(x), y: Position::from_num(y) };
@@ -172,7 +172,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<PointClaim>) -> FrameResult {
-        FrameResult { matches, points, counts: Counts::default() }
+        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None }
     }
 
     /// 40 x 33 px; disparity 8 left of column 20 and 12 from there on, unknown in the first column, hidden below row 16.

@@ -120,7 +120,7 @@ mod tests {
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let (health, counts) = (Health::GOOD, Counts::default());
-        FrameHead { sequence, capture_time_us: 0, width: 64, height: 48, health, counts, segments }
+        FrameHead { sequence, capture_time_us: 0, width: 64, height: 48, health, pair: None, counts, segments }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {

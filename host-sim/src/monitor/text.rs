@@ -2,10 +2,11 @@
 
 use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
+use crate::health;
 use crate::listing;
 use core::fmt::Write;
 use linestereo::Dims;
-use linestereo_wire::{Counters, Counts, Health, VERSION};
+use linestereo_wire::{Counters, Counts, FrameHead, VERSION};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
@@ -43,7 +44,7 @@ struct Listing {
     sequence: u32,
     capture_time_us: u64,
     size: [u16; 2],
-    health: Vec<String>,
+    health: health::Listing,
     segments: Value,
     #[serde(serialize_with = "by_name")]
     counts: Counts,
@@ -53,18 +54,15 @@ struct Listing {
 pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let head = &frame.head;
     let dims = Dims { width: head.width, height: head.height };
-    let (points, counts) = (Vec::new(), head.counts);
-    let text = listing::json(dims, &FrameResult { matches: frame.matches.clone(), points, counts })?;
+    let FrameHead { counts, health, pair, .. } = *head;
+    let text =
+        listing::json(dims, &FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair })?;
     let mut listing: Value = serde_json::from_str(&text)?;
-    let mut health: Vec<String> = head.health.names().map(str::to_owned).collect();
-    if head.health.unnamed() != Health::GOOD {
-        health.push(head.health.unnamed().to_string());
-    }
     serde_json::to_string(&Listing {
         sequence: head.sequence,
         capture_time_us: head.capture_time_us,
         size: [head.width, head.height],
-        health,
+        health: health::Listing::new(health, pair.as_ref()),
         segments: listing["segments"].take(),
         counts: head.counts,
     })

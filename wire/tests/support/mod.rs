@@ -85,8 +85,27 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
         width: 320,
         height: 240,
         health: Health::POINTS_DROPPED,
+        pair: None,
         counts: counts(9),
         segments,
+    }
+}
+
+fn longest_report() -> PairReport {
+    let camera = CameraReport {
+        level: u8::MAX,
+        detail_q4: u16::MAX,
+        black_permille: u16::MAX,
+        white_permille: u16::MAX,
+        view_permille: u16::MAX,
+    };
+    PairReport {
+        cameras: [camera; 2],
+        skew_us: Some(u32::MAX),
+        rows: Some(RowsReport { offset_q8: i16::MIN, spread_q8: u16::MAX, witnesses: u8::MAX }),
+        row_offset_q8: Some(i16::MIN),
+        row_drift_q8: Some(i16::MIN),
+        least_disparity_q6: Some(i16::MIN),
     }
 }
 
@@ -120,6 +139,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::Offset(-4096.5),
         Refusal::Unsupported,
         Refusal::Truncated { needed: u32::MAX, given: 153_599 },
+        Refusal::Skewed { skew_us: u32::MAX, limit_us: 1000 },
     ];
     let mut list = vec![
         Message::Hello(Hello { board: "".try_into().unwrap(), largest_width: 0, largest_height: 0, segments: 0 }),
@@ -135,7 +155,8 @@ pub(crate) fn messages() -> Vec<Message> {
             capture_time_us: u64::MAX,
             width: u16::MAX,
             height: u16::MAX,
-            health: Health::from_bits(u16::MAX),
+            health: Health::from_bits(u32::MAX),
+            pair: Some(longest_report()),
             counts: counts(u16::MAX - 20),
             segments: u16::MAX,
         }),
@@ -174,7 +195,12 @@ pub(crate) fn messages() -> Vec<Message> {
 pub(crate) fn commands() -> Vec<Command> {
     let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(-64)), ..ParamUpdate::default() };
     let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
-    let pair = Request::Pair(PairHead { width: u16::MAX, height: 240, capture_time_us: u64::MAX });
+    let pair = Request::Pair(PairHead {
+        width: u16::MAX,
+        height: 240,
+        capture_time_us: u64::MAX,
+        right_capture_time_us: Some(u64::MAX),
+    });
     let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain([pair]);
     requests.zip([0, 1, 127, 128, 255, u16::MAX, 300]).map(|(request, id)| Command { id, request }).collect()
 }

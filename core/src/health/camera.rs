@@ -1,0 +1,87 @@
+//! One image of a pair, looked at on a coarse grid: how bright, how much of it saturated, how much there is to see, and is it the last one?
+//!
+//! # Bounds
+//! At most [`COLUMNS`] x [`ROWS`] samples of 8 bits: every sum is below 2^19; times 1000, 2^21. Pixels of at most 32 rows: times 1000, 2^26.
+//!
+//! # Cost
+//! Some 14 instructions a sample, 1536 samples an image.
+
+use crate::image::Gray;
+use crate::units::quotient;
+
+/// Most samples along a row and rows with samples.
+const COLUMNS: u16 = 48;
+const ROWS: u16 = 32;
+/// Levels of a saturated pixel: so many from either end.
+const BLACK: u8 = 2;
+const WHITE: u8 = 253;
+
+/// One camera's image in a few numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct CameraHealth {
+    /// Mean grey level.
+    pub level: u8,
+    /// Mean grey step between neighbouring samples of a row, 1/16: what there is to see, and noise.
+    pub detail_q4: u16,
+    /// Samples at 0 ..= 2 per thousand.
+    pub black_permille: u16,
+    /// Samples at 253 ..= 255 per thousand.
+    pub white_permille: u16,
+    /// Usable pixels ([`Gray::with_usable`]) per thousand: 1000 for images that were not rectified here. The other numbers are of them.
+    pub view_permille: u16,
+}
+
+/// What the grid saw.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub(super) health: CameraHealth,
+    /// Between the darkest and the brightest sample.
+    pub(super) range: u8,
+    /// Of all samples: differs if the images differ, but for one chance in 2^32.
+    pub(super) digest: u32,
+}
+
+/// Looks at an image.
+pub(super) fn look(image: Gray<'_>) -> Look {
+    let dims = image.dims();
+    let step = |side: u16, most: u16| usize::from(side.div_ceil(most));
+    let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
+    let (mut samples, mut sum, mut black, mut white, mut steps) = (0_u32, 0_u32, 0_u32, 0_u32, 0_u32);
+    let (mut low, mut high, mut digest) = (u8::MAX, 0_u8, FNV_OFFSET);
+    let (mut usable, mut all) = (0_u32, 0_u32);
+    let mut y = down / 2;
+    while let Some(row) = image.row(y) {
+        let span = image.usable_columns(y as i32);
+        let row = row.get(usize::from(span.start)..usize::from(span.end)).unwrap_or(&[]);
+        usable += row.len() as u32;
+        all += u32::from(dims.width);
+        let mut x = across / 2;
+        let mut before = row.get(x).copied().unwrap_or(0);
+        while let Some(&level) = row.get(x) {
+            samples += 1;
+            sum += u32::from(level);
+            black += u32::from(level <= BLACK);
+            white += u32::from(level >= WHITE);
+            steps += u32::from(level.abs_diff(before));
+            low = low.min(level);
+            high = high.max(level);
+            digest = (digest ^ u32::from(level)).wrapping_mul(FNV_PRIME);
+            before = level;
+            x += across;
+        }
+        y += down;
+    }
+    let share = |count: u32, of: i32| quotient(count as i32 * of, samples as i32);
+    let health = CameraHealth {
+        level: share(sum, 1) as u8,
+        detail_q4: share(steps, 16) as u16,
+        black_permille: share(black, 1000) as u16,
+        white_permille: share(white, 1000) as u16,
+        view_permille: quotient(usable as i32 * 1000, all as i32) as u16,
+    };
+    Look { health, range: high.saturating_sub(low), digest }
+}
+
+/// FNV-1a, 32 bits (Fowler, Noll, Vo).
+const FNV_OFFSET: u32 = 0x811c_9dc5;
+const FNV_PRIME: u32 = 0x0100_0193;

@@ -1,0 +1,149 @@
+//! What can be wrong with a pair, as a set of flags.
+
+use core::fmt;
+use core::ops::{BitOr, BitOrAssign};
+
+/// A set of flags; empty when nothing is wrong. Bits 19 to 23 are left for later, more there will not be.
+///
+/// ```
+/// use linestereo::HealthFlags;
+/// let flags = HealthFlags::LEFT_FROZEN | HealthFlags::ROWS_OFF;
+/// assert!(flags.contains(HealthFlags::ROWS_OFF) && !flags.contains(HealthFlags::SKEW));
+/// assert!(flags.names().eq(["left_frozen", "rows_off"]));
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub struct HealthFlags(u32);
+
+impl HealthFlags {
+    /// Nothing is wrong.
+    pub const GOOD: Self = Self(0);
+    /// The left image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
+    pub const LEFT_EXPOSURE: Self = Self(1);
+    /// The right image's.
+    pub const RIGHT_EXPOSURE: Self = Self(1 << 1);
+    /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the left image are black or white.
+    pub const LEFT_SATURATED: Self = Self(1 << 2);
+    /// Of the right image.
+    pub const RIGHT_SATURATED: Self = Self(1 << 3);
+    /// All of the left image is one grey level, without a sensor's noise.
+    pub const LEFT_DEAD: Self = Self(1 << 4);
+    /// All of the right image.
+    pub const RIGHT_DEAD: Self = Self(1 << 5);
+    /// The left image is black, or shows next to nothing of what the right one shows.
+    pub const LEFT_COVERED: Self = Self(1 << 6);
+    /// The right image is black, or shows next to nothing of what the left one shows.
+    pub const RIGHT_COVERED: Self = Self(1 << 7);
+    /// The left image is, bit for bit, the one before.
+    pub const LEFT_FROZEN: Self = Self(1 << 8);
+    /// The right image is, bit for bit, the one before.
+    pub const RIGHT_FROZEN: Self = Self(1 << 9);
+    /// Too little of the left rectified image has a source.
+    pub const LEFT_VIEW: Self = Self(1 << 10);
+    /// Too little of the right rectified image has a source.
+    pub const RIGHT_VIEW: Self = Self(1 << 11);
+    /// One image is much brighter than the other.
+    pub const EXPOSURES_DIFFER: Self = Self(1 << 12);
+    /// The images were captured too far apart in time: the pair is refused.
+    pub const SKEW: Self = Self(1 << 13);
+    /// Rows do not match: the rig is not the calibrated one any more.
+    pub const ROWS_OFF: Self = Self(1 << 14);
+    /// The difference of rows is another than it used to be: the rig moves.
+    pub const ROWS_DRIFT: Self = Self(1 << 15);
+    /// The difference of rows is not the same all over the image: a camera is turned about its axis, or the calibration is wrong.
+    pub const ROWS_UNEVEN: Self = Self(1 << 16);
+    /// Few of the left segments find a partner.
+    pub const FEW_MATCHES: Self = Self(1 << 17);
+    /// Several credible matches lie beyond infinity.
+    pub const BEYOND_INFINITY: Self = Self(1 << 18);
+
+    /// Every flag with its name.
+    pub const NAMES: [(Self, &'static str); 19] = [
+        (Self::LEFT_EXPOSURE, "left_exposure"),
+        (Self::RIGHT_EXPOSURE, "right_exposure"),
+        (Self::LEFT_SATURATED, "left_saturated"),
+        (Self::RIGHT_SATURATED, "right_saturated"),
+        (Self::LEFT_DEAD, "left_dead"),
+        (Self::RIGHT_DEAD, "right_dead"),
+        (Self::LEFT_COVERED, "left_covered"),
+        (Self::RIGHT_COVERED, "right_covered"),
+        (Self::LEFT_FROZEN, "left_frozen"),
+        (Self::RIGHT_FROZEN, "right_frozen"),
+        (Self::LEFT_VIEW, "left_view"),
+        (Self::RIGHT_VIEW, "right_view"),
+        (Self::EXPOSURES_DIFFER, "exposures_differ"),
+        (Self::SKEW, "skew"),
+        (Self::ROWS_OFF, "rows_off"),
+        (Self::ROWS_DRIFT, "rows_drift"),
+        (Self::ROWS_UNEVEN, "rows_uneven"),
+        (Self::FEW_MATCHES, "few_matches"),
+        (Self::BEYOND_INFINITY, "beyond_infinity"),
+    ];
+
+    /// The set as bits.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// A set from bits; unnamed ones are kept.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// Whether all flags of `other` are set.
+    #[must_use]
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The names of the flags that are set, in the order of [`HealthFlags::NAMES`].
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        Self::NAMES.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, name)| name)
+    }
+
+    /// The flags of both sets.
+    pub(crate) const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// This set if `is_set`, else none.
+    pub(crate) const fn when(self, is_set: bool) -> Self {
+        if is_set { self } else { Self::GOOD }
+    }
+}
+
+impl BitOr for HealthFlags {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitOrAssign for HealthFlags {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+/// The names with `+` between them, `good` when empty.
+impl fmt::Display for HealthFlags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if *self == Self::GOOD {
+            return f.write_str("good");
+        }
+        let mut separator = "";
+        for name in self.names() {
+            write!(f, "{separator}{name}")?;
+            separator = "+";
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for HealthFlags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "HealthFlags({self})")
+    }
+}

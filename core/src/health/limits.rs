@@ -1,0 +1,106 @@
+//! What a pair may be like before a flag is raised.
+
+use core::fmt;
+
+/// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14 captured pairs, 6 of a robot's camera
+/// and three sequences of a robot (see `tests/tests/health.rs`), none of which they flag without a reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HealthLimits {
+    /// Largest time between the captures of a pair, microseconds; beyond it the pair is refused. Turning at 90 degrees a second, 1 ms is
+    /// half a pixel of disparity in QVGA. Default 1000.
+    pub skew_us: u32,
+    /// Least and largest mean level of an image. Default 20 and 235.
+    pub level: (u8, u8),
+    /// Most saturated pixels (0 ..= 2 and 253 ..= 255) of an image, per thousand. Default 250.
+    pub saturated_permille: u16,
+    /// Largest difference of levels in an image of a dead camera. Default 2: noise of any sensor is more.
+    pub dead_range: u8,
+    /// A camera is covered when its detail, relative to its level, is below the other's divided by this. Default 3.
+    pub covered_ratio: u8,
+    /// A camera is covered when its mean level is below this, and the other's is four times as high. Default 12.
+    pub covered_level: u8,
+    /// Pairs for which an image may stay the same, bit for bit. Default 0: a sensor's noise never repeats.
+    pub frozen_pairs: u8,
+    /// Least share of usable pixels of a rectified image, per thousand. Default 500.
+    pub view_permille: u16,
+    /// Largest ratio of the mean levels, 1/256. Default 448 (1.75).
+    pub exposure_ratio_q8: u16,
+    /// Largest difference of rows, 1/256 px, smoothed. Default 51 (0.2 px): below it no score of captured pairs changes but the number of
+    /// segments (4 % fewer at 0.25 px); at half a pixel 15 % are lost; beyond 2 px the matcher finds nothing.
+    pub row_offset_q8: u16,
+    /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
+    pub row_drift_q8: u16,
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not believed. Default 51.
+    pub row_spread_q8: u16,
+    /// Least matches that must agree on a difference of rows; fewer say nothing. Default 6.
+    pub row_witnesses: u8,
+    /// Pairs over which the difference of rows is smoothed, and its long mean. Default 8 and 256; at most 1024.
+    pub row_pairs: (u16, u16),
+    /// Least share of the compared left segments that find a partner, per thousand, where at least 24 are compared. Default 50.
+    pub matched_permille: u16,
+    /// Least disparity that a point of the world can have, 1/64 px: minus the rig's offset, minus an allowance. Default -64 (-1 px).
+    pub least_disparity_q6: i16,
+    /// Pairs in a row without a fault until its flag is cleared. Default 3.
+    pub clear_after: u8,
+}
+
+impl HealthLimits {
+    /// The documented defaults.
+    pub const DEFAULT: Self = Self {
+        skew_us: 1000,
+        level: (20, 235),
+        saturated_permille: 250,
+        dead_range: 2,
+        covered_ratio: 3,
+        covered_level: 12,
+        frozen_pairs: 0,
+        view_permille: 500,
+        exposure_ratio_q8: 448,
+        row_offset_q8: 51,
+        row_drift_q8: 38,
+        row_spread_q8: 51,
+        row_witnesses: 6,
+        row_pairs: (8, 256),
+        matched_permille: 50,
+        least_disparity_q6: -64,
+        clear_after: 3,
+    };
+
+    /// Microseconds between the captures of a pair, or why it must not be matched. Asked before anything else is done with the pair.
+    ///
+    /// ```
+    /// use linestereo::HealthLimits;
+    /// let limits = HealthLimits { skew_us: 500, ..HealthLimits::DEFAULT };
+    /// assert_eq!(limits.skew_us([1_000_000, 1_000_500]), Ok(500));
+    /// let refused = limits.skew_us([1_000_501, 1_000_000]).unwrap_err();
+    /// assert_eq!(refused.to_string(), "the images were captured 501 us apart, allowed are 500: trigger both cameras together");
+    /// ```
+    pub fn skew_us(&self, [left, right]: [u64; 2]) -> Result<u32, Skewed> {
+        let skew_us = u32::try_from(left.abs_diff(right)).unwrap_or(u32::MAX);
+        if skew_us > self.skew_us { Err(Skewed { skew_us, limit_us: self.skew_us }) } else { Ok(skew_us) }
+    }
+}
+
+impl Default for HealthLimits {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// Two images that were captured too far apart to be a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skewed {
+    /// Microseconds between the captures.
+    pub skew_us: u32,
+    /// Allowed ones.
+    pub limit_us: u32,
+}
+
+impl fmt::Display for Skewed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { skew_us, limit_us } = self;
+        write!(f, "the images were captured {skew_us} us apart, allowed are {limit_us}: trigger both cameras together")
+    }
+}
+
+impl core::error::Error for Skewed {}

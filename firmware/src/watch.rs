@@ -1,0 +1,50 @@
+//! The monitor of a board's pairs, around each run.
+
+use crate::memory::{Memory, RunError};
+use crate::ports::CapturedPair;
+use linestereo::{HealthLimits, HealthMonitor, Observer, PairHealth, Params, Step};
+
+/// Limits and what pairs so far have left behind.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    /// What a pair may be like.
+    pub limits: HealthLimits,
+    monitor: HealthMonitor,
+}
+
+impl Watch {
+    /// With the default limits, nothing seen yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { limits: HealthLimits::DEFAULT, monitor: HealthMonitor::new() }
+    }
+
+    /// Looks at the pair that lies in the frames, matches it, and looks at its matches. A pair that is refused ([`PairHealth::is_refused`])
+    /// is not matched: the results are those of the pair before.
+    pub fn run(
+        &mut self,
+        memory: &mut impl Memory,
+        params: &Params,
+        pair: &CapturedPair,
+        observer: &mut impl Observer,
+    ) -> Result<PairHealth, RunError> {
+        let [left, right] = memory.views(pair.dims)?;
+        let mut health = self.monitor.look(&self.limits, left, right, pair.times_us);
+        observer.ended(Step::Health(&health));
+        if health.is_refused() {
+            return Ok(health);
+        }
+        memory.run(params, pair.dims, observer)?;
+        let ([left, right], results) = (memory.views(pair.dims)?, memory.results());
+        let found = (results.matches, results.counts);
+        self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
+        observer.ended(Step::Health(&health));
+        Ok(health)
+    }
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self::new()
+    }
+}
