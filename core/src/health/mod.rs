@@ -27,7 +27,7 @@
 //! are seen, as soon as they amount to the limits.
 //!
 //! # Cost
-//! 48 thousand instructions before, and at most 200 thousand after matching a QVGA pair; a monitor has less than 100 bytes.
+//! 0.30 M instructions of the 9.85 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU); a monitor has less than 100 bytes.
 
 mod camera;
 mod flags;

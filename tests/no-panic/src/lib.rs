@@ -9,8 +9,8 @@ use linestereo::{
     RowError, View, mesh_nodes,
 };
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, Output, ParamError, Params, Plan, Rejection, Rig, RigError, Scratch,
-    SizeMismatch, ViewError, mark_words, row_bytes,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, Output, PairHealth, ParamError, Params, Plan,
+    Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, row_bytes,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -153,4 +153,16 @@ pub fn proof_push(
     frame: &mut [u8],
 ) -> Result<core::ops::Range<u16>, RowError> {
     band.push(mesh, raw_row, frame)
+
+#[unsafe(no_mangle)]
+pub fn proof_health(
+    monitor: &mut HealthMonitor,
+    limits: &HealthLimits,
+    (left, right): (Gray<'_>, Gray<'_>),
+    times_us: Option<[u64; 2]>,
+    output: &BoardOutput,
+) -> PairHealth {
+    let mut health = monitor.look(limits, left, right, times_us);
+    monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
+    health
 }
