@@ -302,8 +302,9 @@ fn a_board_is_described_set_started_and_watched() {
         "accepted: start",
     ];
     assert_eq!(lines[1..5], expected);
-    assert_eq!(lines[8], "frames: 3 complete, 0 incomplete, 0 lost");
-    assert!(lines[9].contains(" good, 1 framing damaged, 0 checksum wrong"), "the boot loader's line: {shown}");
+    assert!(lines[7].starts_with("health: points_dropped: "), "{shown}");
+    assert_eq!(lines[9], "frames: 3 complete, 0 incomplete, 0 lost");
+    assert!(lines[10].contains(" good, 1 framing damaged, 0 checksum wrong"), "the boot loader's line: {shown}");
     let (log, params, _) = thread.join().unwrap();
     let update = ParamUpdate { max_disparity: Some(96), cell: Some(24), ..ParamUpdate::default() };
     assert_eq!(log, [Request::Describe, Request::SetParams(update), Request::Start]);

@@ -38,7 +38,7 @@ fn json_has_the_promised_keys_and_shapes() {
     let folder = cards();
     let text = succeed(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
     let json: Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(keys(&json), ["counts", "points", "segments", "size"]);
+    assert_eq!(keys(&json), ["counts", "health", "points", "segments", "size"]);
     assert_eq!(json["size"], serde_json::json!([160, 120]));
     let segments = json["segments"].as_array().unwrap();
     assert!(!segments.is_empty());
@@ -62,6 +62,13 @@ fn json_has_the_promised_keys_and_shapes() {
     assert_eq!(count("segments_left"), count("matched") + rejected);
     assert_eq!(count("matched") as usize, segments.len());
     assert!(count("segments_right") > 0);
+    let health = &json["health"];
+    let named = ["flags", "least_disparity_px", "left", "right", "row_drift_px", "row_offset_px", "rows", "skew_us"];
+    assert_eq!(keys(health), named);
+    assert_eq!(health["flags"], serde_json::json!([]));
+    assert!(health["skew_us"].is_null() && health["row_drift_px"].is_null(), "a single file has neither: {health}");
+    assert_eq!(keys(&health["left"]), ["black", "detail", "level", "view", "white"]);
+    assert!(health["rows"].is_null() || health["rows"]["offset_px"].as_f64().unwrap().abs() < 0.1, "{health}");
 }
 
 #[test]

@@ -220,7 +220,7 @@ fn what_cannot_tell_its_rows_says_nothing() {
             for texture in [0, 60] {
                 let stripes = |shift: u16, down: u16| {
                     image(&|x, y| {
-                        let stripe = if ((y + 2 * period - down) / (period / 2)) % 2 == 0 { 40 } else { 150 };
+                        let stripe = if ((y + 2 * period - down) / (period / 2)).is_multiple_of(2) { 40 } else { 150 };
                         let column = (x + shift) / 5;
                         stripe
                             + noise(x, y)

@@ -57,12 +57,12 @@ impl Health {
     /// Every flag with its name: the board's, then the core's.
     pub const NAMES: [(Self, &'static str); BOARD.len() + HealthFlags::NAMES.len()] = {
         let mut names = [(Self::GOOD, ""); BOARD.len() + HealthFlags::NAMES.len()];
-        let (boards, cores) = names.split_at_mut(BOARD.len());
+        let (boards, mut cores) = names.split_at_mut(BOARD.len());
         boards.copy_from_slice(&BOARD);
-        let mut rest: (&mut [(Self, &str)], &[(HealthFlags, &str)]) = (cores, &HealthFlags::NAMES);
-        while let ([name, names @ ..], [(flag, text), flags @ ..]) = rest {
+        let mut flags = HealthFlags::NAMES.as_slice();
+        while let ([name, after @ ..], [(flag, text), flags_after @ ..]) = (cores, flags) {
             *name = (Self(flag.bits() << CORE), text);
-            rest = (names, flags);
+            (cores, flags) = (after, flags_after);
         }
         names
     };

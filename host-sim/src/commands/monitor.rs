@@ -279,7 +279,7 @@ impl Monitor {
         let news = frame.head.health.without(self.health);
         self.health = frame.head.health;
         for (name, what) in health::advice(news) {
-            self.screen.note(&format!("health: {name}: {what}"))?;
+            self.screen.explain(&format!("health: {name}: {what}"))?;
         }
         Ok(())
     }
@@ -355,6 +355,11 @@ impl Screen {
             Self::Json if frame.missing() > 0 => Ok(()),
             Self::Json => writeln!(io::stdout(), "{}", text::json(frame)?),
         }
+    }
+
+    /// A note for people; lines of JSON speak for themselves.
+    fn explain(&self, note: &str) -> io::Result<()> {
+        if matches!(self, Self::Json) { Ok(()) } else { self.note(note) }
     }
 
     fn note(&self, note: &str) -> io::Result<()> {
