@@ -153,6 +153,7 @@ pub fn proof_push(
     frame: &mut [u8],
 ) -> Result<core::ops::Range<u16>, RowError> {
     band.push(mesh, raw_row, frame)
+}
 
 #[unsafe(no_mangle)]
 pub fn proof_health(
