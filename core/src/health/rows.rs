@@ -86,7 +86,8 @@ pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Opt
         }
     }
     let median = median(&mut offsets)?;
-    let mut distances: Vec<i16, MOST> = offsets.iter().map(|&offset| (offset - median).abs()).collect();
+    let mut distances = offsets.clone();
+    distances.iter_mut().for_each(|offset| *offset = (*offset - median).abs());
     let spread = self::median(&mut distances)?;
     let near = NEAR_Q8.max(3 * spread);
     let (mut sum, mut count) = (0, 0);
@@ -220,8 +221,8 @@ fn add_column(image: Gray<'_>, (x_q6, y): (i32, i32), sums: &mut [i32]) -> Optio
 /// Smoothed gradients, a level a row.
 fn gradients<const N: usize>(levels: &[i32]) -> [i32; N] {
     let mut out = [0; N];
-    for (gradient, five) in out.iter_mut().zip(levels.windows(5)) {
-        if let &[a, b, _, d, e] = five {
+    for (gradient, from) in out.iter_mut().zip(0..) {
+        if let Some(&[a, b, _, d, e]) = levels.get(from..).and_then(<[i32]>::first_chunk) {
             *gradient = quotient(e + 2 * d - 2 * b - a, 3);
         }
     }
