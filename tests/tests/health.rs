@@ -3,9 +3,12 @@
 //! Exact scenes are rendered here; captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside it):
 //! without them the tests that need them say so and pass.
 
-use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Params, Span};
+use linestereo::{
+    Counts, Dims, Eye, Gray, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Params, Rectification, Span, View,
+};
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_gray, load_scene};
+use linestereo_sim::interchange::{Options, load_rig};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::painted;
 use std::path::PathBuf;
@@ -500,6 +503,65 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
         assert!(HealthFlags::from_bits(all.bits() & !rows.bits()) == HealthFlags::GOOD, "{name}: {all}");
         assert!(all.contains(expected), "{name}: {all}");
     }
+}
+
+/// Raw frames of a drone, rectified in floating point by its own calibration, at two sizes: what is left of the rows. Of the raw pairs
+/// none meets the bound.
+#[test]
+fn rows_of_euroc_pairs_after_rectification() {
+    let Some(folder) = frames("euroc_micro") else { return };
+    let sensors = ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| folder.join(name));
+    let calibration = load_rig(&sensors, &Options::default()).unwrap().rig.calibration;
+    let mut pairs: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    pairs.retain(|path| path.is_dir());
+    pairs.sort();
+    assert!(!pairs.is_empty());
+    for (dims, max_disparity) in [(Dims { width: 752, height: 480 }, 96), (Dims { width: 320, height: 204 }, 48)] {
+        let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
+        for folder in &pairs {
+            let raw = ["left.png", "right.png"].map(|name| load_gray(&folder.join(name)).unwrap());
+            let name = folder.file_name().unwrap().to_string_lossy();
+            let [left, right] =
+                Eye::BOTH.map(|eye| rectified(&rectification, eye, &raw[usize::from(eye == Eye::Right)]));
+            let health = alone(&left, &right, max_disparity);
+            eprintln!(
+                "{name} at {dims}: {:?}, {}",
+                health.rows.map(|rows| (pixels(rows.offset_q8), rows)),
+                health.flags
+            );
+            let rows = health.rows.unwrap();
+            assert!(pixels(rows.offset_q8).abs() <= 0.25, "{name} at {dims}: {rows:?}");
+            let unrectified = alone(&raw[0], &raw[1], 96);
+            let raw_rows = unrectified.rows.filter(|rows| rows.spread_q8 <= 51);
+            assert!(raw_rows.is_none_or(|rows| pixels(rows.offset_q8).abs() > 0.25), "{name} raw: {unrectified:?}");
+        }
+    }
+}
+
+/// By the mean of nine bilinear samples a pixel where the image becomes smaller.
+fn rectified(rectification: &Rectification, eye: Eye, raw: &GrayImage) -> GrayImage {
+    let dims = rectification.dims();
+    let (width, height) = (i32::from(raw.dims.width), i32::from(raw.dims.height));
+    let at = |x: i32, y: i32| f64::from(raw.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]);
+    let sample = |position: [f64; 2]| {
+        let [u, v] = rectification.source(eye, position).unwrap();
+        let (x, y) = (u.floor() as i32, v.floor() as i32);
+        let (fx, fy) = (u - u.floor(), v - v.floor());
+        let row = |y: i32| at(x, y) * (1.0 - fx) + at(x + 1, y) * fx;
+        row(y) * (1.0 - fy) + row(y + 1) * fy
+    };
+    let steps: &[f64] = if dims.width < raw.dims.width { &[-1.0 / 3.0, 0.0, 1.0 / 3.0] } else { &[0.0] };
+    let count = (steps.len() * steps.len()) as f64;
+    let pixel = |x: u16, y: u16| {
+        let sum: f64 = steps
+            .iter()
+            .flat_map(|dy| steps.iter().map(move |dx| [f64::from(x) + dx, f64::from(y) + dy]))
+            .map(sample)
+            .sum();
+        (sum / count).round() as u8
+    };
+    let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y));
+    GrayImage { dims, pixels: pixels.collect() }
 }
 
 #[test]
