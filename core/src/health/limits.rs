@@ -26,7 +26,7 @@ pub struct HealthLimits {
     /// Largest ratio of the mean levels, 1/256. Default 448 (1.75).
     pub exposure_ratio_q8: u16,
     /// Largest difference of rows, 1/256 px, smoothed. Default 51 (0.2 px): below it no score of captured pairs changes but the number of
-    /// segments (4 % fewer at 0.25 px); at half a pixel 15 % are lost; beyond 2 px the matcher finds nothing.
+    /// segments (5 % fewer at 0.25 px); at half a pixel 15 % are lost; beyond 2 px the matcher finds nothing.
     pub row_offset_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
