@@ -109,9 +109,8 @@ enum Key {
 impl Key {
     fn of(rest: &str) -> Self {
         let digits = rest.trim_end_matches(|letter: char| !letter.is_ascii_digit());
-        let start = digits.rfind(|letter: char| !letter.is_ascii_digit()).map_or(0, |last| last + 1);
-        // A position behind a letter of several bytes is no boundary; such a name has no number then.
-        let number = digits.get(start..).and_then(|digits| digits.parse().ok());
+        let number =
+            digits.rsplit(|letter: char| !letter.is_ascii_digit()).next().and_then(|digits| digits.parse().ok());
         number.map_or_else(|| Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned()), Self::Number)
     }
 
