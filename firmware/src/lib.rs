@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! bin/            one line each: a program on the chosen board
-//! programs/       selftest, kernels, bench, replay, live: generic over the ports, tested on a PC with fakes
+//! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera

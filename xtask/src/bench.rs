@@ -1,4 +1,4 @@
-//! Instructions by stage, from the programs `bench` (built-in pairs) and `replay` (captured ones).
+//! Instructions by stage, from the programs `bench` (built-in pairs) and `replay` (captured ones); of rectification, from `rectify`.
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
@@ -8,6 +8,7 @@ use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, Costs, Machine, qemu};
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::{find_scenes, load_scene};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -41,6 +42,39 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     Ok(Builtin { pairs, stack })
 }
 
+/// What rectifying a pair with a built-in rig costs.
+#[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Rectified {
+    /// Instructions from the rig to both meshes.
+    pub(crate) set_up: u64,
+    /// Instructions for both images.
+    pub(crate) rows: u64,
+    /// Instructions of the dearest raw row.
+    pub(crate) dearest_row: u64,
+    /// Raw rows held, bytes of the camera that needs more.
+    pub(crate) band_bytes: u64,
+}
+
+/// Runs the program `rectify`: by rig and size, such as `moderate_320x240`.
+pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
+    let toolchain = Toolchain::find(&board::top()?)?;
+    let elf = firmware::build(&toolchain, board, "rectify", Logs::None)?;
+    let folder = tempfile::tempdir()?;
+    qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("rectify", board)?;
+    let mut rigs = BTreeMap::new();
+    for line in std::fs::read_to_string(folder.path().join("table"))?.lines() {
+        let ["rectify", name, ref numbers @ .., _digest] = line.split('\t').collect::<Vec<_>>()[..] else {
+            anyhow::bail!("the table of rectify has an unknown line: {line}")
+        };
+        let numbers: Vec<u64> = numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
+        let [set_up, rows, dearest_row, band_bytes] = numbers[..] else {
+            anyhow::bail!("the table of rectify has an unknown line: {line}")
+        };
+        rigs.insert(name.to_owned(), Rectified { set_up, rows, dearest_row, band_bytes });
+    }
+    Ok(rigs)
+}
+
 /// Built-in pairs by their size and kind, such as `128x96` and `128x96_dearest`, without these in their names.
 pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTreeMap<String, Vec<(String, Costs)>>> {
     let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
@@ -56,6 +90,13 @@ pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTre
 /// Prints the tables.
 pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
     for board in boards {
+        println!("{}, rectification of a pair, thousands of instructions (band: bytes of a camera)", board.name);
+        for (name, Rectified { set_up, rows, dearest_row, band_bytes }) in rectified(board)? {
+            let [set_up, rows, dearest_row] = [set_up, rows, dearest_row].map(|count| count / 1000);
+            println!(
+                "{name:30} set-up {set_up:>7} both images {rows:>6} dearest row {dearest_row:>4} band {band_bytes:>6}"
+            );
+        }
         for (size, pairs) in by_size(board, builtin(board)?.pairs)? {
             println!("{}, built-in pairs of {size}, thousands of instructions\n{}", board.name, table(&pairs));
         }

@@ -2,7 +2,7 @@
 //!
 //! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for reading.
 
-use crate::bench::{self, Builtin};
+use crate::bench::{self, Builtin, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Params, Stage};
@@ -26,6 +26,7 @@ const HEAD: &str = "\
 # built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
+# rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
 
@@ -43,6 +44,8 @@ struct BoardNumbers {
     built_in: BTreeMap<String, Instructions>,
     #[serde(default)]
     captured: BTreeMap<String, Instructions>,
+    #[serde(default)]
+    rectify: BTreeMap<String, Rectified>,
 }
 
 /// Of the pairs of one size.
@@ -146,7 +149,7 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
         }
     }
     let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(BoardNumbers { bytes, built_in, captured })
+    Ok(BoardNumbers { bytes, built_in, captured, rectify: bench::rectified(board)? })
 }
 
 /// The numbers that are compared, by name.
@@ -155,6 +158,11 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
     for (name, board) in &numbers.boards {
         for (what, &bytes) in &board.bytes {
             list.insert(format!("{name} {what}"), bytes);
+        }
+        for (rig, of) in &board.rectify {
+            list.insert(format!("{name} rectify {rig} set_up"), of.set_up);
+            list.insert(format!("{name} rectify {rig} rows"), of.rows);
+            list.insert(format!("{name} rectify {rig} band_bytes"), of.band_bytes);
         }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
         for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {

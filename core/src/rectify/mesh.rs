@@ -128,6 +128,12 @@ const QUARTER: [i32; 4] = CUBIC[4];
 /// Most nodes along a row: a mesh is not fine above half of the largest width.
 const MOST_COLUMNS: usize = nodes_along(MAX_WIDTH, COARSE) as usize;
 
+/// Cells whose pieces are looked at together.
+pub(super) const STRETCH: usize = 8;
+
+/// Memory for the ends of pieces of so many cells.
+pub(super) type Ends = [Node; 4 * STRETCH + 1];
+
 /// Memory for the nodes along one row.
 pub(super) type Knots = [Node; MOST_COLUMNS];
 
@@ -151,7 +157,8 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    fn between(from: Node, to: Node, shift: u8) -> Self {
+    #[inline]
+    pub(super) fn between(from: Node, to: Node, shift: u8) -> Self {
         let (x_q16, y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
         Self { x_q16, dx_q16: (to.x.wrapping_sub(from.x)) >> shift, y_q14, dy_q14: ((to.y >> 2) - y_q14) >> shift }
     }
@@ -368,6 +375,52 @@ pub(super) struct MeshPlan<'a> {
 }
 
 impl MeshPlan<'_> {
+    /// log2 of the pixels of a piece.
+    pub(super) fn piece(&self) -> u8 {
+        self.grid.piece & 15
+    }
+
+    /// Nodes along row `y`: see [`Grid::knots`].
+    pub(super) fn knots<'k>(&self, y: u16, memory: &'k mut Knots) -> &'k [Node] {
+        self.grid.knots(self.nodes, y, memory)
+    }
+
+    /// Ends of the pieces of the cells between the inner ones of these knots (at most [`STRETCH`] cells), the first one's start before
+    /// them.
+    pub(super) fn ends<'k>(&self, knots: &'k [Node], memory: &'k mut Ends) -> &'k [Node] {
+        let pieces = 1_u32 << ((self.grid.cell - self.grid.piece) & 3);
+        let cells = knots.windows(4).filter_map(|four| four.first_chunk::<4>());
+        let inner = knots.get(1..).and_then(|knots| knots.split_last()).map_or(&[][..], |(_, inner)| inner);
+        let mut count = 0;
+        let mut put = |node: Node| {
+            if let Some(place) = memory.get_mut(count) {
+                *place = node;
+                count += 1;
+            }
+        };
+        match pieces {
+            1 => return inner,
+            2 => {
+                for four in cells {
+                    let [_, start, ..] = *four;
+                    put(start);
+                    put(Node::middle(*four));
+                }
+            }
+            _ => {
+                for four in cells {
+                    let [_, start, ..] = *four;
+                    put(start);
+                    (1..4).for_each(|number| put(end_of_piece(four, number, 4)));
+                }
+            }
+        }
+        if let Some(last) = inner.last() {
+            put(*last);
+        }
+        memory.get(..count).unwrap_or(&[])
+    }
+
     /// The pixels of row `y` that have a source.
     pub(super) fn span(&self, y: u16) -> Span {
         self.spans.get(usize::from(y)).copied().unwrap_or_default()
@@ -398,8 +451,7 @@ impl Grid {
             grid = Self::placed(rectification, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);
         }
-        grid.choose_pieces(nodes);
-        grid.error_q16 = grid.error_q16.saturating_add(cubic);
+        grid.choose_pieces(nodes, cubic);
         grid.centre_pieces(nodes);
         grid.plan_rows(rectification, eye, nodes, rows)?;
         Ok(grid)
@@ -410,7 +462,7 @@ impl Grid {
         let (dims, raw) = (rectification.dims(), rectification.camera(eye).dims());
         let columns = nodes_along(dims.width, cell);
         let rows = usize::from(nodes_along(dims.height, cell));
-        for (row, v) in nodes.chunks_exact_mut(usize::from(columns)).take(rows).zip(-1..) {
+        for (row, v) in nodes.chunks_exact_mut(usize::from(columns).max(1)).take(rows).zip(-1..) {
             for (node, u) in row.iter_mut().zip(-1..) {
                 let [x, y] = [u, v].map(|i: i32| f64::from(i << cell));
                 *node = Node::new(rectification.extended_source(eye, [x, y]));
@@ -422,7 +474,7 @@ impl Grid {
     /// The rows of nodes.
     fn node_rows<'a>(&self, nodes: &'a [Node]) -> impl Iterator<Item = &'a [Node]> + use<'a> {
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
-        nodes.chunks_exact(usize::from(self.columns)).take(rows)
+        nodes.chunks_exact(usize::from(self.columns).max(1)).take(rows)
     }
 
     /// Is this node one of a pixel that is seen, or next to one?
@@ -471,9 +523,9 @@ impl Grid {
         4 + 2 * (self.cell - piece)
     }
 
-    /// The longest pieces that err by at most 1/32 px: in its middle a line errs by h^2/8 times the second derivative, half of that once
-    /// centred.
-    fn choose_pieces(&mut self, nodes: &[Node]) {
+    /// The longest pieces with which no pixel is off by more than 1/32 px: a line errs in its middle by h^2/8 times the second derivative,
+    /// half of that once centred, and cubics err as well.
+    fn choose_pieces(&mut self, nodes: &[Node], cubic: i32) {
         let mut largest = 0;
         for row in self.node_rows(nodes) {
             for three in row.windows(3).filter_map(|three| three.first_chunk::<3>()) {
@@ -483,16 +535,16 @@ impl Grid {
                 }
             }
         }
-        let suits = |piece: &u8| *piece <= self.cell && largest >> self.bend_shift(*piece) <= ONE / 32;
-        self.piece = [4, 3].into_iter().find(suits).unwrap_or(2);
-        self.error_q16 = largest >> self.bend_shift(self.piece);
+        let error = |piece: u8| (largest >> self.bend_shift(piece)).saturating_add(cubic);
+        let piece = [4, 3].into_iter().find(|piece| *piece <= self.cell && error(*piece) <= ONE / 32).unwrap_or(2);
+        (self.piece, self.error_q16) = (piece, error(piece));
     }
 
     /// Moves the nodes against their bend by half of what a line between knots errs in its middle.
     fn centre_pieces(&self, nodes: &mut [Node]) {
         let shift = self.bend_shift(self.piece);
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
-        for row in nodes.chunks_exact_mut(usize::from(self.columns)).take(rows) {
+        for row in nodes.chunks_exact_mut(usize::from(self.columns).max(1)).take(rows) {
             let mut before: Option<Node> = None;
             let mut at = 0;
             while let Some(three) = row.get(at..).and_then(|row| row.first_chunk::<3>()).copied() {
@@ -528,7 +580,7 @@ impl Grid {
                 for i in (0..length).filter(|i| span.contains(i32::from(start + i))) {
                     let [_, y_q14] = piece.at(i);
                     is_inner &= self.is_between(piece.at(i));
-                    let row = (y_q14 >> 14).clamp(0, i32::from(self.raw.height) - 2);
+                    let row = (y_q14 >> 14).min(i32::from(self.raw.height) - 2).max(0);
                     (low, high) = (low.min(row), high.max(row + 1));
                 }
             });

@@ -14,7 +14,7 @@
 //! # Bounds
 //! See [`portable::bilinear`](crate::kernel::portable::bilinear).
 
-use super::mesh::{Knots, Mesh, MeshPlan, Node, Piece};
+use super::mesh::{Ends, Knots, Mesh, MeshPlan, Node, Piece, STRETCH};
 use crate::kernel::{Run, bilinear, bilinear_runs};
 use core::fmt;
 use core::ops::Range;
@@ -31,11 +31,14 @@ pub struct Band<const BYTES: usize> {
 #[derive(Clone, Debug)]
 struct Work {
     knots: Knots,
+    ends: Ends,
     runs: [Run; RUNS],
 }
 
 /// Runs that are painted at once.
-const RUNS: usize = 32;
+const RUNS: usize = 48;
+/// Most runs of a piece: one for each pixel.
+const MOST_OF_PIECE: usize = 16;
 
 /// How far a frame has come.
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,7 +104,7 @@ impl<const BYTES: usize> Band<BYTES> {
     #[must_use]
     pub const fn new() -> Self {
         const NOTHING: Run = Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
-        let work = Work { knots: [Node::ZERO; _], runs: [NOTHING; RUNS] };
+        let work = Work { knots: [Node::ZERO; _], ends: [Node::ZERO; _], runs: [NOTHING; RUNS] };
         Self { bytes: [0; BYTES], place: Place { raw: 0, row: 0 }, work }
     }
 
@@ -213,6 +216,9 @@ impl Rows<'_> {
 
     fn rectify(&self, y: u16, work: &mut Work, out: &mut [u8]) {
         let span = self.mesh.span(y);
+        if self.mesh.grid.is_inner && usize::from(span.end - span.start) == out.len() {
+            return self.rectify_inner(y, work, out);
+        }
         let (before, rest) = out.split_at_mut_checked(span.start.into()).unwrap_or_default();
         let (valid, behind) = rest.split_at_mut_checked(span.end.saturating_sub(span.start).into()).unwrap_or_default();
         before.fill(0);
@@ -228,13 +234,68 @@ impl Rows<'_> {
         list.paint();
     }
 
+    /// A row all of whose pixels lie between four raw ones.
+    fn rectify_inner(&self, y: u16, work: &mut Work, out: &mut [u8]) {
+        let width = usize::from(self.mesh.grid.raw.width);
+        let mut left = out;
+        let mut knots = self.mesh.knots(y, &mut work.knots);
+        while knots.len() > 3 {
+            let stretch = knots.get(..STRETCH + 3).unwrap_or(knots);
+            let mut ends = self.mesh.ends(stretch, &mut work.ends);
+            while ends.len() > 1 && !left.is_empty() {
+                let listed = self.list(ends, left.len() as u32, &mut work.runs);
+                let runs = work.runs.get(..listed.runs).unwrap_or(&[]);
+                let (out, behind) =
+                    core::mem::take(&mut left).split_at_mut_checked(listed.pixels as usize).unwrap_or_default();
+                bilinear_runs(self.bytes, width, runs, out);
+                left = behind;
+                ends = ends.get(listed.pieces..).unwrap_or(&[]);
+            }
+            knots = knots.get(STRETCH..).unwrap_or(&[]);
+        }
+    }
+
+    /// Makes a list of as many whole pieces as it holds, up to a number of pixels: split where the raw row changes.
+    fn list(&self, ends: &[Node], most: u32, runs: &mut [Run; RUNS]) -> Listed {
+        let shift = self.mesh.piece();
+        let mut left = most as i32;
+        let mut pieces = 0;
+        let mut slots = runs.iter_mut();
+        for pair in ends.windows(2).filter_map(|pair| pair.first_chunk::<2>()) {
+            if slots.len() < MOST_OF_PIECE {
+                break;
+            }
+            pieces += 1;
+            let [from, to] = *pair;
+            let Piece { mut x_q16, dx_q16, mut y_q14, dy_q14 } = Piece::between(from, to, shift);
+            let mut of_piece = left.min(1 << shift);
+            left -= of_piece;
+            while of_piece > 0 {
+                let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
+                let last = y_q14.wrapping_add(dy_q14.wrapping_mul(of_piece - 1));
+                let mut length = of_piece;
+                if last >> 14 != row {
+                    length = before_next_row(fy_q14, dy_q14).min(of_piece);
+                }
+                let (top, bottom) = self.places(row);
+                let Some(slot) = slots.next() else { break };
+                *slot = Run { top, bottom, x_q16, dx_q16, fy_q14, dfy_q14: dy_q14, length: length as u32 };
+                x_q16 = x_q16.wrapping_add(dx_q16.wrapping_mul(length));
+                y_q14 = y_q14.wrapping_add(dy_q14.wrapping_mul(length));
+                of_piece -= length;
+            }
+        }
+        let free = slots.len();
+        Listed { runs: RUNS - free, pixels: most.wrapping_sub(left as u32), pieces }
+    }
+
     /// Pixel by pixel, held inside.
     fn paint_border(&self, piece: Piece, out: &mut [u8]) {
         let raw = self.mesh.grid.raw;
         let (ends_x, ends_y) = ((i32::from(raw.width) - 1) << 16, (i32::from(raw.height) - 1) << 14);
         for (pixel, i) in out.iter_mut().zip(0..) {
             let [x, y] = piece.at(i);
-            let (x, y) = (x.clamp(0, ends_x), y.clamp(0, ends_y));
+            let (x, y) = (x.min(ends_x).max(0), y.min(ends_y).max(0));
             // The last pixel is one to the right of the last but one.
             let (column, row) = ((x >> 16).min(i32::from(raw.width) - 2), (y >> 14).min(i32::from(raw.height) - 2));
             let two = |row: &[u8]| row.get(column as usize..).and_then(|row| row.first_chunk::<2>()).copied();
@@ -244,6 +305,13 @@ impl Rows<'_> {
             };
         }
     }
+}
+
+/// What a list of runs holds.
+struct Listed {
+    runs: usize,
+    pixels: u32,
+    pieces: usize,
 }
 
 /// Runs that are to be painted, and where to.

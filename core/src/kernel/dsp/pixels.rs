@@ -12,40 +12,49 @@
 //! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative difference comes back with the sum, which
 //! is none.
 //!
+//! # Cost
+//! Instructions under QEMU: 15.5 a pixel; for each run 55 to check it and 18 to start it.
+//!
 //! # Source
 //! See [`super`].
 
 use super::super::portable::{self, Run};
 use core::arch::asm;
 
-/// Longest run that is done here.
-const LONGEST: u32 = 1024;
+/// One less than the longest run that is done here.
+const LONGEST: i32 = 1023;
+/// One row, Q14.
+const ONE: i32 = 1 << 14;
 
 /// See [`portable::bilinear_runs`].
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
-    let Some(last_start) = rows.len().checked_sub(width).filter(|_| (2..=4096).contains(&width)) else {
+    let last_start = rows.len().checked_sub(width).and_then(|last| i32::try_from(last).ok());
+    let Some(last_start) = last_start.filter(|_| (2..=4096).contains(&width)) else {
         return portable::bilinear_runs(rows, width, runs, out);
     };
     // Below 2^28.
-    let end = (width as u32 - 1) << 16;
-    let mut total = 0;
+    let end = (width as i32 - 1) << 16;
+    // A check holds if its number is not negative: all of them are gathered in the sign of one.
+    let (mut signs, mut total) = (0, 0_u32);
     for &Run { top, bottom, x_q16, dx_q16, fy_q14, dfy_q14, length } in runs {
-        let steps = length.wrapping_sub(1);
-        let last_x = x_q16.wrapping_add(dx_q16.wrapping_mul(steps as i32)) as u32;
-        let last_fy = fy_q14.wrapping_add(dfy_q14.wrapping_mul(steps as i32)) as u32;
-        let is_short = steps < LONGEST && dx_q16.unsigned_abs() < 1 << 20 && dfy_q14.unsigned_abs() <= 1 << 14;
-        let is_between = (x_q16 as u32).max(last_x) < end && (fy_q14 as u32).max(last_fy) <= 1 << 14;
-        if !(is_short && is_between && top.max(bottom) as usize <= last_start) {
-            return portable::bilinear_runs(rows, width, runs, out);
-        }
-        total += length as usize;
+        let steps = (length as i32).wrapping_sub(1);
+        let last_x = i64::from(x_q16) + i64::from(dx_q16) * i64::from(steps);
+        let last_fy = i64::from(fy_q14) + i64::from(dfy_q14) * i64::from(steps);
+        // Both words of a sum in 64 bits: the upper one is 0, or the sum is negative or too large.
+        let (low_x, low_fy) = (last_x as i32, last_fy as i32);
+        let upper = (last_x >> 32) as i32 | (last_fy >> 32) as i32;
+        signs |= upper | upper.wrapping_neg() | steps | LONGEST.wrapping_sub(steps) | top as i32 | bottom as i32;
+        signs |= last_start.wrapping_sub(top as i32) | last_start.wrapping_sub(bottom as i32);
+        signs |= x_q16 | low_x | (end - 1).wrapping_sub(x_q16) | (end - 1).wrapping_sub(low_x);
+        signs |= fy_q14 | low_fy | ONE.wrapping_sub(fy_q14) | ONE.wrapping_sub(low_fy);
+        total = length.wrapping_add(total);
     }
-    if total == 0 || total > out.len() {
+    if signs < 0 || total == 0 || total as usize > out.len() {
         return portable::bilinear_runs(rows, width, runs, out);
     }
     // SAFETY: every run has a pixel, and together they have no more than `out`. `width` bytes from `top` and `bottom` on are in `rows`.
-    // Positions move evenly and neither product above can wrap (2^20 * 2^10 + 2^28 < 2^31), so all of a run lie between its first and its
-    // last one: in columns from 0 to before the last one.
+    // Positions move evenly, and the last one was computed without loss: all of a run lie between its first and its last one, in columns
+    // from 0 to before the last one of a row. `length` is at most 1024, so no two errors of `total` make up for each other.
     unsafe { pixels(rows.as_ptr(), runs, out.as_mut_ptr()) }
 }
 
