@@ -248,7 +248,10 @@ fn runs_follow_their_lines() {
             let steps = (length as i32 - 1).max(1);
             let [top, bottom] = [0; 2].map(|_| (random.below(rows as u64) * width as u64) as u32);
             let (dx_q16, dfy_q14) = ((x1 - x0) / steps, (y1 - y0) / steps);
-            runs.push(Run { top, bottom, x_q16: x0, dx_q16, fy_q14: y0, dfy_q14, length });
+            // A parabola, where it stays between both ends.
+            let ddx_q16 = if dx_q16.abs() > 6000 { random.below(500) as i32 - 250 } else { 0 };
+            let dx_q16 = dx_q16 - ddx_q16 * (steps - 1) / 2;
+            runs.push(Run { top, bottom, x_q16: x0, dx_q16, ddx_q16, fy_q14: y0, dfy_q14, length });
         }
         let total: u32 = runs.iter().map(|run| run.length).sum();
         let mut found = vec![77; total as usize + 3];
@@ -256,7 +259,8 @@ fn runs_follow_their_lines() {
         let mut places = found.iter();
         for run in &runs {
             for i in 0..run.length as i32 {
-                let (x, fy) = (run.x_q16 + i * run.dx_q16, run.fy_q14 + i * run.dfy_q14);
+                let growth = run.ddx_q16 * (i * (i - 1) / 2);
+                let (x, fy) = (run.x_q16 + i * run.dx_q16 + growth, run.fy_q14 + i * run.dfy_q14);
                 let column = (x >> 16) as usize;
                 let two = |start: u32| [0, 1].map(|k| pixels[start as usize + column + k]);
                 let fx = f64::from(x & 0xffff) / 65536.0;

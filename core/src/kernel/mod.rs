@@ -20,7 +20,7 @@ mod dsp;
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
 mod sse2;
 
-pub use portable::{Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear};
+pub use portable::{Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear, columns};
 
 #[cfg(dsp)]
 pub use dsp::{

@@ -229,7 +229,7 @@ pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8
     Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
 }
 
-/// Pixels that follow each other on a straight line between two rows.
+/// Pixels that follow each other between two rows: their columns by a polynomial of the second degree, their rows on a straight line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Run {
@@ -239,8 +239,10 @@ pub struct Run {
     pub bottom: u32,
     /// Column of the first pixel, px in Q16; the fraction counts down to 1/128.
     pub x_q16: i32,
-    /// From pixel to pixel, px in Q16.
+    /// From the first pixel to the second, px in Q16.
     pub dx_q16: i32,
+    /// What each step is longer than the one before, px in Q16.
+    pub ddx_q16: i32,
     /// How far the first pixel lies below the upper row, px in Q14: 0 ..= 16 384, as it is for all pixels.
     pub fy_q14: i32,
     /// From pixel to pixel, px in Q14.
@@ -255,36 +257,41 @@ pub struct Run {
 pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
     // At most 255 * 2^7: fits `i16`. The sum is at most 255 * 2^21 + 2^20.
     let across = |[a, b]: [u8; 2]| i32::from(a) * (128 - fx_q7) + i32::from(b) * fx_q7;
-    ((across(top) * ((1 << 14) - fy_q14) + across(bottom) * fy_q14 + (1 << 20)) >> 21) as u8
+    // Two weights in one word: other fractions than those above give what one addition to the word gives.
+    let weights = fy_q14.wrapping_mul(0xffff).wrapping_add(1 << 14);
+    let (upper, lower) = (i32::from(weights as i16), i32::from((weights >> 16) as i16));
+    let sum = (across(top) * upper).wrapping_add(across(bottom) * lower).wrapping_add(1 << 20);
+    (sum as u32 >> 21) as u8
 }
 
-/// [`bilinear`] at each pixel of one run after the other, between rows of `width` pixels that lie anywhere in `rows`. A pixel is 0 that
-/// does not lie between two pixels of both rows. What `out` is longer than the runs stays.
+/// Columns that can be asked for in rows of this width: the next power of two, at least 256. What lies behind a row is read, but never
+/// further.
+#[must_use]
+pub const fn columns(width: usize) -> usize {
+    if width < 256 { 256 } else { width.next_power_of_two() }
+}
+
+/// [`bilinear`] at each pixel of one run after the other, between rows of `width` pixels that lie anywhere in `rows`. Columns outside of
+/// 0 .. [`columns`] are held inside; what lies behind the end of `rows` is 0. What `out` is longer than the runs stays.
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
+    let last = i32::try_from(columns(width.min(1 << 15)) - 1).unwrap_or(0);
     let mut left = out;
     for run in runs {
         let length = left.len().min(run.length as usize);
         let Some((out, behind)) = core::mem::take(&mut left).split_at_mut_checked(length) else { return };
         left = behind;
-        let row = |start: u32| rows.get(start as usize..).and_then(|row| row.get(..width)).unwrap_or(&[]);
-        bilinear_run(row(run.top), row(run.bottom), out, *run);
-    }
-}
-
-fn bilinear_run(top: &[u8], bottom: &[u8], out: &mut [u8], run: Run) {
-    let Run { mut x_q16, dx_q16, mut fy_q14, dfy_q14, .. } = run;
-    for out in out {
-        let two = |row: &[u8]| {
-            let column = usize::try_from(x_q16 >> 16).ok()?;
-            row.get(column..)?.first_chunk::<2>().copied()
-        };
-        *out = match (two(top), two(bottom)) {
-            (Some(top), Some(bottom)) if (0..=1 << 14).contains(&fy_q14) => {
-                bilinear(top, bottom, x_q16 >> 9 & 127, fy_q14)
-            }
-            _ => 0,
-        };
-        x_q16 = x_q16.wrapping_add(dx_q16);
-        fy_q14 = fy_q14.wrapping_add(dfy_q14);
+        let Run { top, bottom, mut x_q16, mut dx_q16, ddx_q16, mut fy_q14, dfy_q14, .. } = *run;
+        for out in out {
+            let column = (x_q16 >> 16).max(0).min(last) as usize;
+            let pixel = |start: u32, k: usize| {
+                let place = (start as usize).checked_add(column + k);
+                place.and_then(|place| rows.get(place)).copied().unwrap_or(0)
+            };
+            let two = |start: u32| [pixel(start, 0), pixel(start, 1)];
+            *out = bilinear(two(top), two(bottom), x_q16 >> 9 & 127, fy_q14);
+            x_q16 = x_q16.wrapping_add(dx_q16);
+            dx_q16 = dx_q16.wrapping_add(ddx_q16);
+            fy_q14 = fy_q14.wrapping_add(dfy_q14);
+        }
     }
 }

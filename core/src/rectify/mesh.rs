@@ -6,8 +6,8 @@
 //! set-up, floating point:
 //!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every 8th, if the cubic through those would
 //!             err by more than 1/64 px by their fourth differences, and the memory is given
-//!     pieces: how many pixels may be joined by one straight line: 16, 8 or 4, by the largest second difference of the nodes
-//!     nodes  -= their second difference along the row, scaled, so that lines err to both sides equally and half as much
+//!     pieces: how many pixels may be joined: 16, 8 or 4, their raw columns by a parabola, their raw rows by a line
+//!     nodes' rows -= their second difference along the row, scaled, so that lines err to both sides equally and half as much
 //!     rows:   the pixels that have a source, the last raw row they need; the most raw rows that are needed at once
 //! per row, integers:
 //!     four rows of nodes -> one, four nodes of that -> ends of pieces: the cubic through four points, twice
@@ -26,6 +26,7 @@
 use super::calibration::Eye;
 use super::rectification::Rectification;
 use crate::image::{Dims, MAX_WIDTH, Span};
+use crate::kernel::columns;
 use core::fmt;
 
 /// log2 of the distance of nodes in pixels.
@@ -128,12 +129,6 @@ const QUARTER: [i32; 4] = CUBIC[4];
 /// Most nodes along a row: a mesh is not fine above half of the largest width.
 const MOST_COLUMNS: usize = nodes_along(MAX_WIDTH, COARSE) as usize;
 
-/// Cells whose pieces are looked at together.
-pub(super) const STRETCH: usize = 8;
-
-/// Memory for the ends of pieces of so many cells.
-pub(super) type Ends = [Node; 4 * STRETCH + 1];
-
 /// Memory for the nodes along one row.
 pub(super) type Knots = [Node; MOST_COLUMNS];
 
@@ -143,13 +138,15 @@ const fn rounded(value: i32, by: i64) -> i32 {
     ((value + if value < 0 { -by / 2 } else { by / 2 }) / by) as i32
 }
 
-/// Pixels that follow each other on a straight line through the raw image.
+/// Pixels that follow each other: their raw columns by a polynomial of the second degree, their raw rows on a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// Position of the first pixel, px in Q16, half a step of the kernel's fraction added.
     pub(super) x_q16: i32,
-    /// From pixel to pixel.
+    /// From the first pixel to the second.
     pub(super) dx_q16: i32,
+    /// What each step is longer than the one before.
+    pub(super) ddx_q16: i32,
     /// Position of the first pixel, px in Q14.
     pub(super) y_q14: i32,
     /// From pixel to pixel.
@@ -158,15 +155,31 @@ pub(super) struct Piece {
 
 impl Piece {
     #[inline]
-    pub(super) fn between(from: Node, to: Node, shift: u8) -> Self {
+    fn between(from: Node, to: Node, ddx_q16: i32, shift: u8) -> Self {
         let (x_q16, y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
-        Self { x_q16, dx_q16: (to.x.wrapping_sub(from.x)) >> shift, y_q14, dy_q14: ((to.y >> 2) - y_q14) >> shift }
+        // The first step is as much shorter than the mean one as the sum of what the steps grow.
+        let growth = ddx_q16.wrapping_mul(((1 << shift) - 1) << shift >> 1);
+        let dx_q16 = to.x.wrapping_sub(from.x).wrapping_sub(growth) >> shift;
+        Self { x_q16, dx_q16, ddx_q16, y_q14, dy_q14: ((to.y >> 2) - y_q14) >> shift }
+    }
+
+    /// The same from a later pixel on.
+    #[inline]
+    pub(super) fn from(self, i: i32) -> Self {
+        let Self { x_q16, dx_q16, ddx_q16, y_q14, dy_q14 } = self;
+        let growth = ddx_q16.wrapping_mul(i.wrapping_mul(i - 1) >> 1);
+        Self {
+            x_q16: x_q16.wrapping_add(dx_q16.wrapping_mul(i)).wrapping_add(growth),
+            dx_q16: dx_q16.wrapping_add(ddx_q16.wrapping_mul(i)),
+            y_q14: y_q14.wrapping_add(dy_q14.wrapping_mul(i)),
+            ..self
+        }
     }
 
     /// Position of a pixel of it.
     pub(super) fn at(self, i: u16) -> [i32; 2] {
-        let i = i32::from(i);
-        [self.x_q16.wrapping_add(self.dx_q16.wrapping_mul(i)), self.y_q14.wrapping_add(self.dy_q14.wrapping_mul(i))]
+        let piece = self.from(i.into());
+        [piece.x_q16, piece.y_q14]
     }
 }
 
@@ -326,7 +339,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     /// Bytes that a [`Band`](super::Band) for this mesh needs.
     #[must_use]
     pub fn band_bytes(&self) -> usize {
-        usize::from(self.grid.band_rows) * usize::from(self.grid.raw.width)
+        self.grid.band_bytes()
     }
 
     /// Of each rectified row the pixels that have a source (the largest run of them); all others are written 0. For
@@ -375,50 +388,9 @@ pub(super) struct MeshPlan<'a> {
 }
 
 impl MeshPlan<'_> {
-    /// log2 of the pixels of a piece.
-    pub(super) fn piece(&self) -> u8 {
-        self.grid.piece & 15
-    }
-
     /// Nodes along row `y`: see [`Grid::knots`].
     pub(super) fn knots<'k>(&self, y: u16, memory: &'k mut Knots) -> &'k [Node] {
         self.grid.knots(self.nodes, y, memory)
-    }
-
-    /// Ends of the pieces of the cells between the inner ones of these knots (at most [`STRETCH`] cells), the first one's start before
-    /// them.
-    pub(super) fn ends<'k>(&self, knots: &'k [Node], memory: &'k mut Ends) -> &'k [Node] {
-        let pieces = 1_u32 << ((self.grid.cell - self.grid.piece) & 3);
-        let cells = knots.windows(4).filter_map(|four| four.first_chunk::<4>());
-        let inner = knots.get(1..).and_then(|knots| knots.split_last()).map_or(&[][..], |(_, inner)| inner);
-        let mut count = 0;
-        let mut put = |node: Node| {
-            if let Some(place) = memory.get_mut(count) {
-                *place = node;
-                count += 1;
-            }
-        };
-        match pieces {
-            1 => return inner,
-            2 => {
-                for four in cells {
-                    let [_, start, ..] = *four;
-                    put(start);
-                    put(Node::middle(*four));
-                }
-            }
-            _ => {
-                for four in cells {
-                    let [_, start, ..] = *four;
-                    put(start);
-                    (1..4).for_each(|number| put(end_of_piece(four, number, 4)));
-                }
-            }
-        }
-        if let Some(last) = inner.last() {
-            put(*last);
-        }
-        memory.get(..count).unwrap_or(&[])
     }
 
     /// The pixels of row `y` that have a source.
@@ -439,6 +411,12 @@ impl MeshPlan<'_> {
 }
 
 impl Grid {
+    /// The rows, and what the kernel may read behind the last one.
+    pub(super) fn band_bytes(&self) -> usize {
+        let width = usize::from(self.raw.width);
+        usize::from(self.band_rows) * width + columns(width) + 1 - width
+    }
+
     fn build<'a>(
         rectification: &Rectification,
         eye: Eye,
@@ -513,9 +491,9 @@ impl Grid {
         across.saturating_add(down) / 128 * 3
     }
 
-    /// Second difference along the row at the middle one of three nodes.
-    fn bend([a, b, c]: [Node; 3]) -> [i32; 2] {
-        [a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y]
+    /// Second difference of raw rows, along the row, at the middle one of three nodes.
+    fn bend_of_rows([a, b, c]: [Node; 3]) -> i32 {
+        a.y - 2 * b.y + c.y
     }
 
     /// Binary digits between the second difference of nodes and h^2/16 times the second derivative, where h is the length of a piece.
@@ -523,24 +501,28 @@ impl Grid {
         4 + 2 * (self.cell - piece)
     }
 
-    /// The longest pieces with which no pixel is off by more than 1/32 px: a line errs in its middle by h^2/8 times the second derivative,
-    /// half of that once centred, and cubics err as well.
+    /// The longest pieces with which no pixel is off by more than 1/32 px: rows err by h^2/8 times the second derivative in the middle of a
+    /// piece, half of that once centred; columns by h^3/31 times the third one at most; and cubics err as well.
     fn choose_pieces(&mut self, nodes: &[Node], cubic: i32) {
-        let mut largest = 0;
+        let (mut second, mut third) = (0, 0);
         for row in self.node_rows(nodes) {
-            for three in row.windows(3).filter_map(|three| three.first_chunk::<3>()) {
-                if three.iter().all(|node| self.is_near(*node)) {
-                    let [x, y] = Self::bend(*three);
-                    largest = largest.max(x.abs()).max(y.abs());
+            for four in row.windows(4).filter_map(|four| four.first_chunk::<4>()) {
+                if four.iter().all(|node| self.is_near(*node)) {
+                    let [a, b, c, d] = *four;
+                    second = Self::bend_of_rows([a, b, c]).abs().max(Self::bend_of_rows([b, c, d]).abs()).max(second);
+                    third = (d.x - a.x + 3 * (b.x - c.x)).abs().max(third);
                 }
             }
         }
-        let error = |piece: u8| (largest >> self.bend_shift(piece)).saturating_add(cubic);
+        let error = |piece: u8| {
+            let columns = third >> (5 + 3 * (self.cell - piece));
+            (second >> self.bend_shift(piece)).saturating_add(columns).saturating_add(cubic)
+        };
         let piece = [4, 3].into_iter().find(|piece| *piece <= self.cell && error(*piece) <= ONE / 32).unwrap_or(2);
         (self.piece, self.error_q16) = (piece, error(piece));
     }
 
-    /// Moves the nodes against their bend by half of what a line between knots errs in its middle.
+    /// Moves the nodes against the bend of their rows by half of what a line between knots errs in its middle.
     fn centre_pieces(&self, nodes: &mut [Node]) {
         let shift = self.bend_shift(self.piece);
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
@@ -552,8 +534,7 @@ impl Grid {
                 let a = before.unwrap_or(a);
                 let mut moved = middle;
                 if ![a, middle, c].iter().any(|node| node.is_behind()) {
-                    let [x, y] = Self::bend([a, middle, c]);
-                    moved = Node { x: middle.x - (x >> shift & !1), y: middle.y - (y >> shift & !1) };
+                    moved.y -= Self::bend_of_rows([a, middle, c]) >> shift & !1;
                 }
                 if let Some(node) = row.get_mut(at + 1) {
                     *node = moved;
@@ -677,33 +658,50 @@ impl Grid {
     #[inline(always)]
     fn pieces_between(&self, knots: &[Node], mut each: impl FnMut(u16, u16, Piece)) {
         let mut start = 0;
-        let pieces = 1_u32 << ((self.cell - self.piece) & 3);
         for four in knots.windows(4).filter_map(|four| four.first_chunk::<4>()) {
-            let [_, mut from, ..] = *four;
-            for number in 1..=pieces {
-                let Some(left) = self.dims.width.checked_sub(start).filter(|left| *left > 0) else { return };
-                let to = end_of_piece(four, number, pieces);
-                each(start, left.min(1 << (self.piece & 15)), Piece::between(from, to, self.piece));
-                from = to;
-                start += 1 << (self.piece & 15);
-            }
+            self.pieces_of_cell(four, |piece| {
+                let left = self.dims.width.saturating_sub(start);
+                if left > 0 {
+                    each(start, left.min(1 << (self.piece & 15)), piece);
+                }
+                start = start.wrapping_add(1 << (self.piece & 15));
+            });
         }
+    }
+
+    /// The pieces between the inner two of four nodes.
+    #[inline(always)]
+    pub(super) fn pieces_of_cell(&self, four: &[Node; 4], mut each: impl FnMut(Piece)) {
+        let length = self.piece & 15;
+        let [before, mut from, to, behind] = *four;
+        // The second derivative in the middle: the mean of those at both ends.
+        let bend = before.x.wrapping_sub(from.x).wrapping_sub(to.x).wrapping_add(behind.x);
+        let ddx_q16 = bend >> ((2 * self.cell + 1) & 31);
+        if self.cell == self.piece {
+            return each(Piece::between(from, to, ddx_q16, length));
+        }
+        for end in ends_of_pieces(four, self.cell - self.piece).into_iter().flatten() {
+            each(Piece::between(from, end, ddx_q16, length));
+            from = end;
+        }
+    }
+
+    /// Pixels of a piece.
+    pub(super) fn length(&self) -> i32 {
+        1 << (self.piece & 15)
     }
 }
 
-/// End of one of the pieces between the inner two of four nodes.
-#[inline(always)]
-fn end_of_piece(four: &[Node; 4], number: u32, pieces: u32) -> Node {
+/// Ends of two or four pieces between the inner two of four nodes.
+#[inline(never)]
+fn ends_of_pieces(four: &[Node; 4], halvings: u8) -> [Option<Node>; 4] {
     let [_, _, end, _] = *four;
-    match (number, pieces) {
-        (1, 2) | (2, 4) => Node::middle(*four),
-        (1, 4) => Node::weighted(*four, QUARTER),
-        (3, 4) => {
-            let [a, b, c, d] = QUARTER;
-            Node::weighted(*four, [d, c, b, a])
-        }
-        _ => end,
+    let (middle, end) = (Some(Node::middle(*four)), Some(end));
+    if halvings == 1 {
+        return [None, middle, None, end];
     }
+    let [a, b, c, d] = QUARTER;
+    [Some(Node::weighted(*four, [a, b, c, d])), middle, Some(Node::weighted(*four, [d, c, b, a])), end]
 }
 
 /// What a camera sees of a cell.

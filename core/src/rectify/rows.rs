@@ -14,7 +14,7 @@
 //! # Bounds
 //! See [`portable::bilinear`](crate::kernel::portable::bilinear).
 
-use super::mesh::{Ends, Knots, Mesh, MeshPlan, Node, Piece, STRETCH};
+use super::mesh::{Knots, Mesh, MeshPlan, Node, Piece};
 use crate::kernel::{Run, bilinear, bilinear_runs};
 use core::fmt;
 use core::ops::Range;
@@ -31,14 +31,13 @@ pub struct Band<const BYTES: usize> {
 #[derive(Clone, Debug)]
 struct Work {
     knots: Knots,
-    ends: Ends,
     runs: [Run; RUNS],
 }
 
 /// Runs that are painted at once.
 const RUNS: usize = 48;
-/// Most runs of a piece: one for each pixel.
-const MOST_OF_PIECE: usize = 16;
+/// Most runs of a cell of the mesh: one for each pixel.
+const MOST_OF_CELL: usize = 16;
 
 /// How far a frame has come.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,8 +102,9 @@ impl<const BYTES: usize> Band<BYTES> {
     /// An empty one.
     #[must_use]
     pub const fn new() -> Self {
-        const NOTHING: Run = Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
-        let work = Work { knots: [Node::ZERO; _], ends: [Node::ZERO; _], runs: [NOTHING; RUNS] };
+        const NOTHING: Run =
+            Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, ddx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
+        let work = Work { knots: [Node::ZERO; _], runs: [NOTHING; RUNS] };
         Self { bytes: [0; BYTES], place: Place { raw: 0, row: 0 }, work }
     }
 
@@ -152,7 +152,7 @@ impl Place {
         if mesh.grid.band_rows == 0 {
             return Err(RowError::NoMesh);
         }
-        let needed = width * usize::from(mesh.grid.band_rows);
+        let needed = mesh.grid.band_bytes();
         let Some(bytes) = bytes.get_mut(..needed) else { return Err(RowError::Band { needed, given }) };
         if raw_row.len() != width {
             return Err(RowError::Width { needed: raw.width, given: raw_row.len() });
@@ -227,8 +227,7 @@ impl Rows<'_> {
         self.mesh.for_each_piece(y, &mut work.knots, |start, length, piece| {
             let (from, to) = (start.max(span.start), (start + length).min(span.end));
             if from < to {
-                let [x_q16, y_q14] = piece.at(from - start);
-                list.add(Piece { x_q16, y_q14, ..piece }, to - from);
+                list.add(piece.from(i32::from(from - start)), to - from);
             }
         });
         list.paint();
@@ -239,54 +238,57 @@ impl Rows<'_> {
         let width = usize::from(self.mesh.grid.raw.width);
         let mut left = out;
         let mut knots = self.mesh.knots(y, &mut work.knots);
-        while knots.len() > 3 {
-            let stretch = knots.get(..STRETCH + 3).unwrap_or(knots);
-            let mut ends = self.mesh.ends(stretch, &mut work.ends);
-            while ends.len() > 1 && !left.is_empty() {
-                let listed = self.list(ends, left.len() as u32, &mut work.runs);
-                let runs = work.runs.get(..listed.runs).unwrap_or(&[]);
-                let (out, behind) =
-                    core::mem::take(&mut left).split_at_mut_checked(listed.pixels as usize).unwrap_or_default();
-                bilinear_runs(self.bytes, width, runs, out);
-                left = behind;
-                ends = ends.get(listed.pieces..).unwrap_or(&[]);
-            }
-            knots = knots.get(STRETCH..).unwrap_or(&[]);
+        while knots.len() > 3 && !left.is_empty() {
+            let listed = self.list(knots, left.len() as i32, &mut work.runs);
+            let runs = work.runs.get(..listed.runs).unwrap_or(&[]);
+            let (out, behind) =
+                core::mem::take(&mut left).split_at_mut_checked(listed.pixels as usize).unwrap_or_default();
+            bilinear_runs(self.bytes, width, runs, out);
+            left = behind;
+            knots = knots.get(listed.cells..).unwrap_or(&[]);
         }
     }
 
-    /// Makes a list of as many whole pieces as it holds, up to a number of pixels: split where the raw row changes.
-    fn list(&self, ends: &[Node], most: u32, runs: &mut [Run; RUNS]) -> Listed {
-        let shift = self.mesh.piece();
-        let mut left = most as i32;
-        let mut pieces = 0;
+    /// Makes a list of as many whole cells as it holds, up to a number of pixels.
+    fn list(&self, knots: &[Node], most: i32, runs: &mut [Run; RUNS]) -> Listed {
+        let (mut left, mut cells) = (most, 0);
         let mut slots = runs.iter_mut();
-        for pair in ends.windows(2).filter_map(|pair| pair.first_chunk::<2>()) {
-            if slots.len() < MOST_OF_PIECE {
+        for four in knots.windows(4).filter_map(|four| four.first_chunk::<4>()) {
+            if slots.len() < MOST_OF_CELL {
                 break;
             }
-            pieces += 1;
-            let [from, to] = *pair;
-            let Piece { mut x_q16, dx_q16, mut y_q14, dy_q14 } = Piece::between(from, to, shift);
-            let mut of_piece = left.min(1 << shift);
-            left -= of_piece;
-            while of_piece > 0 {
-                let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
-                let last = y_q14.wrapping_add(dy_q14.wrapping_mul(of_piece - 1));
-                let mut length = of_piece;
-                if last >> 14 != row {
-                    length = before_next_row(fy_q14, dy_q14).min(of_piece);
-                }
-                let (top, bottom) = self.places(row);
-                let Some(slot) = slots.next() else { break };
-                *slot = Run { top, bottom, x_q16, dx_q16, fy_q14, dfy_q14: dy_q14, length: length as u32 };
-                x_q16 = x_q16.wrapping_add(dx_q16.wrapping_mul(length));
-                y_q14 = y_q14.wrapping_add(dy_q14.wrapping_mul(length));
-                of_piece -= length;
-            }
+            cells += 1;
+            self.mesh.grid.pieces_of_cell(four, |piece| {
+                let length = left.min(self.mesh.grid.length());
+                left -= length;
+                self.split(piece, length, |run| {
+                    if let Some(slot) = slots.next() {
+                        *slot = run;
+                    }
+                });
+            });
         }
         let free = slots.len();
-        Listed { runs: RUNS - free, pixels: most.wrapping_sub(left as u32), pieces }
+        Listed { runs: RUNS - free, pixels: most.wrapping_sub(left), cells }
+    }
+
+    /// Splits a piece where the raw row changes.
+    #[inline(always)]
+    fn split(&self, mut piece: Piece, mut left: i32, mut put: impl FnMut(Run)) {
+        while left > 0 {
+            let Piece { x_q16, dx_q16, ddx_q16, y_q14, dy_q14 } = piece;
+            let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
+            let (top, bottom) = self.places(row);
+            let mut run = Run { top, bottom, x_q16, dx_q16, ddx_q16, fy_q14, dfy_q14: dy_q14, length: left as u32 };
+            if y_q14.wrapping_add(dy_q14.wrapping_mul(left - 1)) >> 14 == row {
+                return put(run);
+            }
+            let length = before_next_row(fy_q14, dy_q14).min(left);
+            run.length = length as u32;
+            put(run);
+            piece = piece.from(length);
+            left -= length;
+        }
     }
 
     /// Pixel by pixel, held inside.
@@ -310,8 +312,8 @@ impl Rows<'_> {
 /// What a list of runs holds.
 struct Listed {
     runs: usize,
-    pixels: u32,
-    pieces: usize,
+    pixels: i32,
+    cells: usize,
 }
 
 /// Runs that are to be painted, and where to.
@@ -328,41 +330,27 @@ impl List<'_> {
     #[inline]
     fn add(&mut self, piece: Piece, length: u16) {
         let grid = self.rows.mesh.grid;
-        if grid.is_inner || grid.is_between(piece.at(0)) && grid.is_between(piece.at(length - 1)) {
-            return self.split(piece, length.into());
+        let last = piece.from(i32::from(length) - 1);
+        // Columns that do not turn back lie between the first and the last one.
+        let is_straight = piece.dx_q16 >= 0 && last.dx_q16 >= 0;
+        if is_straight && grid.is_between(piece.at(0)) && grid.is_between(last.at(0)) {
+            if self.count + MOST_OF_CELL > RUNS {
+                self.paint();
+            }
+            let Self { rows, runs, count, pixels, .. } = self;
+            rows.split(piece, length.into(), |run| {
+                if let Some(slot) = runs.get_mut(*count) {
+                    *slot = run;
+                    *count += 1;
+                }
+            });
+            *pixels += usize::from(length);
+            return;
         }
         self.paint();
         if let Some((out, behind)) = core::mem::take(&mut self.left).split_at_mut_checked(length.into()) {
             self.rows.paint_border(piece, out);
             self.left = behind;
-        }
-    }
-
-    /// Where the raw row changes.
-    #[inline]
-    fn split(&mut self, piece: Piece, length: i32) {
-        let Piece { mut x_q16, dx_q16, mut y_q14, dy_q14 } = piece;
-        let mut left = length;
-        loop {
-            let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
-            let last_row = y_q14.wrapping_add(dy_q14.wrapping_mul(left - 1)) >> 14;
-            let length = if last_row == row { left } else { before_next_row(fy_q14, dy_q14).min(left) };
-            let (top, bottom) = self.rows.places(row);
-            let run = Run { top, bottom, x_q16, dx_q16, fy_q14, dfy_q14: dy_q14, length: length as u32 };
-            if let Some(place) = self.runs.get_mut(self.count) {
-                *place = run;
-                self.count += 1;
-                self.pixels += length as usize;
-            }
-            if self.count == RUNS {
-                self.paint();
-            }
-            left -= length;
-            if left <= 0 {
-                return;
-            }
-            x_q16 = x_q16.wrapping_add(dx_q16.wrapping_mul(length));
-            y_q14 = y_q14.wrapping_add(dy_q14.wrapping_mul(length));
         }
     }
 

@@ -25,6 +25,10 @@ fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run
         // Rounded towards zero: the last one is not passed.
         (*from, *step) = (first, (last - first) / steps);
     }
+    // A parabola now and then: a little, so that it mostly stays inside.
+    if random.below(2) == 0 {
+        run.ddx_q16 = random.below(300) as i32 - 150;
+    }
     run
 }
 
@@ -56,7 +60,8 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         if round % 3 == 0 {
             let run = &mut runs[random.below(count)];
             let much = [1, -1, 1 << 14, -(1 << 16), 1 << 26, i32::MAX, i32::MIN][random.below(7)];
-            match random.below(7) {
+            match random.below(8) {
+                7 => run.ddx_q16 = run.ddx_q16.wrapping_add(much),
                 0 => run.x_q16 = run.x_q16.wrapping_add(much),
                 1 => run.dx_q16 = run.dx_q16.wrapping_add(much),
                 2 => run.fy_q14 = run.fy_q14.wrapping_add(much),
