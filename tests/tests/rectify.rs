@@ -436,3 +436,160 @@ fn captured_pair_is_rectified_as_opencv_does() {
         assert!(f64::from(off) <= 0.001 * f64::from(pixels), "{eye:?}: {off} of {pixels} off by more than 1");
     }
 }
+
+#[test]
+fn captured_rotations_are_ours() {
+    let Some(Captured { raw, rectification, xml }) = captured() else { return };
+    // OpenCV's own choice for this pair, found again from its R and T alone: directions of pixels agree.
+    let [r1, r2] = ["R1", "R2"].map(|name| three(&matrix(&xml, name)));
+    let p = matrix(&xml, "P2");
+    let mut rotation = [[0.0; 3]; 3];
+    for (i, row) in rotation.iter_mut().enumerate() {
+        for (j, cell) in row.iter_mut().enumerate() {
+            *cell = (0..3).map(|k| r2[k][i] * r1[k][j]).sum();
+        }
+    }
+    let translation = r2[0].map(|r| r * p[3] / p[0]);
+    let [left, right] = Eye::BOTH.map(|eye| *rectification.camera(eye));
+    let calibration = Calibration::new(left, right, quaternion(rotation), translation).unwrap();
+    let ours = calibration.rectify(raw[0].dims, View::Focal(p[0])).unwrap();
+    let [dx, dy] = [0, 1].map(|i| ours.centre()[i] - rectification.centre()[i]);
+    let mut worst = 0.0_f64;
+    for eye in Eye::BOTH {
+        for (x, y) in [(100.0, 80.0), (500.0, 100.0), (320.0, 240.0), (120.0, 400.0), (560.0, 380.0)] {
+            let theirs = rectification.source(eye, [x, y]).unwrap();
+            let same = ours.source(eye, [x + dx, y + dy]).unwrap();
+            worst = worst.max((theirs[0] - same[0]).hypot(theirs[1] - same[1]));
+        }
+    }
+    assert!(worst < 0.01, "{worst} px between OpenCV's rotations and ours");
+}
+
+/// Points of the normalised plane inside the image, from the middle outwards, with their pixel by an oracle that shares no code.
+fn oracle_pixel(lens: Lens, focal: [f64; 2], centre: [f64; 2], skew: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+    let r = x.hypot(y);
+    let [dx, dy] = match lens {
+        Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => {
+            let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
+                y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ]
+        }
+        Lens::Fisheye { k: [k1, k2, k3, k4] } => {
+            let t = r.atan();
+            let d = t + k1 * t.powi(3) + k2 * t.powi(5) + k3 * t.powi(7) + k4 * t.powi(9);
+            if r > 0.0 { [x * d / r, y * d / r] } else { [x, y] }
+        }
+    };
+    [focal[0] * dx + skew * dy + centre[0], focal[1] * dy + centre[1]]
+}
+
+#[test]
+fn rays_and_pixels_are_each_others_inverse_for_every_lens() {
+    let (focal, centre, skew) = ([0.0, 0.0], [158.2, 121.7], 0.7);
+    for (name, share, lens) in lenses() {
+        let focal = focal.map(|_: f64| 320.0 * share);
+        let camera = Camera::new(QVGA, focal, centre, skew, lens).unwrap();
+        let (mut seen, mut worst) = (0, 0.0_f64);
+        for v in (0..240).step_by(7) {
+            for u in (0..320).step_by(7) {
+                let raw = [f64::from(u), f64::from(v)];
+                let Some([x, y]) = camera.unproject(raw) else { continue };
+                let [a, b] = oracle_pixel(lens, focal, centre, skew, [x, y]);
+                worst = worst.max((a - raw[0]).hypot(b - raw[1]));
+                let [a, b] = camera.project([2.0 * x, 2.0 * y, 2.0]).unwrap();
+                worst = worst.max((a - raw[0]).hypot(b - raw[1]));
+                seen += 1;
+            }
+        }
+        assert!(worst < 1e-6, "{name}: {worst} px");
+        // Where a lens folds, what lies beyond has no ray; nothing else is lost.
+        let reach = (1..4000)
+            .map(|i| oracle_pixel(lens, [1.0; 2], [0.0; 2], 0.0, [f64::from(i) / 1000.0, 0.0])[0])
+            .try_fold(0.0, |last, next| if next > last { Ok(next) } else { Err(last) });
+        let (Ok(reach) | Err(reach)) = reach;
+        let grid = (0..240).step_by(7).flat_map(|v| (0..320).step_by(7).map(move |u| [f64::from(u), f64::from(v)]));
+        let inside = grid.filter(|[u, v]| (u - centre[0]).hypot(v - centre[1]) / focal[0] < reach).count();
+        let missed = inside.abs_diff(seen);
+        // The tangential part moves that edge by up to 2 px: 1 % of the pixels lie so close to it.
+        assert!(missed * 100 <= inside, "{name}: {seen} pixels of {inside} are seen");
+    }
+}
+
+#[test]
+fn a_ray_behind_or_beyond_the_lens_has_no_pixel() {
+    let lens = brown([-0.3, 0.0, 0.0], [0.0; 2]);
+    let camera = Camera::new(QVGA, [250.0; 2], [160.0, 120.0], 0.0, lens).unwrap();
+    assert_eq!(camera.project([0.1, 0.1, -1.0]), None);
+    assert_eq!(camera.project([0.1, 0.1, 0.0]), None);
+    // r (1 - 0.3 r^2) turns at r = 1.054.
+    assert!(camera.project([1.0, 0.0, 1.0]).is_some());
+    assert_eq!(camera.project([1.1, 0.0, 1.0]), None);
+    let folded = Camera::new(QVGA, [90.0; 2], [160.0, 120.0], 0.0, lens);
+    assert!(matches!(folded, Err(linestereo::CameraError::Folds(_))), "{folded:?}");
+}
+
+#[test]
+fn cameras_in_the_wrong_places_are_refused() {
+    use linestereo::CalibrationError;
+    let camera = Camera::new(QVGA, [250.0; 2], [160.0, 120.0], 0.0, Lens::NONE).unwrap();
+    let straight = [1.0, 0.0, 0.0, 0.0];
+    let rig = |translation| Calibration::new(camera, camera, straight, translation);
+    assert!(rig([-0.06, 0.0, 0.0]).is_ok());
+    assert_eq!(rig([0.06, 0.0, 0.0]), Err(CalibrationError::Swapped));
+    assert_eq!(rig([0.0, -0.06, 0.0]), Err(CalibrationError::NotSideBySide));
+    assert_eq!(rig([0.0, 0.0, 0.06]), Err(CalibrationError::NotSideBySide));
+    assert_eq!(rig([0.0; 3]), Err(CalibrationError::Baseline(0.0)));
+    assert!(matches!(rig([f64::NAN, 0.0, 0.0]), Err(CalibrationError::Baseline(_))));
+    let turned = Calibration::new(camera, camera, turned([0.0, 70.0, 0.0]), [-0.06, 0.0, 0.0]);
+    assert_eq!(turned, Err(CalibrationError::Turned));
+    let small = Camera::new(SMALL, [125.0; 2], [80.0, 60.0], 0.0, Lens::NONE).unwrap();
+    let mixed = Calibration::new(camera, small, straight, [-0.06, 0.0, 0.0]);
+    assert_eq!(mixed, Err(CalibrationError::SizesDiffer));
+}
+
+#[test]
+fn points_far_away_lie_at_the_same_place_in_both_rectified_images() {
+    for (name, calibration, dims) in rigs() {
+        let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
+        let (focal, baseline, [cx, cy]) = (rectification.focal(), rectification.baseline(), rectification.centre());
+        for (x, y) in [(20.0, 30.0), (80.0, 60.0), (100.0, 20.0)] {
+            for depth in [1e7, 2.0] {
+                // By the rig alone: a point in the left camera's coordinates, then in the right one's.
+                let left_raw = rectification.source(Eye::Left, [x, y]).unwrap();
+                let [a, b] = rectification.camera(Eye::Left).unproject(left_raw).unwrap();
+                let ray = [a, b, 1.0];
+                // Distance along the common z axis: that of the ray's length for the wanted depth.
+                let common = [(x - cx) / focal, (y - cy) / focal, 1.0];
+                let scale = depth * norm(common) / norm(ray);
+                let point = ray.map(|v| v * scale);
+                let moved = rotated(calibration.rotation(), point);
+                let t = calibration.translation();
+                let right = [0, 1, 2].map(|i| moved[i] + t[i]);
+                let right_raw = rectification.camera(Eye::Right).project(right).unwrap();
+                let [rx, ry] = rectification.rectified(Eye::Right, right_raw).unwrap();
+                let disparity = focal * baseline / depth;
+                assert!(
+                    (x - rx - disparity).abs() < 1e-4 && (y - ry).abs() < 1e-4,
+                    "{name}: ({x}, {y}) at ({rx}, {ry})"
+                );
+            }
+        }
+    }
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// By a unit quaternion: v + 2 q x (q x v + w v).
+fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let q = [x, y, z];
+    let inner = cross(q, v);
+    let inner = [0, 1, 2].map(|i| inner[i] + w * v[i]);
+    let outer = cross(q, inner);
+    [0, 1, 2].map(|i| v[i] + 2.0 * outer[i])
+}
