@@ -160,6 +160,12 @@ struct Lists<'a> {
 }
 
 impl Plan {
+    /// Size of both images.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.dims
+    }
+
     /// The same plan with other confidence models.
     #[must_use]
     pub fn with_models(self, models: &'static Models) -> Self {

@@ -8,7 +8,7 @@
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! rig_store       the rig in two slots of a flash
-//! memory          frames, scratch memory and output, in one static
+//! memory          frames, rectifiers, scratch memory and output, in one static
 //! startup, fault, fence, stack, semihosting    only on a board: the only unsafe code
 //! ```
 //!

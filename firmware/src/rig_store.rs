@@ -19,7 +19,7 @@
 
 use core::fmt;
 use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
-use linestereo_wire::{RigImage, RigImageError, RigImageHead};
+use linestereo_wire::{RigFault, RigImage, RigImageError, RigImageHead};
 
 /// Bytes read or written at once: an image, filled up to what the flash reads and writes.
 const MOST_BYTES: usize = 512;
@@ -46,7 +46,7 @@ impl Slot {
         }
     }
 
-    fn of<T>(self, [first, second]: &mut [T; 2]) -> &mut T {
+    pub(crate) fn of<T>(self, [first, second]: &mut [T; 2]) -> &mut T {
         match self {
             Self::First => first,
             Self::Second => second,
@@ -67,6 +67,15 @@ pub enum SlotError {
     Image(RigImageError),
     /// The flash cannot be read.
     Flash(NorFlashErrorKind),
+}
+
+impl From<SlotError> for RigFault {
+    fn from(error: SlotError) -> Self {
+        match error {
+            SlotError::Image(error) => error.into(),
+            SlotError::Flash(_) => Self::Unreadable,
+        }
+    }
 }
 
 impl fmt::Display for SlotError {
@@ -138,6 +147,15 @@ impl fmt::Display for LayoutError {
 
 impl core::error::Error for LayoutError {}
 
+/// [`RigStore`] over any flash.
+pub trait RigKeeper: fmt::Debug {
+    /// Looks for the newest usable rig.
+    fn load(&mut self) -> Loaded;
+
+    /// Keeps this rig, and says where. One that is in use already stays where it is.
+    fn store(&mut self, image: &RigImage) -> Result<Slot, StoreError>;
+}
+
 /// The two slots in a flash.
 #[derive(Debug)]
 pub struct RigStore<F> {
@@ -176,8 +194,22 @@ impl<F: NorFlash> RigStore<F> {
         self.flash
     }
 
-    /// Looks for the newest usable rig.
-    pub fn load(&mut self) -> Loaded {
+    fn decode(&mut self, slot: Slot) -> Result<RigImage, SlotError> {
+        let mut bytes = [0; MOST_BYTES];
+        RigImage::decode(self.read(slot, &mut bytes)?).map_err(SlotError::Image)
+    }
+
+    /// The bytes of a slot's image.
+    fn read<'a>(&mut self, slot: Slot, memory: &'a mut [u8; MOST_BYTES]) -> Result<&'a [u8], SlotError> {
+        let bytes = memory.get_mut(..Self::IMAGE).unwrap_or_default(); // `new` checked that it fits
+        let start = *slot.of(&mut self.starts);
+        self.flash.read(start, bytes).map_err(|error| SlotError::Flash(error.kind()))?;
+        Ok(bytes.get(..RigImage::BYTES).unwrap_or_default())
+    }
+}
+
+impl<F: NorFlash + fmt::Debug> RigKeeper for RigStore<F> {
+    fn load(&mut self) -> Loaded {
         let mut slots = Slot::BOTH.map(|slot| {
             let mut bytes = [0; MOST_BYTES];
             RigImageHead::check(self.read(slot, &mut bytes)?).map(|head| head.sequence).map_err(SlotError::Image)
@@ -200,8 +232,7 @@ impl<F: NorFlash> RigStore<F> {
         Loaded { rig: None, slots }
     }
 
-    /// Keeps this rig, and says where. One that is in use already stays where it is.
-    pub fn store(&mut self, image: &RigImage) -> Result<Slot, StoreError> {
+    fn store(&mut self, image: &RigImage) -> Result<Slot, StoreError> {
         let Loaded { rig, mut slots } = self.load();
         let (slot, sequence) = match rig {
             Some((used, same)) if same == *image => return Ok(used),
@@ -220,19 +251,6 @@ impl<F: NorFlash> RigStore<F> {
             Some((used, kept)) if used == slot && kept == *image => Ok(slot),
             _ => Err(StoreError::NotKept),
         }
-    }
-
-    fn decode(&mut self, slot: Slot) -> Result<RigImage, SlotError> {
-        let mut bytes = [0; MOST_BYTES];
-        RigImage::decode(self.read(slot, &mut bytes)?).map_err(SlotError::Image)
-    }
-
-    /// The bytes of a slot's image.
-    fn read<'a>(&mut self, slot: Slot, memory: &'a mut [u8; MOST_BYTES]) -> Result<&'a [u8], SlotError> {
-        let bytes = memory.get_mut(..Self::IMAGE).unwrap_or_default(); // `new` checked that it fits
-        let start = *slot.of(&mut self.starts);
-        self.flash.read(start, bytes).map_err(|error| SlotError::Flash(error.kind()))?;
-        Ok(bytes.get(..RigImage::BYTES).unwrap_or_default())
     }
 }
 

@@ -11,6 +11,8 @@ mod operation {
     pub(super) const WRITE0: u32 = 0x04;
     pub(super) const WRITE: u32 = 0x05;
     pub(super) const READ: u32 = 0x06;
+    pub(super) const SEEK: u32 = 0x0a;
+    pub(super) const FLEN: u32 = 0x0c;
     pub(super) const GET_CMDLINE: u32 = 0x15;
     pub(super) const EXIT_EXTENDED: u32 = 0x20;
 }
@@ -21,6 +23,8 @@ mod operation {
 pub enum Mode {
     /// An existing file, from its start.
     Read = 1,
+    /// An existing file, to read and to change.
+    Change = 3,
     /// A new file, in place of an old one.
     Write = 5,
 }
@@ -61,6 +65,23 @@ impl File {
         // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the answer.
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
         if handle == u32::MAX { Err(CannotOpen) } else { Ok(Self(handle)) }
+    }
+}
+
+impl File {
+    /// Goes to a place, counted in bytes from the start; not beyond the end.
+    pub fn seek(&mut self, place: u32) -> bool {
+        let block = [self.0, place];
+        // SAFETY: handle and place.
+        unsafe { call(operation::SEEK, block.as_ptr()) == 0 }
+    }
+
+    /// Bytes in it; 0 when the PC does not know.
+    #[must_use]
+    pub fn length(&self) -> u32 {
+        // SAFETY: a handle of an open file.
+        let length = unsafe { call(operation::FLEN, [self.0].as_ptr()) };
+        if length == u32::MAX { 0 } else { length }
     }
 }
 

@@ -1,19 +1,28 @@
 //! What a host asked for so far, and the answers: the same for a serial port and for a file.
 
 use crate::boards::Board;
-use crate::memory::RunError;
+use crate::memory::{Memory, NoRoom, RunError};
+use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::watch::Watch;
-use linestereo::{Counts, Dims, MIN_SIDE, Params};
-use linestereo_wire::{Answer, Command, FrameHead, Health, Hello, Outcome, PairHead, Refusal, Request};
+use linestereo::{Counts, Dims, MIN_SIDE, Params, Plan};
+use linestereo_wire::{
+    Answer, Command, FrameHead, Health, Hello, Outcome, PairHead, Refusal, Request, RigFault, RigImage, RigInUse,
+    RigReport,
+};
 
 /// The state that commands change.
-#[derive(Clone, Debug)]
-pub struct Session {
+#[derive(Debug)]
+pub struct Session<'a> {
     board: Board,
-    /// Parameters of the method.
-    pub params: Params,
+    params: Params,
+    /// Of the parameters, for the size of the last pair.
+    plan: Option<Plan>,
     /// Limits of a pair's health, and the monitor.
     pub watch: Watch,
+    /// The rig that the memory was made ready for, as bytes: it is smaller so.
+    rig: Option<[u8; RigImage::BYTES]>,
+    report: RigReport,
+    keeper: Option<&'a mut dyn RigKeeper>,
     /// Send results?
     pub running: bool,
     sequence: u32,
@@ -32,14 +41,46 @@ pub enum Reply {
         command: u16,
         /// What they are.
         head: PairHead,
+        /// Are they raw?
+        is_raw: bool,
     },
 }
 
-impl Session {
-    /// The state after a reset.
+impl<'a> Session<'a> {
+    /// The state after a reset of a board without flash.
     #[must_use]
     pub const fn new(board: Board) -> Self {
-        Self { board, params: Params::DEFAULT, watch: Watch::new(), running: false, sequence: 0 }
+        Self {
+            board,
+            params: Params::DEFAULT,
+            plan: None,
+            watch: Watch::new(),
+            rig: None,
+            report: RigReport::NONE,
+            keeper: None,
+            running: false,
+            sequence: 0,
+        }
+    }
+
+    /// The state after a reset of a board whose flash keeps rigs: the newest good one is used.
+    #[must_use]
+    #[inline(never)]
+    pub fn with_flash(board: Board, keeper: &'a mut dyn RigKeeper, memory: &mut impl Memory) -> Self {
+        let mut session = Self::new(board);
+        let Loaded { rig, slots } = keeper.load();
+        session.report.slots = slots.map(|slot| slot.map_err(RigFault::from));
+        if let Some((slot, image)) = rig {
+            let params = session.params_for(&image);
+            match params
+                .and_then(|params| memory.set_rig(image.rectification()).map(|()| params).map_err(Refusal::from))
+            {
+                Ok(params) => session.use_rig(&image, params, Some(slot)),
+                Err(_) => *slot.of(&mut session.report.slots) = Err(RigFault::TooLarge),
+            }
+        }
+        session.keeper = Some(keeper);
+        session
     }
 
     /// What the board is.
@@ -49,11 +90,11 @@ impl Session {
         let _ = board.push_str(self.board.name); // names are short
         let Dims { width, height } = self.board.largest;
         let segments = u16::try_from(self.board.segments).unwrap_or(u16::MAX);
-        Hello { board, largest_width: width, largest_height: height, segments }
+        Hello { board, largest_width: width, largest_height: height, segments, rig: self.report }
     }
 
     /// Takes a command. What is refused changes nothing.
-    pub fn command(&mut self, command: &Command) -> Reply {
+    pub fn command(&mut self, command: &Command, memory: &mut impl Memory) -> Reply {
         let answer = |outcome| Answer { command: command.id, outcome };
         match &command.request {
             Request::Describe => return Reply::Describe(answer(Outcome::Accepted)),
@@ -61,16 +102,83 @@ impl Session {
             Request::Stop => self.running = false,
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
-                Ok((params, _)) => self.params = params,
+                Ok((params, _)) => self.set_params(params),
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
-            Request::Pair(head) => return Reply::Pair { command: command.id, head: *head },
+            Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
+            Request::SetRig(bytes) => return Reply::Answer(answer(self.set_rig(bytes, memory).into())),
+            Request::RawPair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: true },
         }
         Reply::Answer(answer(Outcome::Accepted))
     }
 
+    fn set_params(&mut self, params: Params) {
+        self.params = params;
+        self.plan = None;
+    }
+
+    /// Uses a rig from now on, and keeps it.
+    #[inline(never)] // its images are on the stack only while it works
+    fn set_rig(&mut self, bytes: &[u8], memory: &mut impl Memory) -> Result<(), Refusal> {
+        let image = RigImage::decode(bytes).map_err(|error| Refusal::Rig(error.into()))?;
+        let params = self.params_for(&image)?;
+        let ready = memory.set_rig(image.rectification()).map_err(Refusal::from);
+        match ready.and_then(|()| self.keep(&image)) {
+            Ok(slot) => self.use_rig(&image, params, slot),
+            Err(refusal) => {
+                if let Some(Ok(before)) = self.rig.map(|bytes| RigImage::decode(&bytes)) {
+                    let _ = memory.set_rig(before.rectification()); // it fitted before
+                }
+                return Err(refusal);
+            }
+        }
+        Ok(())
+    }
+
+    /// The parameters with this rig, if this board holds what it rectifies to.
+    fn params_for(&self, image: &RigImage) -> Result<Params, Refusal> {
+        let dims = image.rectification().dims();
+        self.check_size(dims)?;
+        let params = image.params(self.params).map_err(|error| Refusal::Rig(error.into()))?;
+        params.plan(dims)?;
+        Ok(params)
+    }
+
+    /// The memory is ready for this rig, and it lies in this slot.
+    fn use_rig(&mut self, image: &RigImage, params: Params, slot: Option<Slot>) {
+        self.set_params(params);
+        self.report.in_use = Some(RigInUse::new(image, slot.map(|slot| slot as u8)));
+        self.rig = Some(image.encode(0));
+    }
+
+    /// Writes a rig into the flash, if there is one.
+    fn keep(&mut self, image: &RigImage) -> Result<Option<Slot>, Refusal> {
+        let Some(keeper) = &mut self.keeper else { return Ok(None) };
+        let kept = keeper.store(image);
+        self.report.slots = keeper.load().slots.map(|slot| slot.map_err(RigFault::from));
+        kept.map(Some).map_err(|_| Refusal::NotKept)
+    }
+
+    /// The plan for pairs of this size.
+    pub fn plan(&mut self, dims: Dims) -> Result<Plan, Refusal> {
+        if let Some(plan) = self.plan.filter(|plan| plan.dims() == dims) {
+            return Ok(plan);
+        }
+        self.check_size(dims)?;
+        let plan = self.params.plan(dims)?;
+        self.plan = Some(plan);
+        Ok(plan)
+    }
+
+    /// The size that raw pairs of this size are rectified to.
+    pub fn rectified(&self, raw: Dims) -> Result<Dims, Refusal> {
+        let RigInUse { raw: needed, rectified: [width, height], .. } = self.report.in_use.ok_or(Refusal::NoRig)?;
+        let given = [raw.width, raw.height];
+        if needed == given { Ok(Dims { width, height }) } else { Err(Refusal::RawSize { needed, given }) }
+    }
+
     /// Can the board hold such a pair?
-    pub fn check_size(&self, dims: Dims) -> Result<(), Refusal> {
+    fn check_size(&self, dims: Dims) -> Result<(), Refusal> {
         let side = |name: &str, value: u16, high: u16| {
             let fits = (MIN_SIDE..=high).contains(&value);
             if fits { Ok(()) } else { Err(out_of_range(name, value.into(), MIN_SIDE.into(), high.into())) }
@@ -103,8 +211,19 @@ pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Hea
 #[must_use]
 pub fn refusal(error: RunError) -> Refusal {
     match error {
-        RunError::Params(error) => error.into(),
         RunError::Size(dims) => out_of_range("width", dims.width.into(), MIN_SIDE.into(), linestereo::MAX_WIDTH.into()),
+    }
+}
+
+impl From<NoRoom> for Refusal {
+    fn from(error: NoRoom) -> Self {
+        let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        match error {
+            NoRoom::Small { name: what, needed, given } => {
+                Self::MemoryTooSmall { name: name(what), needed: count(needed), given: count(given) }
+            }
+            NoRoom::NothingSeen => Self::Rig(RigFault::View),
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! The monitor of a board's pairs, around each run.
 
 use crate::memory::{Memory, RunError};
-use crate::ports::CapturedPair;
-use linestereo::{HealthLimits, HealthMonitor, Observer, PairHealth, Params, Step};
+use linestereo::{HealthLimits, HealthMonitor, Observer, PairHealth, Plan, Step};
 
 /// Limits and what pairs so far have left behind.
 #[derive(Clone, Debug)]
@@ -19,23 +18,23 @@ impl Watch {
         Self { limits: HealthLimits::DEFAULT, monitor: HealthMonitor::new() }
     }
 
-    /// Looks at the pair that lies in the frames, matches it, and looks at its matches. A pair that is refused ([`PairHealth::is_refused`])
+    /// Looks at the pair that lies in the frames and was captured at these times (left, right, microseconds), matches it, and looks at its matches. A pair that is refused ([`PairHealth::is_refused`])
     /// is not matched: the results are those of the pair before.
     pub fn run(
         &mut self,
         memory: &mut impl Memory,
-        params: &Params,
-        pair: &CapturedPair,
+        plan: &Plan,
+        times_us: Option<[u64; 2]>,
         observer: &mut impl Observer,
     ) -> Result<PairHealth, RunError> {
-        let [left, right] = memory.views(pair.dims)?;
-        let mut health = self.monitor.look(&self.limits, left, right, pair.times_us);
+        let [left, right] = memory.views(plan.dims())?;
+        let mut health = self.monitor.look(&self.limits, left, right, times_us);
         observer.ended(Step::Health(&health));
         if health.is_refused() {
             return Ok(health);
         }
-        memory.run(params, pair.dims, observer)?;
-        let ([left, right], results) = (memory.views(pair.dims)?, memory.results());
+        memory.run(plan, observer)?;
+        let ([left, right], results) = (memory.views(plan.dims())?, memory.results());
         let found = (results.matches, results.counts);
         self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
         observer.ended(Step::Health(&health));

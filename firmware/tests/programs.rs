@@ -1,13 +1,15 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::{Dims, HealthFlags};
+use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, View};
+use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Scene;
 use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use linestereo_firmware::programs::live::{Live, Painter};
 use linestereo_firmware::programs::replay::{self, Event};
+use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
 use std::collections::VecDeque;
@@ -120,7 +122,8 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     let mut memory = Box::new(Workspace::new());
     let [left, right] = memory.frames();
     Scene::Blocks.paint(DIMS, left, right);
-    memory.run(&linestereo::Params::DEFAULT, DIMS, &mut ()).unwrap();
+    let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
+    memory.run(&plan, &mut ()).unwrap();
     let (mut matches, mut points, mut heads, mut answers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for message in messages(&outputs[0]) {
         match message {
@@ -139,7 +142,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
         }
     }
     let mut listed = Vec::new();
-    memory.for_each_point(&linestereo::Params::DEFAULT, DIMS, |point| listed.push(point));
+    memory.for_each_point(&plan, |point| listed.push(point));
     assert!(points == listed && !listed.is_empty(), "{} points instead of {}", points.len(), listed.len());
     assert_eq!(matches, memory.results().matches);
     assert_eq!(heads.iter().map(|head| head.capture_time_us).collect::<Vec<_>>(), [2000, 4000]);
@@ -153,6 +156,219 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
         (5, Outcome::Accepted),
     ];
     assert_eq!(answers, expected);
+}
+
+const RAW: Dims = Dims { width: 200, height: 150 };
+
+/// A rig with barrel distortion, a turned right camera and this rectified size.
+fn rig(rectified: Dims) -> RigImage {
+    let lens = Lens::BrownConrady { k: [-0.2, 0.03, 0.0], p: [1e-3, 0.0] };
+    let camera = |cx| Camera::new(RAW, [170.0, 171.0], [cx, 74.0], 0.0, lens).unwrap();
+    let turned = [0.9999, 0.002, 0.004, 0.01];
+    let calibration = Calibration::new(camera(99.0), camera(101.0), turned, [-0.07, 0.0, 0.0]).unwrap();
+    RigImage::new(calibration, rectified, View::default(), (0, 40)).unwrap()
+}
+
+fn push_rig(bytes: &mut Vec<u8>, id: u16, image: &[u8]) {
+    push(bytes, id, Request::SetRig(image.iter().copied().collect()));
+}
+
+/// A raw pair, its rows in turn.
+fn push_raw(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
+    push(
+        bytes,
+        id,
+        Request::RawPair(PairHead {
+            width: dims.width,
+            height: dims.height,
+            capture_time_us: 0,
+            right_capture_time_us: None,
+        }),
+    );
+    let [left, right] = painted(dims, scene);
+    let width = usize::from(dims.width);
+    left.chunks(width).zip(right.chunks(width)).for_each(|(left, right)| bytes.extend([left, right].concat()));
+}
+
+fn painted(dims: Dims, scene: Scene) -> [Vec<u8>; 2] {
+    let pixels = usize::from(dims.width) * usize::from(dims.height);
+    let (mut left, mut right) = (vec![0; pixels], vec![0; pixels]);
+    scene.paint(dims, &mut left, &mut right);
+    [left, right]
+}
+
+/// What `replay` answers: by command, and the frames.
+fn replayed(session: &mut Session<'_>, memory: &mut Workspace, input: Vec<u8>) -> (Vec<(u16, Outcome)>, Vec<Message>) {
+    let mut source = Trickle { bytes: input.into(), step: 97 };
+    let mut output = Written::default();
+    let counters = replay::run(memory, &Microseconds::default(), session, &mut source, &mut output, |_| {});
+    assert_eq!(counters.bad(), 0);
+    let (answers, others): (Vec<_>, Vec<_>) =
+        messages(&output.0).into_iter().partition(|message| matches!(message, Message::Answer(_)));
+    let outcome =
+        |message| if let Message::Answer(answer) = message { (answer.command, answer.outcome) } else { panic!() };
+    (answers.into_iter().map(outcome).collect(), others)
+}
+
+#[test]
+fn raw_pairs_are_rectified_row_by_row() {
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::new(BOARD);
+    let mut input = Vec::new();
+    push_raw(&mut input, 1, RAW, Scene::Blocks);
+    push_rig(&mut input, 2, &rig(DIMS).encode(0));
+    push_raw(&mut input, 3, RAW, Scene::Blocks);
+    push_raw(&mut input, 4, DIMS, Scene::Blocks);
+    push_raw(&mut input, 5, RAW, Scene::Blocks);
+    let (answers, frames) = replayed(&mut session, &mut memory, input);
+    let wrong_size = Refusal::RawSize { needed: [200, 150], given: [128, 96] };
+    let expected = [
+        (1, Outcome::Refused(Refusal::NoRig)),
+        (2, Outcome::Accepted),
+        (3, Outcome::Accepted),
+        (4, Outcome::Refused(wrong_size)),
+        (5, Outcome::Accepted),
+    ];
+    assert_eq!(answers, expected);
+
+    // The same frames, rectified whole.
+    let image = rig(DIMS);
+    let mut twin = Box::new(Workspace::new());
+    for (eye, raw) in Eye::BOTH.into_iter().zip(painted(RAW, Scene::Blocks)) {
+        let mut mesh: Box<Mesh<NODES, 96>> = Box::new(Mesh::new());
+        let mut band: Box<Band<{ 200 * 150 }>> = Box::new(Band::new());
+        mesh.build(image.rectification(), eye).unwrap();
+        for row in raw.chunks(200) {
+            band.push(&mesh, row, twin.frames()[eye as usize]).unwrap();
+        }
+    }
+    let plan = image.params(linestereo::Params::DEFAULT).unwrap().plan(DIMS).unwrap();
+    twin.run(&plan, &mut ()).unwrap();
+    let expected = twin.results().matches.to_vec();
+    assert!(expected.len() > 3 && expected.iter().all(|found| found.depth.is_some()), "{}", expected.len());
+    let matches_of = |sequence| {
+        let lists = frames.iter().filter_map(|message| match message {
+            Message::Segments(list) if list.sequence == sequence => Some(&list.list),
+            _ => None,
+        });
+        lists.flatten().map(linestereo::Match::from).collect::<Vec<_>>()
+    };
+    assert_eq!(matches_of(1), expected);
+    assert_eq!(matches_of(3), expected, "what came before a pair does not matter");
+    let heads: Vec<_> =
+        frames.iter().filter_map(|m| if let Message::Frame(head) = m { Some(head) } else { None }).collect();
+    assert!(heads.iter().all(|head| (head.width, head.height) == (128, 96)));
+}
+
+#[test]
+fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::new(BOARD);
+    let good = rig(DIMS).encode(0);
+    let mut damaged = good;
+    damaged[50] ^= 8;
+    let too_wide = rig(Dims { width: 192, height: 96 }).encode(0);
+    // A band that holds most of the image: the cameras are rolled against each other by 20 degrees.
+    let camera = Camera::new(Dims { width: 640, height: 480 }, [500.0; 2], [320.0, 240.0], 0.0, Lens::NONE).unwrap();
+    let rolled = Calibration::new(camera, camera, [0.9848, 0.0, 0.0, 0.1736], [-0.1, 0.0, 0.0]).unwrap();
+    let rolled = RigImage::new(rolled, DIMS, View::default(), (0, 40)).unwrap().encode(0);
+    let mut input = Vec::new();
+    push_rig(&mut input, 1, &good);
+    for (id, image) in (2..).zip([&damaged[..], &good[..100], b"rubbish", &[], &too_wide, &rolled]) {
+        push_rig(&mut input, id, image);
+    }
+    push_raw(&mut input, 8, RAW, Scene::Bricks);
+    push(&mut input, 9, Request::Describe);
+    let (answers, frames) = replayed(&mut session, &mut memory, input);
+    let texts: Vec<String> = answers
+        .iter()
+        .map(|(_, outcome)| match outcome {
+            Outcome::Accepted => "accepted".to_owned(),
+            Outcome::Refused(why) => why.to_string(),
+        })
+        .collect();
+    assert_eq!(
+        texts[..6],
+        [
+            "accepted",
+            "the rig image is refused: damaged",
+            "the rig image is refused: truncated",
+            "the rig image is refused: foreign",
+            "the rig image is refused: truncated",
+            "width is 192, allowed are 16 to 160",
+        ]
+    );
+    assert!(texts[6].starts_with("band of the board's memory holds "), "{}", texts[6]);
+    assert_eq!(texts[7..], ["accepted", "accepted"]);
+    let hello = frames.iter().find_map(|message| if let Message::Hello(hello) = message { Some(hello) } else { None });
+    assert_eq!(hello.unwrap().rig.to_string(), "rig: 200x150 rectified to 128x96; no flash to keep one");
+}
+
+/// Slots without a flash under them.
+#[derive(Debug)]
+struct Keeper {
+    loaded: Loaded,
+    keeps: bool,
+}
+
+impl RigKeeper for Keeper {
+    fn load(&mut self) -> Loaded {
+        self.loaded
+    }
+
+    fn store(&mut self, image: &RigImage) -> Result<Slot, StoreError> {
+        if !self.keeps {
+            return Err(StoreError::NotKept);
+        }
+        let slot = self.loaded.rig.map_or(Slot::First, |(slot, _)| slot.other());
+        self.loaded.rig = Some((slot, *image));
+        self.loaded.slots[slot as usize] = Ok(7);
+        Ok(slot)
+    }
+}
+
+#[test]
+fn a_rig_is_kept_where_there_is_flash() {
+    let mut memory = Box::new(Workspace::new());
+    let empty = Err(SlotError::Image(RigImageError::Empty));
+    let damaged = Err(SlotError::Image(RigImageError::Damaged));
+    let mut keeper = Keeper { loaded: Loaded { rig: None, slots: [empty, damaged] }, keeps: true };
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, damaged");
+    let mut input = Vec::new();
+    push_rig(&mut input, 1, &rig(DIMS).encode(0));
+    let (answers, _) = replayed(&mut session, &mut memory, input.clone());
+    assert_eq!(answers, [(1, Outcome::Accepted)]);
+    let expected = "rig: 200x150 rectified to 128x96; slots: image 7 (in use), damaged";
+    assert_eq!(session.hello().rig.to_string(), expected);
+
+    // After a reset.
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), expected);
+    let mut raw = Vec::new();
+    push_raw(&mut raw, 1, RAW, Scene::Blocks);
+    let (answers, frames) = replayed(&mut session, &mut memory, raw.clone());
+    assert_eq!(answers, [(1, Outcome::Accepted)]);
+    assert!(frames.len() > 1);
+
+    // Flash that does not keep: nothing changes.
+    keeper.keeps = false;
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    let mut other = Vec::new();
+    push_rig(&mut other, 1, &rig(Dims { width: 100, height: 80 }).encode(0));
+    push_raw(&mut other, 2, RAW, Scene::Blocks);
+    let (answers, again) = replayed(&mut session, &mut memory, other);
+    assert_eq!(answers, [(1, Outcome::Refused(Refusal::NotKept)), (2, Outcome::Accepted)]);
+    assert_eq!(again, frames);
+    assert_eq!(session.hello().rig.to_string(), expected);
+
+    // A rig that another firmware left and this board cannot hold.
+    let large = rig(Dims { width: 320, height: 240 });
+    let mut keeper = Keeper { loaded: Loaded { rig: Some((Slot::Second, large)), slots: [empty, Ok(3)] }, keeps: true };
+    let session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, too large for this board");
 }
 
 /// A serial port whose other end the test holds.
@@ -177,9 +393,9 @@ impl ByteSink for Line<'_> {
 }
 
 /// A camera with a loose cable: no pair, a pair of a wrong size, one with a late right image, then painted ones.
-struct Camera(u32, Painter);
+struct LooseCamera(u32, Painter);
 
-impl PairSource for Camera {
+impl PairSource for LooseCamera {
     fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair> {
         self.0 += 1;
         match self.0 {
@@ -204,7 +420,7 @@ fn live_serves_commands_and_survives_its_camera() {
     };
     let received = || messages(&core::mem::take(&mut *outgoing.borrow_mut()));
     let mut memory = Box::new(Workspace::new());
-    let mut camera = Camera(0, Painter::new(DIMS));
+    let mut camera = LooseCamera(0, Painter::new(DIMS));
     let line = Line { incoming: &incoming, outgoing: &outgoing };
     let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
     assert!(matches!(&received()[..], [Message::Hello(hello)] if hello.board == BOARD.name));

@@ -14,4 +14,5 @@ pub mod listing;
 pub mod monitor;
 pub mod output;
 pub mod planning;
+pub mod rectify;
 pub mod scene;

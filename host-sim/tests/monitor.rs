@@ -58,7 +58,7 @@ fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
 
 fn hello() -> Message {
     let board = "a board".try_into().unwrap();
-    Message::Hello(Hello { board, largest_width: 320, largest_height: 240, segments: 512 })
+    Message::Hello(Hello { board, largest_width: 320, largest_height: 240, segments: 512, rig: RigReport::NONE })
 }
 
 /// The packet with one bit changed where it costs the checksum and nothing else.
@@ -122,7 +122,7 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
     let expected = format!(
         "    frame      time s  since ms  segments  nearest m  farthest m  health\n\
-         board: a board, images up to 320x240, up to 512 segments\n\
+         board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n\
         \x20       1       0.040         -        25       2.00    infinite  points_dropped\n\
          health: points_dropped: more points than the list holds; the least credible are left out\n\
         \x20       2       0.080      40.0     15/25       2.00    infinite  good\n\
@@ -250,7 +250,9 @@ impl<P: Read + Write> Board<P> {
                     Outcome::Accepted
                 }
                 Request::Start | Request::Stop => Outcome::Accepted,
-                Request::Pair(_) => Outcome::Refused(linestereo_wire::Refusal::Unsupported),
+                Request::Pair(_) | Request::SetRig(_) | Request::RawPair(_) => {
+                    Outcome::Refused(linestereo_wire::Refusal::Unsupported)
+                }
             };
             // An answer to somebody else, then the answer.
             for command in [id.wrapping_add(100), id] {
@@ -296,7 +298,7 @@ fn a_board_is_described_set_started_and_watched() {
     assert!(output.status.success(), "{shown}{}", text(&output.stderr));
     let lines: Vec<&str> = shown.lines().collect();
     let expected = [
-        "board: a board, images up to 320x240, up to 512 segments",
+        "board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one",
         "accepted: describe",
         "accepted: max_disparity=96 cell=24",
         "accepted: start",

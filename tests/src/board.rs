@@ -3,7 +3,6 @@
 use core::any::Any;
 use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
-use linestereo_firmware::ports::CapturedPair;
 use linestereo_firmware::watch::Watch;
 use linestereo_sim::board::Machine;
 use linestereo_sim::engine::{FrameResult, GrayImage};
@@ -79,9 +78,10 @@ fn run(
     for (frame, image) in memory.frames().into_iter().zip([left, right]) {
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
-    let health = Watch::new().run(memory, params, &CapturedPair::of(left.dims), &mut ())?;
+    let plan = params.plan(left.dims).map_err(|_| RunError::Size(left.dims))?;
+    let health = Watch::new().run(memory, &plan, None, &mut ())?;
     let mut points = Vec::new();
-    memory.for_each_point(params, left.dims, |point| points.push(point));
+    memory.for_each_point(&plan, |point| points.push(point));
     let results = memory.results();
     let mut result = FrameResult {
         matches: results.matches.to_vec(),

@@ -1,16 +1,17 @@
 //! The boards under QEMU: the PC's bits, and an end for everything that must not happen.
 
 use core::time::Duration;
-use linestereo::{Confidence, Dims, Params};
+use linestereo::{Calibration, Camera, Confidence, Dims, Lens, Params, View};
 use linestereo_firmware::boards::Board;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::startup::Exit;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::{TARGET, Toolchain};
-use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
+use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::listing;
+use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::board::{Twin, machine, or_skip};
 use linestereo_wire::*;
@@ -235,6 +236,79 @@ fn bad_input_is_named_and_the_next_good_pair_is_matched() {
     assert_eq!(texts.len(), 10);
     assert!(texts[9].starts_with("the pair has 24576 bytes, 199"), "{}", texts[9]);
     assert_eq!(answers, [(8, Outcome::Accepted), (10, Outcome::Accepted)]);
+}
+
+/// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by a degree.
+fn raw_rig(raw: Dims, rectified: Dims) -> RigImage {
+    let scale = f64::from(raw.width);
+    let lens = |k: [f64; 3]| Lens::BrownConrady { k, p: [1e-3, -5e-4] };
+    let centre = [0.5 * scale - 1.25, 0.5 * f64::from(raw.height) + 0.5];
+    let left = Camera::new(raw, [0.85 * scale, 0.851 * scale], centre, 0.0, lens([-0.25, 0.12, -0.01])).unwrap();
+    let right = Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.2, 0.02, 0.0])).unwrap();
+    let calibration = Calibration::new(left, right, [0.99996, 0.002, 0.004, 0.0087], [-0.07, 0.0004, 0.0]).unwrap();
+    RigImage::new(calibration, rectified, View::default(), (0, 48)).unwrap()
+}
+
+#[test]
+fn raw_pairs_give_the_json_of_the_pc() {
+    for (board, raws) in Board::ALL.into_iter().zip([[(320, 240), (640, 480)], [(160, 120), (400, 300)]]) {
+        let Some(machine) = machine(board) else { return };
+        for (width, height) in raws {
+            let (left, right) = rendered(width, height);
+            let rig = raw_rig(left.dims, board.largest);
+            let params = rig.params(Params::default()).unwrap();
+            let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
+            assert_eq!((replayed.pairs.len(), replayed.bad_packets), (1, 0));
+            let found = replayed.pairs.remove(0).unwrap();
+            let (left, right) = PairRectifier::new(rig.rectification()).unwrap().pair(&left, &right).unwrap();
+            let twin = Twin::of(&board).run(&params, &left, &right).unwrap();
+            let dims = board.largest;
+            assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {width}x{height}", board.name);
+            assert_eq!(found.result.points, twin.points);
+            assert!(twin.matches.len() > 5 && twin.matches.iter().all(|found| found.depth.is_some()));
+            assert!(found.rectification > 100_000, "{}", found.rectification);
+            assert!(replayed.stack < 16 * 1024, "{} bytes of stack", replayed.stack);
+        }
+    }
+}
+
+#[test]
+fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
+    let board = Board::ALL[1];
+    let Some(machine) = machine(board) else { return };
+    let (left, right) = rendered(160, 120);
+    let rigs = [Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }].map(|dims| raw_rig(left.dims, dims));
+    let mut flash = vec![0xff; 1024];
+    let run = |set: Option<&RigImage>, flash: &mut Vec<u8>| {
+        let mut input = Vec::new();
+        if let Some(rig) = set {
+            let bytes = rig.encode(77).into_iter().collect();
+            push(&mut input, &Command { id: 1, request: Request::SetRig(bytes) }).unwrap();
+        }
+        push(&mut input, &Command { id: 2, request: Request::Describe }).unwrap();
+        push_raw_pair(&mut input, 3, &left, &right).unwrap();
+        let (answers, mut replayed) = machine.replay_with(&input, Some(flash)).unwrap();
+        assert!(answers.iter().all(|(_, outcome)| *outcome == Outcome::Accepted), "{answers:?}");
+        let matched = replayed.pairs.remove(0).map(|found| found.result.matches.len()).map_err(|why| why.to_string());
+        (replayed.rig.unwrap().to_string(), matched)
+    };
+    let none = Err("the board has no rig".to_owned());
+    assert_eq!(run(None, &mut flash), ("rig: none; slots: empty, empty".to_owned(), none.clone()));
+    let (text, first) = run(Some(&rigs[0]), &mut flash);
+    assert_eq!(text, "rig: 160x120 rectified to 160x120; slots: image 0 (in use), empty");
+    assert!(first.clone().unwrap() > 5);
+    // Switched off and on.
+    assert_eq!(run(None, &mut flash), (text, first.clone()));
+    let (text, second) = run(Some(&rigs[1]), &mut flash);
+    assert_eq!(text, "rig: 160x120 rectified to 128x96; slots: image 0, image 1 (in use)");
+    assert!(second.is_ok());
+    assert_eq!(run(None, &mut flash), (text, second));
+    // A bit of the newer image: the older one is used.
+    flash[512 + 99] ^= 0x20;
+    let text = "rig: 160x120 rectified to 160x120; slots: image 0 (in use), damaged".to_owned();
+    assert_eq!(run(None, &mut flash), (text, first));
+    flash[0] ^= 1;
+    assert_eq!(run(None, &mut flash), ("rig: none; slots: foreign, damaged".to_owned(), none));
 }
 
 #[test]

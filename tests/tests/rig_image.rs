@@ -4,7 +4,7 @@ use core::fmt::Debug;
 use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, RectifyError, View};
-use linestereo_firmware::rig_store::{LayoutError, RigStore, Slot, SlotError, StoreError};
+use linestereo_firmware::rig_store::{LayoutError, RigKeeper as _, RigStore, Slot, SlotError, StoreError};
 use linestereo_wire::{RigImage, RigImageError, RigImageHead};
 use std::panic::catch_unwind;
 
@@ -234,7 +234,7 @@ fn the_number_that_is_refused_has_a_name() {
 /// A flash stricter than hardware: it panics where hardware would do something undefined, and its power fails on demand.
 ///
 /// Words that an interrupted write or erase was at hold garbage; so does an erased block beyond the place where its erase was stopped.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 struct Flash<const READ: usize, const WRITE: usize, const ERASE: usize> {
     bytes: Vec<u8>,
     /// Was this word written since it was erased?
@@ -357,7 +357,7 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
 type Pages = Flash<1, 8, 2048>;
 type Small = Flash<4, 4, 128>;
 
-fn loaded<F: NorFlash>(store: &mut RigStore<F>) -> Option<(Slot, RigImage)> {
+fn loaded<F: NorFlash + Debug>(store: &mut RigStore<F>) -> Option<(Slot, RigImage)> {
     store.load().rig
 }
 
@@ -445,7 +445,7 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
 }
 
 /// Cuts the power after these numbers of bytes that are erased or written, from every state that two images can leave.
-fn cut<F: NorFlash + Clone>(
+fn cut<F: NorFlash + Clone + Debug>(
     flash: F,
     limit: impl Fn(&mut F, usize) + Copy,
     starts: [u32; 2],

@@ -3,6 +3,8 @@
 //! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
 //! range of the one that is wrong. Bytes that were damaged never get here: see [`Decoder`](crate::Decoder).
 
+use crate::rig_fault::RigFault;
+use crate::rig_image::RigImage;
 use core::fmt;
 use heapless::String;
 use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Plan, Rig, RigError, Skewed};
@@ -34,7 +36,16 @@ pub enum Request {
     /// Match this pair, whose pixels follow the packet: all of the left image, all of the right one, row by row, one byte each. For
     /// programs that are fed by a file; a board with cameras refuses it.
     Pair(PairHead),
+    /// Use this rig from now on, and keep it where there is flash for it: its view, disparity range and depths.
+    SetRig(RigBytes),
+    /// Rectify this pair with the rig, and match it. Pixels follow the packet as two cameras deliver them: the first row of the left image,
+    /// the first row of the right one, the second rows, and so on. The sizes are those of the raw images. For programs that are fed by a
+    /// file, as [`Request::Pair`].
+    RawPair(PairHead),
 }
+
+/// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.
+pub type RigBytes = heapless::Vec<u8, { RigImage::BYTES }>;
 
 /// A pair whose pixels follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -184,6 +195,19 @@ pub enum Refusal {
         /// Bytes there.
         given: u32,
     },
+    /// The board has no rig: nothing can be rectified, and nothing has a depth.
+    NoRig,
+    /// The image is no rig that this board can use.
+    Rig(RigFault),
+    /// The raw images are not of the size of the rig's.
+    RawSize {
+        /// Width and height of the rig's raw images.
+        needed: [u16; 2],
+        /// Width and height of these.
+        given: [u16; 2],
+    },
+    /// The flash does not keep the rig.
+    NotKept,
     /// [`Skewed`]: the images of the pair were captured too far apart.
     Skewed {
         /// Microseconds between the captures.
@@ -253,6 +277,12 @@ impl fmt::Display for Refusal {
             Self::Unsupported => write!(f, "this board cannot do that"),
             Self::Skewed { skew_us, limit_us } => Skewed { skew_us, limit_us }.fmt(f),
             Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
+            Self::NoRig => write!(f, "the board has no rig"),
+            Self::Rig(fault) => write!(f, "the rig image is refused: {fault}"),
+            Self::RawSize { needed: [w, h], given: [width, height] } => {
+                write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
+            }
+            Self::NotKept => write!(f, "the board's flash does not keep the rig"),
         }
     }
 }

@@ -49,16 +49,18 @@ mod frame;
 mod health;
 mod message;
 mod packet;
+mod rig_fault;
 mod rig_image;
 mod send;
 
-pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigUpdate};
+pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigBytes, RigUpdate};
 pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, Message, Outcome};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
+pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use rig_image::{RigImage, RigImageError, RigImageHead};
 pub use send::{PointStream, SendError, send, send_frame, send_points};
 

@@ -2,6 +2,7 @@
 
 use crate::command::Refusal;
 use crate::frame::{FrameHead, Points, Segments};
+use crate::rig_fault::RigReport;
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,8 @@ pub struct Hello {
     pub largest_height: u16,
     /// Segments it can detect per image, and match.
     pub segments: u16,
+    /// The rig it uses.
+    pub rig: RigReport,
 }
 
 /// What became of a command.

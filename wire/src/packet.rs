@@ -13,6 +13,7 @@
 use crate::SEGMENTS_PER_PACKET;
 use crate::command::Command;
 use crate::message::Message;
+use crate::rig_image::RigImage;
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use core::marker::PhantomData;
@@ -35,10 +36,10 @@ pub const MAX_PACKET: usize = {
     packet_bytes(10 + SEGMENTS_PER_PACKET * SEGMENT)
 };
 
-/// Bytes of the largest packet of a [`Command`]: all parameters.
+/// Bytes of the largest packet of a [`Command`]: a rig.
 pub const MAX_COMMAND: usize = {
-    // id 3, kind 1; eight options of 16 bits 8 * 4, margin 12, rig 25
-    packet_bytes(4 + 8 * 4 + 12 + 25)
+    // id 3, kind 1, length 2
+    packet_bytes(6 + RigImage::BYTES)
 };
 
 /// Bytes on the wire of a record of so many.

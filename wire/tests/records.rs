@@ -170,8 +170,15 @@ fn the_layout_of_this_version_is_exactly_this() {
         payload.to_vec()
     }
     assert_eq!(VERSION, 2);
-    let hello = Hello { board: "qemu".try_into().unwrap(), largest_width: 320, largest_height: 240, segments: 512 };
-    assert_eq!(payload(&Message::Hello(hello)), [2, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4]);
+    let rig = RigInUse { raw: [752, 480], rectified: [320, 204], slot: Some(1) };
+    let rig = RigReport { in_use: Some(rig), slots: [Err(RigFault::Damaged), Ok(300)] };
+    let hello =
+        Hello { board: "qemu".try_into().unwrap(), largest_width: 320, largest_height: 240, segments: 512, rig };
+    let expected = [
+        2, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
+        0, 0xac, 2,
+    ];
+    assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
         2, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 0, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15,
@@ -214,6 +221,11 @@ fn the_layout_of_this_version_is_exactly_this() {
     let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
     let expected = [0x82, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
     assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
+    let bytes = [7, 8, 9].into_iter().collect();
+    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x82, 6, 5, 3, 7, 8, 9]);
+    let head = PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
+    let expected = [0x82, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
+    assert_eq!(payload(&Command { id: 7, request: Request::RawPair(head) }), expected);
 }
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -299,4 +311,14 @@ fn what_the_core_refuses_is_refused_by_name() {
         panic!("another refusal")
     };
     assert_eq!(name, "a name that is longer than any o");
+}
+
+#[test]
+fn a_board_says_what_its_slots_hold() {
+    assert_eq!(RigReport::NONE.to_string(), "rig: none; no flash to keep one");
+    let slots = [Err(RigFault::Empty), Err(RigFault::Damaged)];
+    assert_eq!(RigReport { in_use: None, slots }.to_string(), "rig: none; slots: empty, damaged");
+    let rig = RigInUse { raw: [640, 480], rectified: [320, 240], slot: Some(0) };
+    let report = RigReport { in_use: Some(rig), slots: [Ok(8), Err(RigFault::OtherVersion)] };
+    assert_eq!(report.to_string(), "rig: 640x480 rectified to 320x240; slots: image 8 (in use), other version");
 }

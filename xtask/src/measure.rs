@@ -5,10 +5,12 @@
 use crate::bench::{self, Builtin, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
-use linestereo::{Params, Stage};
+use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, Costs, Machine, update};
+use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_wire::RigImage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,6 +31,8 @@ const HEAD: &str = "\
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
+# raw: a rendered raw pair rectified row by row (75 degrees of view, cameras turned by a degree) to the lists; band: the bytes of raw rows
+# held of the camera that needs more.
 
 ";
 
@@ -46,6 +50,16 @@ struct BoardNumbers {
     captured: BTreeMap<String, Instructions>,
     #[serde(default)]
     rectify: BTreeMap<String, Rectified>,
+    #[serde(default)]
+    raw: BTreeMap<String, RawPair>,
+}
+
+/// Of a raw pair.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct RawPair {
+    rectification: u64,
+    matching: u64,
+    band: u64,
 }
 
 /// Of the pairs of one size.
@@ -119,17 +133,46 @@ fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
     Ok(Numbers { compiler: Toolchain::find(&board::top()?)?.version(top)?, boards })
 }
 
-/// The largest depth of the stack of the program whose RAM and flash are given: over a rendered pair of the largest size.
-fn stack_of_replay(board: &Board) -> Result<u64> {
-    let rendering = scene::render(&scene::build(Kind::Demo, board.largest, 1), board.largest, &Sensor::default());
+/// Raw pairs of the size of the board's largest one and half as large again, and the largest depth of the stack over them: that of the program
+/// whose RAM and flash are given.
+fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
     let machine = Machine::new(*board)?;
-    let params = update(&Params::default(), None);
-    Ok(machine.run_pairs(&params, &[(&rendering.left, &rendering.right)])?.stack)
+    let (mut pairs, mut stack) = (BTreeMap::new(), 0);
+    for halves in [2, 3] {
+        let Dims { width, height } = board.largest;
+        let raw = Dims { width: halves * width / 2, height: halves * height / 2 };
+        let rig = rig(raw, board.largest)?;
+        let rendering = scene::render(&scene::build(Kind::Demo, raw, 1), raw, &Sensor::default());
+        let params = update(&rig.params(Params::default())?, None);
+        let mut replayed = machine.run_raw_pairs(&rig, &params, &[(&rendering.left, &rendering.right)])?;
+        let found = replayed.pairs.pop().context("no pair was answered")??;
+        let rectifier = PairRectifier::new(rig.rectification())?;
+        let band = Eye::BOTH.map(|eye| rectifier.facts(eye).band_bytes as u64);
+        let pair = RawPair {
+            rectification: found.rectification,
+            matching: bench::total(&found.costs),
+            band: band[0].max(band[1]),
+        };
+        pairs.insert(format!("{raw} to {}", board.largest), pair);
+        stack = stack.max(replayed.stack);
+    }
+    Ok((pairs, stack))
+}
+
+/// Barrel distortion, 75 degrees of view, the right camera turned by a degree.
+fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
+    let (width, height) = (f64::from(raw.width), f64::from(raw.height));
+    let lens = Lens::BrownConrady { k: [-0.18, 0.04, 0.0], p: [0.0005, -0.0003] };
+    let camera = |x: f64, y: f64| Camera::new(raw, [0.65 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens);
+    let pose = [1.0, 0.003, -0.004, 0.007];
+    let calibration = Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, pose, [-0.06, 0.0005, 0.001])?;
+    let range = (0, Params::default().max_disparity);
+    Ok(RigImage::new(calibration, rectified, View::default(), range)?)
 }
 
 fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
     let Builtin { pairs, .. } = bench::builtin(board)?;
-    let stack = stack_of_replay(board)?;
+    let (raw, stack) = raw_pairs(board)?;
     let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
     let bytes = [
         ("flash", replay.flash()),
@@ -149,7 +192,7 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
         }
     }
     let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(BoardNumbers { bytes, built_in, captured, rectify: bench::rectified(board)? })
+    Ok(BoardNumbers { bytes, built_in, captured, rectify: bench::rectified(board)?, raw })
 }
 
 /// The numbers that are compared, by name.
@@ -163,6 +206,11 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} rectify {rig} set_up"), of.set_up);
             list.insert(format!("{name} rectify {rig} rows"), of.rows);
             list.insert(format!("{name} rectify {rig} band_bytes"), of.band_bytes);
+        }
+        for (size, RawPair { rectification, matching, band }) in &board.raw {
+            list.insert(format!("{name} raw {size} rectification"), *rectification);
+            list.insert(format!("{name} raw {size} matching"), *matching);
+            list.insert(format!("{name} raw {size} band"), *band);
         }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
         for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {

@@ -284,26 +284,20 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     /// Bytes of memory.
     pub const BYTES: usize = size_of::<Self>();
 
-    /// Without nodes: every raw row is refused.
+    /// Without nodes: every raw row is refused. All zero, so that a static of it takes no flash.
     #[must_use]
     pub const fn new() -> Self {
-        const NOTHING: Dims = Dims { width: 0, height: 0 };
-        let grid = Grid {
-            dims: NOTHING,
-            raw: NOTHING,
-            columns: 0,
-            cell: COARSE,
-            piece: COARSE,
-            band_rows: 0,
-            is_inner: false,
-            error_q16: 0,
-        };
-        Self { grid, nodes: [Node { x: 1, y: 1 }; NODES], spans: [Span { start: 0, end: 0 }; ROWS], last: [0; ROWS] }
+        Self {
+            grid: Grid::EMPTY,
+            nodes: [Node { x: 0, y: 0 }; NODES],
+            spans: [Span { start: 0, end: 0 }; ROWS],
+            last: [0; ROWS],
+        }
     }
 
     /// Fills it for one camera. After an error it is empty.
     pub fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
-        self.grid = Self::new().grid;
+        self.grid = Grid::EMPTY;
         let dims = rectification.dims();
         let (needed, given) = (mesh_nodes(dims), NODES);
         if given < needed {
@@ -416,6 +410,13 @@ impl Grid {
         let width = usize::from(self.raw.width);
         usize::from(self.band_rows) * width + columns(width) + 1 - width
     }
+
+    /// Of no rows.
+    const EMPTY: Self = {
+        const NOTHING: Dims = Dims { width: 0, height: 0 };
+        let (columns, band_rows, error_q16) = (0, 0, 0);
+        Self { dims: NOTHING, raw: NOTHING, columns, cell: 0, piece: 0, band_rows, is_inner: false, error_q16 }
+    };
 
     fn build<'a>(
         rectification: &Rectification,

@@ -6,7 +6,6 @@ fn bench() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
-    use linestereo_firmware::ports::CapturedPair;
     use linestereo_firmware::programs::bench;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::{stack, startup::Exit, watch::Watch};
@@ -17,8 +16,8 @@ fn bench() -> linestereo_firmware::startup::Exit {
     for case in Case::all(&SELECTED) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
-        let pair = CapturedPair::of(case.dims);
-        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &case.params(), &pair) {
+        let Ok(plan) = case.params().plan(case.dims) else { continue };
+        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None) {
             bench::line(&mut table, case, &costs, memory.results());
         }
     }

@@ -1,10 +1,10 @@
-//! Pairs of a file in, results to a file. Arguments: input, output, table of costs.
+//! Pairs of a file in, results to a file. Arguments: input, output, table of costs, and if there is one a file in place of flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 fn replay() -> linestereo_firmware::startup::Exit {
     use core::fmt::Write as _;
-    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::boards::{SELECTED, flash_file::FlashFile, mps2::InstructionClock};
     use linestereo_firmware::programs::replay::{self, Event};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::session::Session;
@@ -21,10 +21,17 @@ fn replay() -> linestereo_firmware::startup::Exit {
         error!("a file cannot be opened");
         return Exit::Usage;
     };
-    let mut session = Session::new(SELECTED);
+    let Ok(mut flash) = arguments.get(3).map(FlashFile::slots).transpose() else {
+        error!("the file in place of flash cannot be used");
+        return Exit::Usage;
+    };
+    let mut session = match &mut flash {
+        Some(flash) => Session::with_flash(SELECTED, flash, memory),
+        None => Session::new(SELECTED),
+    };
     let counters = replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
-        Event::Matched { sequence, costs } => {
-            let _ = write!(table, "pair\t{sequence}");
+        Event::Matched { sequence, rectification, costs } => {
+            let _ = write!(table, "pair\t{sequence}\t{rectification}");
             for cost in costs {
                 let _ = write!(table, "\t{cost}");
             }

@@ -4,9 +4,11 @@ pub mod mps2_an386;
 pub mod mps2_an500;
 
 #[cfg(target_os = "none")]
+pub mod flash_file;
+#[cfg(target_os = "none")]
 pub mod mps2;
 
-use linestereo::Dims;
+use linestereo::{Dims, mesh_nodes};
 
 /// What a program or a PC has to know of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +25,10 @@ pub struct Board {
     pub matches: usize,
     /// Points it lists per pair.
     pub points: usize,
+    /// Widest raw image that it rectifies.
+    pub raw_width: usize,
+    /// Bytes of raw rows that it holds of each camera.
+    pub band: usize,
     /// Sizes of the built-in frames.
     pub sizes: &'static [Dims],
 }
@@ -43,6 +49,10 @@ impl Board {
         dims.width <= self.largest.width && pixels(dims) <= pixels(self.largest)
     }
 }
+
+/// Nodes of a mesh, on every board: every 16 px of 320x240, and as many every 8 px of 160x120, where lenses may ask for it. A mesh depends on
+/// the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
+pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });
 
 const fn pixels(dims: Dims) -> usize {
     dims.width as usize * dims.height as usize

@@ -1,9 +1,9 @@
 //! What a pair costs, by stage.
 
 use crate::memory::{Memory, RunError};
-use crate::ports::{CapturedPair, Clock, Results};
+use crate::ports::{Clock, Results};
 use crate::watch::Watch;
-use linestereo::{Observer, PairHealth, Params, Stage, Step};
+use linestereo::{Observer, PairHealth, Plan, Stage, Step};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -13,11 +13,11 @@ pub fn measure(
     memory: &mut impl Memory,
     clock: &impl Clock,
     watch: &mut Watch,
-    params: &Params,
-    pair: &CapturedPair,
+    plan: &Plan,
+    times_us: Option<[u64; 2]>,
 ) -> Result<(Costs, PairHealth), RunError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
-    let health = watch.run(memory, params, pair, &mut observer)?;
+    let health = watch.run(memory, plan, times_us, &mut observer)?;
     Ok((observer.costs, health))
 }
 
@@ -54,7 +54,7 @@ mod tests {
     use crate::boards::mps2_an386::{BOARD, Workspace};
     use crate::painter::Scene;
     use core::cell::Cell;
-    use linestereo::Dims;
+    use linestereo::{Dims, Params};
 
     /// Counts how often it was asked.
     struct Asked(Cell<u32>);
@@ -82,8 +82,8 @@ mod tests {
         let [left, right] = memory.frames();
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
-        let pair = CapturedPair::of(BOARD.largest);
-        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &Params::DEFAULT, &pair).unwrap();
+        let plan = Params::DEFAULT.plan(BOARD.largest).unwrap();
+        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &plan, None).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
         assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
@@ -95,7 +95,7 @@ mod tests {
         let mut memory = Box::new(Workspace::new());
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
-        let refused = measure(&mut *memory, &clock, &mut Watch::new(), &Params::DEFAULT, &CapturedPair::of(dims));
-        assert_eq!(refused, Err(RunError::Size(dims)));
+        let plan = Params::DEFAULT.plan(dims).unwrap();
+        assert_eq!(measure(&mut *memory, &clock, &mut Watch::new(), &plan, None), Err(RunError::Size(dims)));
     }
 }

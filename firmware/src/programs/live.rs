@@ -9,8 +9,8 @@ use linestereo_wire::{Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAN
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results.
 #[derive(Debug)]
-pub struct Live<C, P> {
-    session: Session,
+pub struct Live<'a, C, P> {
+    session: Session<'a>,
     clock: C,
     port: P,
     decoder: Decoder<Command, MAX_COMMAND>,
@@ -19,9 +19,9 @@ pub struct Live<C, P> {
     time_us: u64,
 }
 
-impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
+impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Says hello.
-    pub fn start(session: Session, clock: C, port: P) -> Self {
+    pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
         let last = clock.now();
         let mut live = Self { session, clock, port, decoder: Decoder::new(), last, time_us: 0 };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
@@ -32,13 +32,13 @@ impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
 
     /// Takes one turn.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
-        self.serve_commands();
+        self.serve_commands(memory);
         if self.session.running {
             self.match_pair(memory, camera);
         }
     }
 
-    fn serve_commands(&mut self) {
+    fn serve_commands(&mut self, memory: &mut impl Memory) {
         let mut bytes = [0; 16];
         // A host that never pauses does not stop the pairs.
         for _ in 0..MAX_COMMAND {
@@ -48,7 +48,7 @@ impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
             }
             for &byte in bytes.iter().take(count) {
                 let Some(Ok(command)) = self.decoder.push(byte) else { continue };
-                match self.session.command(&command) {
+                match self.session.command(&command, memory) {
                     Reply::Answer(answer) => self.write(&Message::Answer(answer)),
                     Reply::Describe(answer) => {
                         let hello = self.session.hello();
@@ -75,7 +75,10 @@ impl<C: Clock, P: ByteSource + ByteSink> Live<C, P> {
             return self.write(&Message::Frame(failed_frame(sequence, time_us, none, Health::PAIR_MISSING)));
         };
         let dims = pair.dims;
-        let Ok(health) = self.session.watch.run(memory, &self.session.params, &pair, &mut ()) else {
+        let Ok(plan) = self.session.plan(dims) else {
+            return self.write(&Message::Frame(failed_frame(sequence, time_us, dims, Health::SIZE_MISMATCH)));
+        };
+        let Ok(health) = self.session.watch.run(memory, &plan, pair.times_us, &mut ()) else {
             return self.write(&Message::Frame(failed_frame(sequence, time_us, dims, Health::SIZE_MISMATCH)));
         };
         if health.is_refused() {

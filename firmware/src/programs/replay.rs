@@ -1,7 +1,8 @@
 //! Pairs in, results out: what a PC sends is matched as a camera's pairs would be.
 //!
 //! ```text
-//! in   packets of commands; after a `Pair` command the pixels of the left and of the right image, as they are
+//! in   packets of commands; after a `Pair` command the pixels of the left and of the right image, as they are; after a `RawPair` command
+//!      raw rows, left and right in turn: each is rectified as it is read, and no raw frame is ever held
 //! out  packets of messages: for each command its answer, for each pair before that its frame, segments and points
 //! ```
 //!
@@ -9,9 +10,9 @@
 
 use super::bench::{self, Costs};
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock};
+use crate::ports::{ByteSink, ByteSource, Clock};
 use crate::session::{self, Reply, Session};
-use linestereo::{Dims, PairHealth};
+use linestereo::{Dims, Eye, PairHealth, Plan};
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
     Refusal, send, send_frame,
@@ -24,6 +25,8 @@ pub enum Event {
     Matched {
         /// Its number.
         sequence: u32,
+        /// What its rectification cost; 0 for a pair that came rectified.
+        rectification: u64,
         /// What its stages cost.
         costs: Costs,
     },
@@ -40,7 +43,7 @@ pub enum Event {
 pub fn run(
     memory: &mut impl Memory,
     clock: &impl Clock,
-    session: &mut Session,
+    session: &mut Session<'_>,
     input: &mut impl ByteSource,
     output: &mut impl ByteSink,
     mut tell: impl FnMut(&Event),
@@ -49,18 +52,18 @@ pub fn run(
     let mut decoder: Decoder<Command, MAX_COMMAND> = Decoder::new();
     while let Some(byte) = input.next() {
         let Some(Ok(command)) = decoder.push(byte) else { continue }; // the decoder counts what is no command
-        match session.command(&command) {
+        match session.command(&command, memory) {
             Reply::Answer(answer) => write(&Message::Answer(answer), output),
             Reply::Describe(answer) => {
                 write(&Message::Hello(session.hello()), output);
                 write(&Message::Answer(answer), output);
             }
-            Reply::Pair { command, head } => {
+            Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
-                let outcome = match pair(memory, clock, session, &mut input, &head) {
-                    Ok((costs, health)) => {
-                        tell(&Event::Matched { sequence, costs });
-                        write_results(memory, session, (sequence, &health), &head, output);
+                let outcome = match pair(memory, clock, session, &mut input, &head, is_raw) {
+                    Ok(Matched { plan, rectification, costs, health }) => {
+                        tell(&Event::Matched { sequence, rectification, costs });
+                        write_results(memory, &plan, (sequence, &health), &head, output);
                         Outcome::Accepted
                     }
                     Err(why) => {
@@ -76,51 +79,100 @@ pub fn run(
     decoder.counters()
 }
 
-/// Reads the pixels of a pair, or skips them, and matches it.
+/// What a pair gave beside its results.
+struct Matched {
+    plan: Plan,
+    /// What rectifying cost.
+    rectification: u64,
+    costs: Costs,
+    health: PairHealth,
+}
+
+/// Reads a pair, rectifies it if it is raw, and matches it.
 fn pair<S: ByteSource>(
     memory: &mut impl Memory,
     clock: &impl Clock,
-    session: &mut Session,
+    session: &mut Session<'_>,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
-) -> Result<(Costs, PairHealth), Refusal> {
-    let dims = Dims { width: head.width, height: head.height };
-    let pixels = usize::from(dims.width).saturating_mul(dims.height.into());
-    if let Err(refusal) = session.check_size(dims) {
-        input.skip(pixels);
-        input.skip(pixels);
-        return Err(refusal);
-    }
-    let mut given = 0;
-    for frame in memory.frames() {
-        given += input.read(frame.get_mut(..pixels).unwrap_or_default());
-    }
-    if given < 2 * pixels {
-        return Err(Refusal::Truncated { needed: 2 * pixels as u32, given: given as u32 });
-    }
+    is_raw: bool,
+) -> Result<Matched, Refusal> {
+    let (plan, rectification) = if is_raw {
+        read_raw(memory, clock, session, input, head)?
+    } else {
+        (read_rectified(memory, session, input, head)?, 0)
+    };
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
-    let pair = CapturedPair { dims, times_us };
-    let found = bench::measure(memory, clock, &mut session.watch, &session.params, &pair);
+    let found = bench::measure(memory, clock, &mut session.watch, &plan, times_us);
     let (costs, health) = found.map_err(session::refusal)?;
     if let Some(Err(skewed)) = times_us.map(|times| session.watch.limits.skew_us(times)) {
         return Err(skewed.into());
     }
-    Ok((costs, health))
+    Ok(Matched { plan, rectification, costs, health })
+}
+
+/// Reads the pixels of a rectified pair, or skips them.
+fn read_rectified<S: ByteSource>(
+    memory: &mut impl Memory,
+    session: &mut Session<'_>,
+    input: &mut Buffered<'_, S>,
+    head: &PairHead,
+) -> Result<Plan, Refusal> {
+    let dims = Dims { width: head.width, height: head.height };
+    let pixels = usize::from(dims.width) * usize::from(dims.height);
+    let plan = session.plan(dims).inspect_err(|_| input.skip_images(pixels))?;
+    let mut given = 0;
+    for frame in memory.frames() {
+        given += input.read(frame.get_mut(..pixels).unwrap_or_default());
+    }
+    if given < 2 * pixels { Err(truncated(pixels, given)) } else { Ok(plan) }
+}
+
+/// Reads the rows of a raw pair and rectifies each, or skips them. Gives what rectifying costs, without the reading.
+fn read_raw<S: ByteSource>(
+    memory: &mut impl Memory,
+    clock: &impl Clock,
+    session: &mut Session<'_>,
+    input: &mut Buffered<'_, S>,
+    head: &PairHead,
+) -> Result<(Plan, u64), Refusal> {
+    let raw = Dims { width: head.width, height: head.height };
+    let pixels = usize::from(raw.width) * usize::from(raw.height);
+    let plan = session.rectified(raw).and_then(|dims| session.plan(dims));
+    let plan = plan.inspect_err(|_| input.skip_images(pixels))?;
+    memory.restart();
+    let (mut given, mut cost) = (0, 0);
+    for _ in 0..raw.height {
+        for eye in Eye::BOTH {
+            given += input.read(memory.raw_row());
+            let from = clock.now();
+            let _ = memory.push_row(eye); // rows of the right width, as many as there are: the frames tell below
+            cost += clock.elapsed(from, clock.now());
+        }
+    }
+    if given < 2 * pixels {
+        return Err(truncated(pixels, given));
+    }
+    if memory.is_rectified() { Ok((plan, cost)) } else { Err(Refusal::NoRig) }
+}
+
+fn truncated(pixels: usize, given: usize) -> Refusal {
+    Refusal::Truncated { needed: 2 * pixels as u32, given: given as u32 }
 }
 
 /// Points are made twice, to count them and to send them: no board has the memory to list them.
 fn write_results(
     memory: &mut impl Memory,
-    session: &Session,
+    plan: &Plan,
     (sequence, health): (u32, &PairHealth),
     pair: &PairHead,
     output: &mut impl ByteSink,
 ) {
-    let dims = Dims { width: pair.width, height: pair.height };
     let mut points = 0;
-    memory.for_each_point(&session.params, dims, |_| points += 1);
+    memory.for_each_point(plan, |_| points += 1);
     let results = memory.results();
-    let mut head = FrameHead::new(sequence, pair.capture_time_us, dims, Health::GOOD, results.counts).with_pair(health);
+    let mut head = FrameHead::new(sequence, pair.capture_time_us, plan.dims(), Health::GOOD, results.counts);
+    head = head.with_pair(health);
     head.counts.points = points;
     let mut write = |packet: &[u8]| {
         output.write(packet);
@@ -129,7 +181,7 @@ fn write_results(
     // Neither the packets nor this port can fail.
     let _ = send_frame(&head, results.matches, &mut write);
     let mut stream = PointStream::new(sequence);
-    memory.for_each_point(&session.params, dims, |point| {
+    memory.for_each_point(plan, |point| {
         let _ = stream.push(&point, &mut write);
     });
     let _ = stream.finish(&mut write);
@@ -176,6 +228,12 @@ impl<S: ByteSource> Buffered<'_, S> {
             }
         }
         filled
+    }
+
+    /// Skips a pair of images of so many pixels each.
+    fn skip_images(&mut self, pixels: usize) {
+        self.skip(pixels);
+        self.skip(pixels);
     }
 
     fn skip(&mut self, count: usize) {

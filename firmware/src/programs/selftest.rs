@@ -4,7 +4,6 @@ use super::expected::Digests;
 use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
-use crate::ports::CapturedPair;
 use crate::watch::Watch;
 use linestereo::{Stage, StageDigests};
 
@@ -45,7 +44,8 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
-    Watch::new().run(memory, &case.params(), &CapturedPair::of(case.dims), &mut digests).ok()?;
+    let plan = case.params().plan(case.dims).ok()?;
+    Watch::new().run(memory, &plan, None, &mut digests).ok()?;
     Some(Stage::ALL.map(|stage| digests.of(stage)))
 }
 

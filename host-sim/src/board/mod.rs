@@ -19,7 +19,7 @@ pub mod toolchain;
 
 use anyhow::{Result, bail};
 pub use linestereo_firmware::boards::Board;
-pub use pairs::{BoardResult, Costs, Machine, Replayed, push, update};
+pub use pairs::{BoardResult, Costs, Machine, Replayed, push, push_pair, push_raw_pair, update};
 use std::path::{Path, PathBuf};
 
 /// The top of the repository: the firmware is built from its source.

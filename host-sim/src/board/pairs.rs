@@ -9,7 +9,7 @@ use core::time::Duration;
 use linestereo::{Dims, Margin, Params, Stage};
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
-    ParamUpdate, Refusal, Request, RigUpdate, encode,
+    ParamUpdate, Refusal, Request, RigImage, RigReport, RigUpdate, encode,
 };
 use std::path::PathBuf;
 
@@ -24,7 +24,9 @@ pub type Costs = [u64; Stage::ALL.len()];
 pub struct BoardResult {
     /// The result.
     pub result: FrameResult,
-    /// What it cost.
+    /// What rectifying both images cost; 0 for a pair that was rectified before.
+    pub rectification: u64,
+    /// What matching cost.
     pub costs: Costs,
 }
 
@@ -33,6 +35,8 @@ pub struct BoardResult {
 pub struct Replayed {
     /// One entry per pair: its result, or why the board refused it. Other commands that it refused stand between them.
     pub pairs: Vec<Result<BoardResult, Refusal>>,
+    /// What the board said last of its rig, if it was asked to describe itself.
+    pub rig: Option<RigReport>,
     /// Packets that the board could not read.
     pub bad_packets: u32,
     /// Largest depth of the board's stack in bytes.
@@ -84,20 +88,36 @@ impl Machine {
 
     /// Matches pairs on the board, all with the same parameters.
     pub fn run_pairs(&self, update: &ParamUpdate, pairs: &[(&GrayImage, &GrayImage)]) -> Result<Replayed> {
+        self.run(&[Request::SetParams(*update)], pairs, false)
+    }
+
+    /// Rectifies raw pairs on the board with this rig and matches them. The board has no flash: it forgets the rig.
+    pub fn run_raw_pairs(
+        &self,
+        rig: &RigImage,
+        update: &ParamUpdate,
+        pairs: &[(&GrayImage, &GrayImage)],
+    ) -> Result<Replayed> {
+        let bytes = rig.encode(0).into_iter().collect();
+        self.run(&[Request::SetRig(bytes), Request::SetParams(*update)], pairs, true)
+    }
+
+    fn run(&self, settings: &[Request], pairs: &[(&GrayImage, &GrayImage)], are_raw: bool) -> Result<Replayed> {
         let mut input = Vec::new();
-        push(&mut input, &Command { id: 0, request: Request::SetParams(*update) })?;
+        for request in settings {
+            push(&mut input, &Command { id: 0, request: request.clone() })?;
+        }
         for (number, (left, right)) in pairs.iter().enumerate() {
-            let Dims { width, height } = left.dims;
-            let head = PairHead { width, height, capture_time_us: number as u64, right_capture_time_us: None };
-            push(&mut input, &Command { id: id_of(number), request: Request::Pair(head) })?;
-            input.extend_from_slice(&left.pixels);
-            input.extend_from_slice(&right.pixels);
+            let id = id_of(number);
+            if are_raw { push_raw_pair(&mut input, id, left, right)? } else { push_pair(&mut input, id, left, right)? }
         }
         let (answers, replayed) = self.replay(&input)?;
-        match answers.first() {
-            Some((0, Outcome::Accepted)) => {}
-            Some((0, Outcome::Refused(why))) => bail!("{} refuses the parameters: {why}", self.board.name),
-            _ => bail!("{} does not answer", self.board.name),
+        for number in 0..settings.len() {
+            match answers.get(number) {
+                Some((0, Outcome::Accepted)) => {}
+                Some((0, Outcome::Refused(why))) => bail!("{} refuses what it is to do: {why}", self.board.name),
+                _ => bail!("{} does not answer", self.board.name),
+            }
         }
         if replayed.pairs.len() != pairs.len() {
             bail!("{} pairs were sent to {}, {} were answered", pairs.len(), self.board.name, replayed.pairs.len());
@@ -107,11 +127,23 @@ impl Machine {
 
     /// Feeds the board with these bytes. Gives what became of the commands that it accepted and that are no pairs, and the rest.
     pub fn replay(&self, input: &[u8]) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
+        self.replay_with(input, None)
+    }
+
+    /// The same on a board with flash: what is in it, and after the run what is in it then.
+    pub fn replay_with(&self, input: &[u8], flash: Option<&mut Vec<u8>>) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
         let folder = tempfile::tempdir()?;
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("input"), input)?;
-        let arguments = ["input", "output", "table"];
+        let mut arguments = vec!["input", "output", "table"];
+        if let Some(flash) = &flash {
+            std::fs::write(at("flash"), flash)?;
+            arguments.push("flash");
+        }
         qemu::run(&self.board, &self.elf, &arguments, folder.path(), LIMIT)?.success("replay", &self.board)?;
+        if let Some(flash) = flash {
+            *flash = std::fs::read(at("flash"))?;
+        }
         let (table, output) = (std::fs::read_to_string(at("table"))?, std::fs::read(at("output"))?);
         collect(&output, &table).with_context(|| format!("what {} answered cannot be used", self.board.name))
     }
@@ -129,19 +161,43 @@ pub fn push(input: &mut Vec<u8>, command: &Command) -> Result<()> {
     Ok(())
 }
 
+/// A rectified pair: the command, then both images as they are.
+pub fn push_pair(input: &mut Vec<u8>, id: u16, left: &GrayImage, right: &GrayImage) -> Result<()> {
+    push(input, &Command { id, request: Request::Pair(head_of(id, left)) })?;
+    input.extend_from_slice(&left.pixels);
+    input.extend_from_slice(&right.pixels);
+    Ok(())
+}
+
+/// A raw pair: the command, then the rows of both images in turn.
+pub fn push_raw_pair(input: &mut Vec<u8>, id: u16, left: &GrayImage, right: &GrayImage) -> Result<()> {
+    push(input, &Command { id, request: Request::RawPair(head_of(id, left)) })?;
+    let [left, right] = [left, right].map(|image| image.pixels.chunks(image.dims.width.into()));
+    for (left, right) in left.zip(right) {
+        input.extend_from_slice(left);
+        input.extend_from_slice(right);
+    }
+    Ok(())
+}
+
+fn head_of(id: u16, image: &GrayImage) -> PairHead {
+    let Dims { width, height } = image.dims;
+    PairHead { width, height, capture_time_us: id.into(), right_capture_time_us: None }
+}
+
 /// Puts messages and costs together.
 fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
     let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
     let (mut answers, mut frame) = (Vec::new(), None);
-    let mut replayed = Replayed { pairs: Vec::new(), bad_packets: 0, stack: 0 };
+    let mut replayed = Replayed { pairs: Vec::new(), rig: None, bad_packets: 0, stack: 0 };
     for &byte in output {
         let Some(message) = decoder.push(byte) else { continue };
         match message? {
-            Message::Hello(_) => {}
+            Message::Hello(hello) => replayed.rig = Some(hello.rig),
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };
-                frame = Some(BoardResult { result, costs: Costs::default() });
+                frame = Some(BoardResult { result, rectification: 0, costs: Costs::default() });
             }
             Message::Segments(segments) => {
                 let frame = frame.as_mut().context("segments without a frame")?;
@@ -164,9 +220,10 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
     let mut matched = replayed.pairs.iter_mut().filter_map(|pair| pair.as_mut().ok());
     for line in table.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
-            ["pair", _, ref costs @ ..] => {
+            ["pair", _, rectification, ref costs @ ..] => {
                 let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 let pair = matched.next().context("costs of an unknown pair")?;
+                pair.rectification = rectification.parse()?;
                 pair.costs = costs.try_into().ok().context("too few costs")?;
             }
             ["packets", _, bad, _] => replayed.bad_packets = bad.parse()?,

@@ -2,12 +2,12 @@
 
 use super::print;
 use super::view::ViewArgs;
-use crate::calibration::{RigFile, rotation_vector};
+use crate::calibration::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use linestereo::{Calibration, Camera, Eye, Lens, RectifyError, View};
-use linestereo_wire::{RigImage, RigImageError, RigImageHead};
+use linestereo::{Calibration, Camera, Eye, Lens, View};
+use linestereo_wire::{RigImage, RigImageHead};
 use std::path::{Path, PathBuf};
 
 /// Disparity range without an option.
@@ -32,7 +32,7 @@ endian, with a version and a CRC-32.";
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// The rig.
+    /// The rig: rig.toml, or one file of OpenCV or Kalibr.
     #[arg(value_name = "rig.toml", required_unless_present = "check", requires = "out")]
     rig: Option<PathBuf>,
     /// The image to write.
@@ -57,26 +57,14 @@ pub fn run(args: &Args) -> Result<()> {
         return print(&explain(path)?);
     }
     let (Some(rig), Some(out)) = (&args.rig, &args.out) else { unreachable!("clap asks for both") };
-    let RigFile { calibration, .. } = RigFile::load(rig)?;
     let range = (0, args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY));
-    let image = RigImage::new(calibration, args.view.dims(&calibration), args.view.view(args.focal_px), range)
-        .map_err(|error| anyhow!("{error}; {}", remedy(&error)))?;
+    let image = args.view.image(core::slice::from_ref(rig), args.focal_px, range)?;
     let bytes = image.encode(0);
     let mut output = OutputFiles::new();
     output.add(out, &bytes)?;
     output.commit()?;
     print(&description(&image, &RigImageHead::check(&bytes)?))?;
     print(&format!("wrote {}\n", out.display()))
-}
-
-fn remedy(error: &RigImageError) -> &'static str {
-    match error {
-        RigImageError::View(RectifyError::Dims(_)) => "give --size",
-        RigImageError::View(RectifyError::Alpha(_)) => "correct --alpha",
-        RigImageError::View(RectifyError::Rig(_)) => "correct --focal-px, or give another --size",
-        RigImageError::Range(_) => "correct --max-disparity, or give a larger --size",
-        _ => "calibrate again",
-    }
 }
 
 /// What is in a file, or why it is no image.

@@ -13,6 +13,7 @@ pub mod flash_image;
 mod method;
 pub mod monitor;
 pub mod plan_rig;
+pub mod rectify;
 pub mod run;
 pub mod scene;
 mod view;
@@ -44,6 +45,7 @@ enum Command {
     Eval(eval::Args),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
+    Rectify(rectify::Args),
     Scene(scene::Args),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
@@ -64,6 +66,7 @@ pub fn main() -> ExitCode {
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
+        Some(Command::Rectify(args)) => rectify::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),

@@ -302,8 +302,8 @@ impl Monitor {
 }
 
 fn introduction(hello: &Hello) -> String {
-    let Hello { board, largest_width, largest_height, segments } = hello;
-    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments")
+    let Hello { board, largest_width, largest_height, segments, rig } = hello;
+    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}")
 }
 
 /// Set by the first Ctrl-C, so that the summary is still printed; the second one ends the program at once.

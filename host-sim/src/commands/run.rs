@@ -1,8 +1,9 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
 use super::method::MethodArgs;
+use super::view::ViewArgs;
 use super::{engine_with, machine_for, print};
-use crate::board::{self, Machine};
+use crate::board;
 use crate::draw;
 use crate::engine::{FrameResult, GrayImage};
 use crate::frames::{
@@ -11,10 +12,11 @@ use crate::frames::{
 use crate::health;
 use crate::listing;
 use crate::output::OutputFiles;
-use anyhow::{Context, Result, anyhow};
+use crate::rectify::PairRectifier;
+use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Dims, Rejection, Rig, RigError};
-use linestereo_wire::{ParamUpdate, RigUpdate};
+use linestereo::{Dims, Eye, Params, Rejection, Rig, RigError};
+use linestereo_wire::{RigImage, RigUpdate};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -31,8 +33,10 @@ Examples:
       range and rig from a scene file, images reduced to 320 px
   linestereo run left.png right.png --width 320 --on mps2-an500
       the same on an emulated Cortex-M7, with its instructions counted
+  linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
+      a raw pair of a calibrated rig, rectified first; with --on the board rectifies it
 
-The pair has to be rectified: a point lies on one row in both images.
+Without --rig the pair has to be rectified: a point lies on one row in both images.
 Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
 
 JSON:
@@ -92,6 +96,11 @@ pub struct Args {
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
+    /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "scene", "width"])]
+    rig: Vec<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
     #[arg(long, value_name = "BOARD")]
     on: Option<String>,
@@ -99,26 +108,22 @@ pub struct Args {
     method: MethodArgs,
 }
 
+/// A pair as the core gets it, and what it is matched with.
+struct Input {
+    /// Rectified, or raw if there is a rig.
+    images: [GrayImage; 2],
+    params: Params,
+    rig_numbers: Option<RigUpdate>,
+    rig: Option<RigImage>,
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (left, full) = load(&args.left, args.width)?;
-    let (right, right_full) = load(&args.right, args.width)?;
-    check_same_size((&args.left, full), (&args.right, right_full))?;
-    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
-        check_size(path, image)?;
-        check_usable(path, image)?;
-    }
-    let scale = f64::from(left.dims.width) / f64::from(full.width);
-    let (max_disparity, rig, rig_numbers) = range_and_rig(args, scale)?;
-    let params = args.method.params(max_disparity, rig)?;
-    let mut engine = engine_with(&params, left.dims)?;
-    let (result, cost) = if let Some(board) = &args.on {
-        let machine = machine_for(board, left.dims)?;
-        on_board(&machine, &board::update(&params, rig_numbers), &left, &right)?
-    } else {
-        let start = Instant::now();
-        let result = engine.run(left.view()?, right.view()?)?;
-        (result, format!("{:.1} ms", 1e3 * start.elapsed().as_secs_f64()))
+    let input = if args.rig.is_empty() { rectified(args)? } else { raw(args)? };
+    let (max_disparity, rig) = (input.params.max_disparity, input.params.rig);
+    let (left, result, cost) = match &args.on {
+        Some(board) => on_board(&input, board)?,
+        None => here(&input)?,
     };
 
     let mut output = OutputFiles::new();
@@ -150,19 +155,74 @@ fn load(path: &Path, width: Option<u16>) -> Result<(GrayImage, Dims)> {
     Ok((width.map_or(Ok(image.clone()), |width| area_average(&image, width))?, full))
 }
 
-/// The result of a board, and its instructions in words.
-fn on_board(
-    machine: &Machine,
-    update: &ParamUpdate,
-    left: &GrayImage,
-    right: &GrayImage,
-) -> Result<(FrameResult, String)> {
+fn rectified(args: &Args) -> Result<Input> {
+    let (left, full) = load(&args.left, args.width)?;
+    let (right, right_full) = load(&args.right, args.width)?;
+    check_same_size((&args.left, full), (&args.right, right_full))?;
+    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
+        check_size(path, image)?;
+        check_usable(path, image)?;
+    }
+    let scale = f64::from(left.dims.width) / f64::from(full.width);
+    let (max_disparity, rig, rig_numbers) = range_and_rig(args, scale)?;
+    let params = args.method.params(max_disparity, rig)?;
+    Ok(Input { images: [left, right], params, rig_numbers, rig: None })
+}
+
+fn raw(args: &Args) -> Result<Input> {
+    let (left, right) = (load_gray(&args.left)?, load_gray(&args.right)?);
+    check_same_size((&args.left, left.dims), (&args.right, right.dims))?;
+    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
+        check_usable(path, image)?;
+    }
+    let params = args.method.params(args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
+    let image = args.view.image(&args.rig, None, (params.min_disparity, params.max_disparity))?;
+    let params = image.params(params)?;
+    Ok(Input { images: [left, right], params, rig_numbers: None, rig: Some(image) })
+}
+
+/// The left image as it was matched, the result, and the time in words.
+fn here(input: &Input) -> Result<(GrayImage, FrameResult, String)> {
+    let [left, right] = &input.images;
+    let (left, right) = match &input.rig {
+        Some(rig) => PairRectifier::new(rig.rectification())?.pair(left, right)?,
+        None => (left.clone(), right.clone()),
+    };
+    let mut engine = engine_with(&input.params, left.dims)?;
+    let start = Instant::now();
+    let result = engine.run(left.view()?, right.view()?)?;
+    Ok((left, result, format!("{:.1} ms", 1e3 * start.elapsed().as_secs_f64())))
+}
+
+/// The left image as it was matched, the result of a board, and its instructions in words.
+fn on_board(input: &Input, board: &str) -> Result<(GrayImage, FrameResult, String)> {
+    let [left, right] = &input.images;
+    let update = board::update(&input.params, input.rig_numbers);
+    let dims = input.rig.as_ref().map_or(left.dims, |rig| rig.rectification().dims());
+    engine_with(&input.params, dims)?; // what is wrong with the parameters is said in the PC's words
+    let largest = board::named(board)?.largest;
+    if input.rig.is_some() && !board::named(board)?.fits(dims) {
+        bail!("{board} holds pairs of up to {largest}, these are {dims}; give --size {largest}");
+    }
+    let machine = machine_for(board, dims)?;
     let name = machine.board().name;
-    let pair = machine.run_pairs(update, &[(left, right)])?.pairs.pop();
+    let pairs = [(left, right)];
+    let (left, replayed) = match &input.rig {
+        Some(rig) => {
+            let rectified = PairRectifier::new(rig.rectification())?.image(Eye::Left, left)?;
+            (rectified, machine.run_raw_pairs(rig, &update, &pairs)?)
+        }
+        None => (left.clone(), machine.run_pairs(&update, &pairs)?),
+    };
+    let pair = replayed.pairs.into_iter().next_back();
     let found = pair.with_context(|| format!("{name} gives no result"))?;
     let found = found.map_err(|why| anyhow!("{name} refuses the pair: {why}"))?;
-    let instructions = found.costs.iter().sum::<u64>() as f64 / 1e6;
-    Ok((found.result, format!("{instructions:.2} million instructions on {name}")))
+    let millions = |instructions: u64| instructions as f64 / 1e6;
+    let mut cost = format!("{:.2} million instructions on {name}", millions(found.costs.iter().sum()));
+    if found.rectification > 0 {
+        let _ = write!(cost, " after {:.2} million to rectify", millions(found.rectification));
+    }
+    Ok((left, found.result, cost))
 }
 
 /// Disparity range, rig, and the numbers it is made from.

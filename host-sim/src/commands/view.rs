@@ -1,28 +1,44 @@
-//! Options of the rectified view, the same for every command that rectifies.
+//! Options of the rectified view and the rig behind it, the same for every command that rectifies.
 
 use super::scene::parse_size;
-use linestereo::{Calibration, Dims, Eye, View};
+use crate::interchange::{Options, load_rig};
+use anyhow::{Result, anyhow};
+use linestereo::{Calibration, Dims, Eye, RectifyError, View};
+use linestereo_wire::{RigImage, RigImageError};
+use std::path::PathBuf;
 
 /// Size and view of the rectified images.
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Rectified view")]
 pub(super) struct ViewArgs {
     /// Width and height of the rectified images [default: those of the raw ones].
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "rig")]
     size: Option<Dims>,
     /// How much of the view to keep: 0 as much as fits without a pixel that has no source, 1 all of it [default: 0].
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, requires = "rig")]
     alpha: Option<f64>,
 }
 
 impl ViewArgs {
-    /// The size for this pair.
-    pub(super) fn dims(&self, calibration: &Calibration) -> Dims {
-        self.size.unwrap_or_else(|| calibration.camera(Eye::Left).dims())
+    /// The rig in these files, ready to rectify; a focal length that is asked for comes before alpha.
+    pub(super) fn image(&self, rig: &[PathBuf], focal_px: Option<f64>, range: (i16, u16)) -> Result<RigImage> {
+        let calibration = load_rig(rig, &Options::default())?.rig.calibration;
+        let view = focal_px.map_or(View::Alpha(self.alpha.unwrap_or(0.0)), View::Focal);
+        RigImage::new(calibration, self.dims(&calibration), view, range)
+            .map_err(|error| anyhow!("{error}; {}", remedy(&error)))
     }
 
-    /// The view; a focal length that was asked for comes before alpha.
-    pub(super) fn view(&self, focal_px: Option<f64>) -> View {
-        focal_px.map_or(View::Alpha(self.alpha.unwrap_or(0.0)), View::Focal)
+    fn dims(&self, calibration: &Calibration) -> Dims {
+        self.size.unwrap_or_else(|| calibration.camera(Eye::Left).dims())
+    }
+}
+
+fn remedy(error: &RigImageError) -> &'static str {
+    match error {
+        RigImageError::View(RectifyError::Dims(_)) => "give --size",
+        RigImageError::View(RectifyError::Alpha(_)) => "correct --alpha",
+        RigImageError::View(RectifyError::Rig(_)) => "correct --focal-px, or give another --size",
+        RigImageError::Range(_) => "correct --max-disparity, or give a larger --size",
+        _ => "calibrate again",
     }
 }

@@ -8,6 +8,7 @@ mod calibration;
 mod colour;
 mod legend;
 mod plan;
+mod rows;
 mod text;
 
 pub use calibration::calibration;
@@ -17,6 +18,7 @@ use crate::engine::{FrameResult, GrayImage};
 use colour::{Range, colour};
 use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use linestereo::{Match, Owner, Rig};
+pub use rows::rows;
 use tiny_skia::{
     Color, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
 };

@@ -9,7 +9,7 @@ mod truth;
 pub use decode::{check_size, check_usable, load_gray};
 pub use perturb::Perturbation;
 pub use resample::{area_average, resampled_height};
-pub use scene::{Scene, SceneInfo, find_scenes, has_truth, load_scene, scaled_max_disparity};
+pub use scene::{Scene, SceneInfo, find_pairs, find_scenes, has_truth, load_scene, scaled_max_disparity};
 pub use truth::Truth;
 
 use core::fmt;

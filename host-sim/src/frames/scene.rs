@@ -110,6 +110,26 @@ pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
     Ok(found)
 }
 
+/// Every folder at or below `root` that holds a left and a right image, sorted, with the paths of both.
+pub fn find_pairs(root: &Path) -> Result<Vec<(PathBuf, [PathBuf; 2])>, FrameError> {
+    let mut found = Vec::new();
+    let mut pending = vec![root.to_path_buf()];
+    while let Some(folder) = pending.pop() {
+        if let (Some(left), Some(right)) = (image_path(&folder, "left"), image_path(&folder, "right")) {
+            found.push((folder.clone(), [left, right]));
+        }
+        let read_error = |error| FrameError::Read(folder.clone(), error);
+        for entry in fs::read_dir(&folder).map_err(read_error)? {
+            let path = entry.map_err(read_error)?.path();
+            if path.is_dir() {
+                pending.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
 /// The folder's `scene.json` names ground truth.
 pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
     Ok(SceneInfo::load(&folder.join("scene.json"))?.ground_truth.is_some())
@@ -159,13 +179,15 @@ pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
 }
 
 fn load_image(folder: &Path, name: &'static str) -> Result<(PathBuf, GrayImage), FrameError> {
-    let path = IMAGE_EXTENSIONS
-        .iter()
-        .map(|extension| folder.join(name).with_extension(extension))
-        .find(|path| path.is_file())
-        .ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name))?;
+    let path = image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name))?;
     let image = load_gray(&path)?;
     Ok((path, image))
+}
+
+/// The image of this name in a folder, whatever its format.
+fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
+    let paths = IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
+    paths.into_iter().find(|path| path.is_file())
 }
 
 fn load_truth(folder: &Path, info: &SceneInfo, image: (&Path, Dims)) -> Result<Option<Truth>, FrameError> {

@@ -140,14 +140,27 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::Unsupported,
         Refusal::Truncated { needed: u32::MAX, given: 153_599 },
         Refusal::Skewed { skew_us: u32::MAX, limit_us: 1000 },
+        Refusal::NoRig,
+        Refusal::Rig(RigFault::Damaged),
+        Refusal::RawSize { needed: [u16::MAX; 2], given: [640, 480] },
+        Refusal::NotKept,
     ];
+    let rig = RigInUse { raw: [u16::MAX; 2], rectified: [u16::MAX; 2], slot: Some(1) };
+    let longest_rig = RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
     let mut list = vec![
-        Message::Hello(Hello { board: "".try_into().unwrap(), largest_width: 0, largest_height: 0, segments: 0 }),
+        Message::Hello(Hello {
+            board: "".try_into().unwrap(),
+            largest_width: 0,
+            largest_height: 0,
+            segments: 0,
+            rig: RigReport::NONE,
+        }),
         Message::Hello(Hello {
             board: longest_name,
             largest_width: u16::MAX,
             largest_height: u16::MAX,
             segments: u16::MAX,
+            rig: longest_rig,
         }),
         Message::Frame(head(5, 20)),
         Message::Frame(FrameHead {
@@ -195,14 +208,19 @@ pub(crate) fn messages() -> Vec<Message> {
 pub(crate) fn commands() -> Vec<Command> {
     let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(-64)), ..ParamUpdate::default() };
     let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
-    let pair = Request::Pair(PairHead {
-        width: u16::MAX,
-        height: 240,
-        capture_time_us: u64::MAX,
-        right_capture_time_us: Some(u64::MAX),
-    });
-    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain([pair]);
-    requests.zip([0, 1, 127, 128, 255, u16::MAX, 300]).map(|(request, id)| Command { id, request }).collect()
+    let pair =
+        PairHead { width: u16::MAX, height: 240, capture_time_us: u64::MAX, right_capture_time_us: Some(u64::MAX) };
+    let raw_pair = PairHead { width: 752, height: 480, capture_time_us: 0, right_capture_time_us: None };
+    let mut random = Random(21);
+    let mut bytes = |length: usize| (0..length).map(|_| random.next() as u8).collect();
+    let rigs = [Request::SetRig(bytes(0)), Request::SetRig(bytes(RigImage::BYTES))];
+    let pairs = [Request::Pair(pair), Request::RawPair(raw_pair)];
+    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain(pairs);
+    requests
+        .chain(rigs)
+        .zip([0, 1, 127, 128, 255, u16::MAX, 300, 7, 8, u16::MAX])
+        .map(|(request, id)| Command { id, request })
+        .collect()
 }
 
 pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {

@@ -1,0 +1,76 @@
+//! What the core works in and writes to, whatever its capacities are.
+
+use crate::ports::Results;
+use linestereo::{Dims, Gray, Observer, Output, Plan, PointClaim, Scratch, SizeMismatch, Views, mark_words, row_bytes};
+
+/// [`Scratch`] and [`Output`] without their capacities.
+pub trait Lists {
+    /// Cleared, all zero.
+    const CLEARED: Self;
+
+    /// Do images of this size fit?
+    fn fit(&self, dims: Dims) -> bool;
+
+    /// Matches a pair.
+    fn run(
+        &mut self,
+        plan: &Plan,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        observer: &mut impl Observer,
+    ) -> Result<(), SizeMismatch>;
+
+    /// Every point of the last pair.
+    fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim));
+
+    /// What the last pair gave.
+    fn results(&self) -> Results<'_>;
+}
+
+/// The core's memory with its capacities.
+#[derive(Debug)]
+pub struct CoreMemory<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const MATCHES: usize,
+    const POINTS: usize,
+> {
+    scratch: Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>,
+    output: Output<MATCHES, POINTS>,
+}
+
+impl<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const MATCHES: usize,
+    const POINTS: usize,
+> Lists for CoreMemory<ROW, MARKS, SEGMENTS, CANDIDATES, MATCHES, POINTS>
+{
+    const CLEARED: Self = Self { scratch: Scratch::new(), output: Output::new() };
+
+    fn fit(&self, dims: Dims) -> bool {
+        row_bytes(dims.width) <= ROW && mark_words(dims) <= MARKS
+    }
+
+    fn run(
+        &mut self,
+        plan: &Plan,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        observer: &mut impl Observer,
+    ) -> Result<(), SizeMismatch> {
+        plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)
+    }
+
+    fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim)) {
+        plan.for_each_point(views, &mut self.scratch, claim);
+    }
+
+    fn results(&self) -> Results<'_> {
+        Results { matches: &self.output.matches, points: &self.output.points, counts: &self.output.counts }
+    }
+}

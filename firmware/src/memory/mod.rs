@@ -1,0 +1,209 @@
+//! Frames, rectifiers, scratch memory and output of a board, with its capacities in the type.
+//!
+//! ```text
+//! raw row -> raw_row -> rectifier of its camera (mesh, band of raw rows) -> frame
+//! both frames -> lists (the core's scratch memory and output) -> results
+//! ```
+
+mod lists;
+mod rectifier;
+
+pub use lists::{CoreMemory, Lists};
+pub use rectifier::{CameraRows, NoRoom, Rectifier};
+
+use crate::ports::Results;
+use linestereo::{
+    Dims, Eye, Gray, Observer, Plan, PointClaim, Rectification, RowError, SizeMismatch, ViewError, Views,
+};
+
+/// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
+#[derive(Debug)]
+pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, L, R> {
+    left: [u8; PIXELS],
+    right: [u8; PIXELS],
+    lists: L,
+    rectifiers: [R; 2],
+    /// A raw row between its camera and the band; as wide as the rig's raw images.
+    raw_row: [u8; RAW_ROW],
+    raw_width: u16,
+}
+
+/// A [`Workspace`] without its capacities.
+pub trait Memory {
+    /// Do rectified frames of this size fit?
+    fn fits(&self, dims: Dims) -> bool;
+
+    /// The memories of the left and the right frame.
+    fn frames(&mut self) -> [&mut [u8]; 2];
+
+    /// The pair that lies in the frames.
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
+
+    /// Matches the pair that lies in the frames.
+    fn run(&mut self, plan: &Plan, observer: &mut impl Observer) -> Result<(), RunError>;
+
+    /// What the last run gave.
+    fn results(&self) -> Results<'_>;
+
+    /// Every point of the last run, which had this plan.
+    fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim));
+
+    /// Makes ready to rectify raw pairs. After an error no raw row is taken.
+    fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom>;
+
+    /// The next raw rows are the first ones of a pair.
+    fn restart(&mut self);
+
+    /// Where the next raw row has to be put; empty without a rig.
+    fn raw_row(&mut self) -> &mut [u8];
+
+    /// Rectifies the raw row that was put there, the next one of this camera.
+    fn push_row(&mut self, eye: Eye) -> Result<(), RowError>;
+
+    /// Are both frames rectified?
+    fn is_rectified(&self) -> bool;
+}
+
+/// Why a pair that lies in the frames cannot be matched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunError {
+    /// The core or this board has no frames of this size.
+    Size(Dims),
+}
+
+impl From<ViewError> for RunError {
+    fn from(error: ViewError) -> Self {
+        match error {
+            ViewError::Dims(dims) => Self::Size(dims),
+            _ => Self::Size(Dims { width: 0, height: 0 }),
+        }
+    }
+}
+
+impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspace<PIXELS, RAW_ROW, L, R> {
+    /// Bytes of one.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Cleared memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            left: [0; PIXELS],
+            right: [0; PIXELS],
+            lists: L::CLEARED,
+            rectifiers: [R::CLEARED, R::CLEARED],
+            raw_row: [0; RAW_ROW],
+            raw_width: 0,
+        }
+    }
+}
+
+impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Default for Workspace<PIXELS, RAW_ROW, L, R> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory for Workspace<PIXELS, RAW_ROW, L, R> {
+    fn fits(&self, dims: Dims) -> bool {
+        self.lists.fit(dims) && usize::from(dims.width) * usize::from(dims.height) <= PIXELS
+    }
+
+    fn frames(&mut self) -> [&mut [u8]; 2] {
+        [&mut self.left, &mut self.right]
+    }
+
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError> {
+        if !self.fits(dims) {
+            return Err(RunError::Size(dims));
+        }
+        views([&self.left, &self.right], dims)
+    }
+
+    fn run(&mut self, plan: &Plan, observer: &mut impl Observer) -> Result<(), RunError> {
+        let dims = plan.dims();
+        if !self.fits(dims) {
+            return Err(RunError::Size(dims));
+        }
+        let [left, right] = views([&self.left, &self.right], dims)?;
+        self.lists.run(plan, left, right, observer).map_err(|SizeMismatch { given, .. }| RunError::Size(given))
+    }
+
+    fn results(&self) -> Results<'_> {
+        self.lists.results()
+    }
+
+    fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim)) {
+        self.lists.for_each_point(plan, Views::whole(plan.dims()), claim);
+    }
+
+    fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {
+        self.raw_width = 0;
+        let width = rectification.camera(Eye::Left).dims().width;
+        if usize::from(width) > RAW_ROW {
+            return Err(NoRoom::Small { name: "raw row", needed: width.into(), given: RAW_ROW });
+        }
+        for (rectifier, eye) in self.rectifiers.iter_mut().zip(Eye::BOTH) {
+            rectifier.build(rectification, eye)?;
+        }
+        self.raw_width = width;
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        self.rectifiers.iter_mut().for_each(R::restart);
+    }
+
+    fn raw_row(&mut self) -> &mut [u8] {
+        self.raw_row.get_mut(..self.raw_width.into()).unwrap_or_default()
+    }
+
+    fn push_row(&mut self, eye: Eye) -> Result<(), RowError> {
+        let row = self.raw_row.get(..self.raw_width.into()).unwrap_or_default();
+        let [left, right] = &mut self.rectifiers;
+        match eye {
+            _ if row.is_empty() => Err(RowError::NoMesh),
+            Eye::Left => left.push(row, &mut self.left),
+            Eye::Right => right.push(row, &mut self.right),
+        }
+    }
+
+    fn is_rectified(&self) -> bool {
+        self.raw_width > 0 && self.rectifiers.iter().all(R::is_complete)
+    }
+}
+
+/// Every pixel counts as usable, also those of a rectified frame that have no source.
+fn views(frames: [&[u8]; 2], dims: Dims) -> Result<[Gray<'_>; 2], RunError> {
+    let stride = usize::from(dims.width);
+    let [left, right] = frames;
+    Ok([Gray::new(left, dims, stride)?, Gray::new(right, dims, stride)?])
+}
+
+#[cfg(target_os = "none")]
+mod taken {
+    //! The one workspace of the board that is built.
+
+    use crate::boards::Selected;
+    use core::cell::UnsafeCell;
+    use core::sync::atomic::{AtomicBool, Ordering};
+
+    struct Cell(UnsafeCell<Selected>);
+
+    // SAFETY: only `take` reaches the content, and hands it out once.
+    unsafe impl Sync for Cell {}
+
+    static WORKSPACE: Cell = Cell(UnsafeCell::new(Selected::new()));
+    static TAKEN: AtomicBool = AtomicBool::new(false);
+
+    /// The board's memory; `None` when it was taken before.
+    pub fn take() -> Option<&'static mut Selected> {
+        if TAKEN.swap(true, Ordering::Relaxed) {
+            return None;
+        }
+        // SAFETY: `TAKEN` was false until now, so this is the only reference there will ever be.
+        Some(unsafe { &mut *WORKSPACE.0.get() })
+    }
+}
+#[cfg(target_os = "none")]
+pub use taken::take;

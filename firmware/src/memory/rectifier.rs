@@ -1,0 +1,77 @@
+//! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
+
+use linestereo::{Band, Eye, Mesh, MeshError, Rectification, RowError};
+
+/// [`Mesh`] and [`Band`] without their capacities.
+pub trait Rectifier {
+    /// Without a mesh, all zero: every row is refused.
+    const CLEARED: Self;
+
+    /// Makes ready for one camera of a rig. After an error every row is refused.
+    fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), NoRoom>;
+
+    /// The next raw row is the first of a frame.
+    fn restart(&mut self);
+
+    /// Takes the next raw row and writes the rows of the frame that are complete now.
+    fn push(&mut self, raw_row: &[u8], frame: &mut [u8]) -> Result<(), RowError>;
+
+    /// Is the frame complete?
+    fn is_complete(&self) -> bool;
+}
+
+/// Why a board cannot rectify for a rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoRoom {
+    /// The memory for this is too small.
+    Small {
+        /// What it holds: `mesh nodes`, `mesh rows`, `band`, `raw row`.
+        name: &'static str,
+        /// Nodes, rows or bytes needed.
+        needed: usize,
+        /// Nodes, rows or bytes there.
+        given: usize,
+    },
+    /// No pixel lies inside the raw image.
+    NothingSeen,
+}
+
+impl From<MeshError> for NoRoom {
+    fn from(error: MeshError) -> Self {
+        match error {
+            MeshError::Nodes { needed, given } => Self::Small { name: "mesh nodes", needed, given },
+            MeshError::Rows { needed, given } => Self::Small { name: "mesh rows", needed, given },
+            MeshError::NothingSeen => Self::NothingSeen,
+        }
+    }
+}
+
+/// Mesh and raw rows of one camera with their capacities.
+#[derive(Debug)]
+pub struct CameraRows<const NODES: usize, const ROWS: usize, const BAND: usize> {
+    mesh: Mesh<NODES, ROWS>,
+    band: Band<BAND>,
+}
+
+impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for CameraRows<NODES, ROWS, BAND> {
+    const CLEARED: Self = Self { mesh: Mesh::new(), band: Band::new() };
+
+    fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), NoRoom> {
+        self.band.restart();
+        self.mesh.build(rectification, eye)?;
+        let needed = self.mesh.band_bytes();
+        if needed > BAND { Err(NoRoom::Small { name: "band", needed, given: BAND }) } else { Ok(()) }
+    }
+
+    fn restart(&mut self) {
+        self.band.restart();
+    }
+
+    fn push(&mut self, raw_row: &[u8], frame: &mut [u8]) -> Result<(), RowError> {
+        self.band.push(&self.mesh, raw_row, frame).map(drop)
+    }
+
+    fn is_complete(&self) -> bool {
+        self.band.is_complete(&self.mesh)
+    }
+}

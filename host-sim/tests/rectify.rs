@@ -1,0 +1,128 @@
+//! `linestereo rectify` and `run --rig` as a user types them.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6 px.
+const RIG: &str = "\
+version = 1
+[left]
+size = [320, 240]
+focal_px = [280.0, 280.0]
+centre_px = [159.5, 119.5]
+lens = { model = \"brown-conrady\", k = [-0.1, 0.0, 0.0], p = [0.0, 0.0] }
+[right]
+size = [320, 240]
+focal_px = [280.0, 280.0]
+centre_px = [159.5, 119.5]
+lens = { model = \"brown-conrady\", k = [-0.1, 0.0, 0.0], p = [0.0, 0.0] }
+[pose]
+rotation_rad = [0.0, 0.0, 0.0349]
+translation_m = [-0.07, 0.0, 0.0]
+";
+
+fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+fn succeed(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn refused(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
+    error
+}
+
+/// A folder with a rig and two scenes, whose images stand for raw ones.
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
+    for kind in ["boxes", "cards"] {
+        succeed(folder.path(), &["scene", "--kind", kind, "--size", "320x240", &format!("raw/{kind}")]);
+    }
+    folder
+}
+
+fn size(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).unwrap()
+}
+
+#[test]
+fn a_pair_becomes_two_images_and_a_picture() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let pair = ["rectify", "raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml", "--size", "160x120"];
+    let out = ["--out-left", "l.png", "--out-right", "r.png", "--picture", "rows.png"];
+    let text = succeed(folder.path(), &[&pair[..], &out].concat());
+    assert!(text.starts_with("320x240 rectified to 160x120, focal length "), "{text}");
+    assert!(
+        text.contains("valid 100.0 % and 100.0 %; raw rows held at once ") && text.contains("wrote rows.png"),
+        "{text}"
+    );
+    assert_eq!([size(&at("l.png")), size(&at("r.png"))], [(160, 120); 2]);
+    assert_eq!(size(&at("rows.png")), (2 * 160 + 4, 2 * 120 + 4));
+
+    // All of the view: corners without a source are black, and less of the rows is valid.
+    let text = succeed(folder.path(), &[&pair[..], &["--out-left", "all.png", "--alpha", "1"]].concat());
+    assert!(!text.contains("valid 100"), "{text}");
+    let all = image::open(at("all.png")).unwrap().into_luma8();
+    assert_eq!(all.get_pixel(0, 0).0, [0]);
+    assert!(all.get_pixel(80, 60).0[0] > 0);
+}
+
+#[test]
+fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
+    let folder = folder();
+    let text = succeed(folder.path(), &["rectify", "raw", "--rig", "rig.toml", "--out", "done"]);
+    assert!(text.ends_with("2 pairs: done\n"), "{text}");
+    for kind in ["boxes", "cards"] {
+        for name in ["left.png", "right.png", "rows.png"] {
+            assert!(folder.path().join("done").join(kind).join(name).is_file(), "{kind}/{name}");
+        }
+    }
+    let json = |args: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&succeed(folder.path(), &[&["run"], args, &["--json", "-"]].concat())).unwrap()
+    };
+    let raw = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml"]);
+    let rectified = json(&["done/boxes/left.png", "done/boxes/right.png"]);
+    assert!(raw["counts"]["matched"].as_u64() > Some(10), "{}", raw["counts"]);
+    assert_eq!((&raw["counts"], &raw["points"]), (&rectified["counts"], &rectified["points"]));
+    assert!(raw["segments"][0]["depth_m"][0].is_f64() && rectified["segments"][0]["depth_m"].is_null());
+}
+
+#[test]
+fn what_cannot_be_rectified_is_one_clear_line() {
+    let folder = folder();
+    let left = "raw/boxes/left.png";
+    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "160x120", "small"]);
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    fs::write(folder.path().join("none.toml"), "version = 1").unwrap();
+    let rig = ["--rig", "rig.toml"];
+    let cases: [(&[&str], &[&str], &str); 9] = [
+        (&["rectify", left, left], &[], "--rig"),
+        (&["rectify", left], &rig, "RIGHT"),
+        (&["rectify", left, left], &rig, "give --out-left and --out-right, or --picture"),
+        (&["rectify", left, left, "--picture", "p.png"], &["--rig", "none.toml"], "none.toml"),
+        (&["rectify", left, left, "--picture", "p.png", "--alpha", "2"], &rig, "correct --alpha"),
+        (&["rectify", left, "small/left.png", "--picture", "p.png"], &rig, "give two images of one size"),
+        (&["rectify", "small/left.png", "small/right.png", "--picture", "p.png"], &rig, "raw images of 320x240"),
+        (&["rectify", "empty", "--out", "p"], &rig, "holds a left and a right image"),
+        (&["run", left, left, "--size", "160x120"], &[], "--rig"),
+    ];
+    for (args, rig, says) in cases {
+        let error = refused(folder.path(), &[args, rig].concat());
+        assert!(error.contains(says), "{args:?} does not say {says}: {error}");
+        assert!(!folder.path().join("p.png").exists() && !folder.path().join("p").exists());
+    }
+    let run = ["run", left, "raw/boxes/right.png", "--rig", "rig.toml"];
+    assert!(refused(folder.path(), &[&run[..], &["--width", "160"]].concat()).contains("cannot be used with"));
+    let error = refused(folder.path(), &[&run[..], &["--max-disparity", "320"]].concat());
+    assert!(error.contains("correct --max-disparity"), "{error}");
+}

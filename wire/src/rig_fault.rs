@@ -1,0 +1,144 @@
+//! What a board says of its rig: which one it uses, and what is wrong with the slots that hold none.
+//!
+//! The numbers behind a fault stay on the board: who made the image can ask [`RigImage::decode`](crate::RigImage::decode) for them.
+
+use crate::rig_image::{RigImage, RigImageError};
+use core::fmt;
+use linestereo::{Dims, Eye};
+use serde::{Deserialize, Serialize};
+
+/// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RigFault {
+    /// The board has no flash for rigs.
+    NoFlash,
+    /// The flash cannot be read.
+    Unreadable,
+    /// [`RigImageError::Empty`].
+    Empty,
+    /// [`RigImageError::Foreign`].
+    Foreign,
+    /// [`RigImageError::Truncated`].
+    Truncated,
+    /// [`RigImageError::Surplus`].
+    Surplus,
+    /// [`RigImageError::Damaged`].
+    Damaged,
+    /// [`RigImageError::OtherVersion`].
+    OtherVersion,
+    /// [`RigImageError::Length`].
+    Length,
+    /// The left camera: [`RigImageError::Camera`], [`RigImageError::LensKind`].
+    LeftCamera,
+    /// The right camera.
+    RightCamera,
+    /// [`RigImageError::Pair`].
+    Pose,
+    /// [`RigImageError::View`], [`RigImageError::ViewKind`], or no pixel of it lies inside a raw image.
+    View,
+    /// [`RigImageError::Range`].
+    Range,
+    /// A rig, but one whose images or bands this board has no memory for.
+    TooLarge,
+}
+
+impl From<RigImageError> for RigFault {
+    fn from(error: RigImageError) -> Self {
+        match error {
+            RigImageError::Empty => Self::Empty,
+            RigImageError::Foreign => Self::Foreign,
+            RigImageError::Truncated { .. } => Self::Truncated,
+            RigImageError::Surplus { .. } => Self::Surplus,
+            RigImageError::Damaged => Self::Damaged,
+            RigImageError::OtherVersion { .. } => Self::OtherVersion,
+            RigImageError::Length { .. } => Self::Length,
+            RigImageError::Camera(Eye::Left, _) | RigImageError::LensKind(Eye::Left, _) => Self::LeftCamera,
+            RigImageError::Camera(Eye::Right, _) | RigImageError::LensKind(Eye::Right, _) => Self::RightCamera,
+            RigImageError::Pair(_) => Self::Pose,
+            RigImageError::View(_) | RigImageError::ViewKind(_) => Self::View,
+            RigImageError::Range(_) => Self::Range,
+        }
+    }
+}
+
+impl fmt::Display for RigFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoFlash => "no flash",
+            Self::Unreadable => "unreadable",
+            Self::Empty => "empty",
+            Self::Foreign => "foreign",
+            Self::Truncated => "truncated",
+            Self::Surplus => "surplus bytes",
+            Self::Damaged => "damaged",
+            Self::OtherVersion => "other version",
+            Self::Length => "damaged or of another version",
+            Self::LeftCamera => "left camera unusable",
+            Self::RightCamera => "right camera unusable",
+            Self::Pose => "pose unusable",
+            Self::View => "view unusable",
+            Self::Range => "disparity range unusable",
+            Self::TooLarge => "too large for this board",
+        })
+    }
+}
+
+/// The rig that a board uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RigInUse {
+    /// Width and height of the raw images.
+    pub raw: [u16; 2],
+    /// Width and height of the rectified images.
+    pub rectified: [u16; 2],
+    /// The slot that it lies in, 0 or 1; `None` when it is lost with the power.
+    pub slot: Option<u8>,
+}
+
+impl RigInUse {
+    /// A rig in this slot.
+    #[must_use]
+    pub fn new(image: &RigImage, slot: Option<u8>) -> Self {
+        let size = |Dims { width, height }: Dims| [width, height];
+        let raw = image.calibration().camera(Eye::Left).dims();
+        Self { raw: size(raw), rectified: size(image.rectification().dims()), slot }
+    }
+}
+
+/// What a board knows of its rig.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RigReport {
+    /// The one in use; without one nothing is rectified.
+    pub in_use: Option<RigInUse>,
+    /// Of each slot of the flash the number of its image, or what is wrong with it.
+    pub slots: [Result<u32, RigFault>; 2],
+}
+
+impl RigReport {
+    /// Of a board without rig and flash.
+    pub const NONE: Self = Self { in_use: None, slots: [Err(RigFault::NoFlash); 2] };
+}
+
+/// Such as `rig: none; slots: empty, damaged`.
+impl fmt::Display for RigReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.in_use {
+            None => write!(f, "rig: none")?,
+            Some(RigInUse { raw: [w, h], rectified: [width, height], .. }) => {
+                write!(f, "rig: {w}x{h} rectified to {width}x{height}")?;
+            }
+        }
+        if self.slots == Self::NONE.slots {
+            return write!(f, "; no flash to keep one");
+        }
+        for (number, (slot, text)) in self.slots.iter().zip(["; slots: ", ", "]).enumerate() {
+            match slot {
+                Ok(sequence) => write!(f, "{text}image {sequence}")?,
+                Err(fault) => write!(f, "{text}{fault}")?,
+            }
+            if self.in_use.and_then(|rig| rig.slot).is_some_and(|slot| usize::from(slot) == number) {
+                write!(f, " (in use)")?;
+            }
+        }
+        Ok(())
+    }
+}
