@@ -94,6 +94,9 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
     let rectified = json(&["done/boxes/left.png", "done/boxes/right.png"]);
     assert!(raw["counts"]["matched"].as_u64() > Some(10), "{}", raw["counts"]);
     assert_eq!((&raw["counts"], &raw["points"]), (&rectified["counts"], &rectified["points"]));
+    let half = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml", "--raw-width", "160"]);
+    assert_eq!(half["size"], serde_json::json!([160, 120]));
+    assert!(half["segments"][0]["depth_m"][0].is_f64());
     assert!(raw["segments"][0]["depth_m"][0].is_f64() && rectified["segments"][0]["depth_m"].is_null());
 }
 
@@ -105,7 +108,8 @@ fn what_cannot_be_rectified_is_one_clear_line() {
     fs::create_dir(folder.path().join("empty")).unwrap();
     fs::write(folder.path().join("none.toml"), "version = 1").unwrap();
     let rig = ["--rig", "rig.toml"];
-    let cases: [(&[&str], &[&str], &str); 9] = [
+    let cases: [(&[&str], &[&str], &str); 10] = [
+        (&["rectify", left, left, "--picture", "p.png", "--raw-width", "320"], &rig, "give 16 to less than the 320"),
         (&["rectify", left, left], &[], "--rig"),
         (&["rectify", left], &rig, "RIGHT"),
         (&["rectify", left, left], &rig, "give --out-left and --out-right, or --picture"),

@@ -14,7 +14,7 @@ const POINTS: usize = 0;
 /// Widest raw image, px.
 const RAW_WIDTH: usize = 640;
 /// Bytes of raw rows of one camera.
-const BAND: usize = 16 * 1024;
+const BAND: usize = 24 * 1024;
 
 /// Its description.
 pub const BOARD: Board = Board {

@@ -15,6 +15,7 @@ mod initial;
 mod model;
 mod photos;
 mod quality;
+mod reduced;
 mod rig_file;
 mod summary;
 
@@ -26,5 +27,6 @@ pub use finder::{BoardFinder, ChessFinder, NotFound};
 pub use model::LensModel;
 pub use photos::{PhotoError, PhotoPair, find_pairs};
 pub use quality::{Assessment, Coverage, Finding, Rectified, Verdict, assess};
+pub use reduced::reduced;
 pub use rig_file::{Quality, RigFile, RigFileError, quaternion, rotation_vector};
 pub use summary::{json, summary};

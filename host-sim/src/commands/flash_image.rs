@@ -39,7 +39,7 @@ pub struct Args {
     #[arg(value_name = "OUT.bin")]
     out: Option<PathBuf>,
     /// Explain an image instead: what is in it, or which of its numbers is refused and why.
-    #[arg(long, value_name = "FILE.bin", conflicts_with_all = ["rig", "size", "alpha", "focal_px", "max_disparity"])]
+    #[arg(long, value_name = "FILE.bin", conflicts_with_all = ["rig", "size", "alpha", "raw_width", "focal_px", "max_disparity"])]
     check: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,

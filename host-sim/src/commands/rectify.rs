@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
     print(&summary(image.rectification(), &rectifier))?;
     match (&args.right, &args.out) {
         (Some(right), _) => one(args, &mut rectifier, right),
-        (None, Some(out)) => folder(&args.left, out, &mut rectifier),
+        (None, Some(out)) => folder(args, out, &mut rectifier),
         (None, None) => unreachable!("clap asks for one of them"),
     }
 }
@@ -73,7 +73,7 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<()> {
     if written.is_empty() {
         bail!("nothing is asked for; give --out-left and --out-right, or --picture");
     }
-    let pair = Pair::load(&args.left, right, rectifier)?;
+    let pair = Pair::load(&args.left, right, &args.view, rectifier)?;
     let mut output = OutputFiles::new();
     for (path, image) in [(&args.out_left, &pair.rectified[0]), (&args.out_right, &pair.rectified[1])] {
         if let Some(path) = path {
@@ -87,7 +87,8 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<()> {
     written.into_iter().try_for_each(|path| print(&format!("wrote {}\n", path.display())))
 }
 
-fn folder(root: &Path, out: &Path, rectifier: &mut PairRectifier) -> Result<()> {
+fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<()> {
+    let root = args.left.as_path();
     let pairs = find_pairs(root)?;
     if pairs.is_empty() {
         bail!("no folder at or below {} holds a left and a right image; add them", root.display());
@@ -98,7 +99,7 @@ fn folder(root: &Path, out: &Path, rectifier: &mut PairRectifier) -> Result<()> 
     for (folder, [left, right]) in &pairs {
         let name = folder.strip_prefix(root).unwrap_or(folder);
         progress.set_message(name.display().to_string());
-        let pair = Pair::load(left, right, rectifier)?;
+        let pair = Pair::load(left, right, &args.view, rectifier)?;
         let target = out.join(name);
         std::fs::create_dir_all(&target)
             .with_context(|| format!("cannot make {}; choose a folder that can be written to", target.display()))?;
@@ -120,9 +121,11 @@ struct Pair {
 }
 
 impl Pair {
-    fn load(left: &Path, right: &Path, rectifier: &mut PairRectifier) -> Result<Self> {
+    fn load(left: &Path, right: &Path, view: &ViewArgs, rectifier: &mut PairRectifier) -> Result<Self> {
         let raw = [load_gray(left)?, load_gray(right)?];
         check_same_size((left, raw[0].dims), (right, raw[1].dims))?;
+        let [left_raw, right_raw] = raw;
+        let raw = [view.raw(left_raw)?, view.raw(right_raw)?];
         let (left_rectified, right_rectified) =
             rectifier.pair(&raw[0], &raw[1]).with_context(|| left.display().to_string())?;
         Ok(Self { raw, rectified: [left_rectified, right_rectified] })

@@ -35,6 +35,7 @@ Examples:
       the same on an emulated Cortex-M7, with its instructions counted
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
       a raw pair of a calibrated rig, rectified first; with --on the board rectifies it
+      (where its memory for raw rows is too small: --raw-width)
 
 Without --rig the pair has to be rectified: a point lies on one row in both images.
 Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
@@ -178,6 +179,7 @@ fn raw(args: &Args) -> Result<Input> {
     let params = args.method.params(args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
     let image = args.view.image(&args.rig, None, (params.min_disparity, params.max_disparity))?;
     let params = image.params(params)?;
+    let (left, right) = (args.view.raw(left)?, args.view.raw(right)?);
     Ok(Input { images: [left, right], params, rig_numbers: None, rig: Some(image) })
 }
 

@@ -1,9 +1,12 @@
 //! Options of the rectified view and the rig behind it, the same for every command that rectifies.
 
 use super::scene::parse_size;
+use crate::calibration::reduced;
+use crate::engine::GrayImage;
+use crate::frames::{area_average, resampled_height};
 use crate::interchange::{Options, load_rig};
-use anyhow::{Result, anyhow};
-use linestereo::{Calibration, Dims, Eye, RectifyError, View};
+use anyhow::{Result, anyhow, bail};
+use linestereo::{Calibration, Dims, Eye, MIN_SIDE, RectifyError, View};
 use linestereo_wire::{RigImage, RigImageError};
 use std::path::PathBuf;
 
@@ -17,15 +20,33 @@ pub(super) struct ViewArgs {
     /// How much of the view to keep: 0 as much as fits without a pixel that has no source, 1 all of it [default: 0].
     #[arg(long, value_name = "A", allow_negative_numbers = true, requires = "rig")]
     alpha: Option<f64>,
+    /// Raw images are reduced to this width first, by area averaging; the rig follows.
+    #[arg(long, value_name = "PX", requires = "rig")]
+    raw_width: Option<u16>,
 }
 
 impl ViewArgs {
     /// The rig in these files, ready to rectify; a focal length that is asked for comes before alpha.
     pub(super) fn image(&self, rig: &[PathBuf], focal_px: Option<f64>, range: (i16, u16)) -> Result<RigImage> {
-        let calibration = load_rig(rig, &Options::default())?.rig.calibration;
+        let mut calibration = load_rig(rig, &Options::default())?.rig.calibration;
+        if let Some(width) = self.raw_width {
+            let full = calibration.camera(Eye::Left).dims();
+            if !(MIN_SIDE..full.width).contains(&width) {
+                bail!("--raw-width is {width}; give {MIN_SIDE} to less than the {} of the raw images", full.width);
+            }
+            calibration = reduced(&calibration, Dims { width, height: resampled_height(full, width) })?;
+        }
         let view = focal_px.map_or(View::Alpha(self.alpha.unwrap_or(0.0)), View::Focal);
         RigImage::new(calibration, self.dims(&calibration), view, range)
             .map_err(|error| anyhow!("{error}; {}", remedy(&error)))
+    }
+
+    /// A raw image as the rig sees it.
+    pub(super) fn raw(&self, image: GrayImage) -> Result<GrayImage> {
+        Ok(match self.raw_width {
+            Some(width) => area_average(&image, width)?,
+            None => image,
+        })
     }
 
     fn dims(&self, calibration: &Calibration) -> Dims {
