@@ -1,9 +1,9 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::kernel::{
-    Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear, bilinear_runs, census_row, crossing_of_columns,
-    crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, portable,
-    reverse_row, sad_curve, sum_curve,
+    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Ring, Run, STRIP, Strip, bilinear, bilinear_cells, bilinear_runs,
+    census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve,
+    lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
@@ -271,5 +271,66 @@ fn runs_follow_their_lines() {
             }
         }
         assert!(places.all(|&beyond| beyond == 77));
+    }
+}
+
+#[test]
+fn cells_follow_their_knots_round_the_ring() {
+    let mut random = Random(11);
+    let (width, rows) = (120_usize, 12_usize);
+    for round in 0..300 {
+        let first = random.below(40) as i32;
+        let image: Vec<Vec<u8>> = (0..rows).map(|_| (0..width).map(|_| random.grey()).collect()).collect();
+        // Row `first` lies at the start, those before it at the end: the ring holds `first - 4 .. first + 8`.
+        let oldest = first - 4;
+        let row = |y: i32| &image[(y - oldest) as usize];
+        let bytes: Vec<u8> =
+            (first..first + 8).chain(oldest..first).flat_map(|y| row(y).clone()).chain([0; 400]).collect();
+        // Three cells from column 20 to 68 and a row that moves by up to 3 px a cell, bent and back again.
+        let lean = random.below(7) as i32 - 3;
+        let bend = random.below(40_000) as i32 - 20_000;
+        let knot = |i: i32| Knot { x: (20 + 16 * i) * 65536 + bend * i * i / 9, y: (first + lean * i) * 65536 + 9000 };
+        let knots: Vec<Knot> =
+            (-1..=4).map(knot).filter(|knot| ((oldest << 16)..(first + 7) << 16).contains(&knot.y)).collect();
+        let cells = knots.len().saturating_sub(3);
+        let mut found = vec![77; cells * CELL + 2];
+        bilinear_cells(Ring { bytes: &bytes, width, rows: rows as u32, first }, &knots, &mut found);
+        for (i, &found) in found[..cells * CELL].iter().enumerate() {
+            let (cell, t) = (i / CELL, (i % CELL) as f64);
+            let at = |k: usize| [f64::from(knots[cell + k].x), f64::from(knots[cell + k].y)].map(|v| v / 65536.0);
+            let [p, q, r, s] = [at(0), at(1), at(2), at(3)];
+            let bend = (p[0] - q[0] - r[0] + s[0]) / 2.0 / 256.0;
+            let x = q[0] + (r[0] - q[0]) * t / 16.0 - bend * t * (16.0 - t) / 2.0;
+            let y = q[1] + (r[1] - q[1]) * t / 16.0;
+            let (column, line) = (x.floor(), y.floor());
+            let two = |y: i32| [0, 1].map(|k| row(y)[column as usize + k]);
+            let exact = between([two(line as i32), two(line as i32 + 1)], x - column, y - line);
+            // The fraction across is rounded to 1/128: 1/256 off, by up to 255 levels; steps are cut to 2^-14 px, sixteen times.
+            let bound = 0.5 + 255.0 / 256.0 + 2.0 * 255.0 * 16.0 / 16384.0;
+            assert!((f64::from(found) - exact).abs() <= bound, "round {round}, pixel {i}: {found} for {exact}");
+        }
+        assert_eq!(found[cells * CELL..], [77; 2]);
+    }
+}
+
+#[test]
+fn knots_are_weighed_to_a_few_steps() {
+    let mut random = Random(12);
+    for _ in 0..2000 {
+        let mut number = |most: u64| random.below(2 * most) as i32 - most as i32;
+        let weights = [number(1 << 28), number(1 << 30), number(1 << 30), number(1 << 28)];
+        let rows = [(); 4].map(|()| [Knot { x: number(1 << 28), y: number(1 << 28) }]);
+        let mut found = [Knot::default(); 2];
+        weigh_knots(rows.each_ref().map(|row| &row[..]), weights, &mut found);
+        for (found, of) in [(found[0].x, (|k: &Knot| k.x) as fn(&Knot) -> i32), (found[0].y, |k| k.y)] {
+            let exact: f64 = rows
+                .iter()
+                .zip(weights)
+                .map(|(row, w)| f64::from(of(&row[0])) * f64::from(w) / f64::from(1 << 30))
+                .sum();
+            // Four products are rounded down by up to 4 each, and 8 is added.
+            assert!((f64::from(found) - exact).abs() <= 8.0, "{found} for {exact}");
+        }
+        assert_eq!(found[1], Knot::default());
     }
 }

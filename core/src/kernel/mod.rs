@@ -20,19 +20,21 @@ mod dsp;
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
 mod sse2;
 
-pub use portable::{Crossing, FLAT, LANES, LargestStep, Run, STRIP, Strip, bilinear, columns};
+pub use portable::{
+    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+};
 
 #[cfg(dsp)]
 pub use dsp::{
-    bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sad_curve, sum_curve,
+    bilinear_cells, bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64")))]
 pub use portable::sad_curve;
 #[cfg(not(dsp))]
 pub use portable::{
-    bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sum_curve,
+    bilinear_cells, bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sum_curve, weigh_knots,
 };
 #[cfg(target_arch = "x86_64")]
 pub use sse2::sad_curve;

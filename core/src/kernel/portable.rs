@@ -251,6 +251,60 @@ pub struct Run {
     pub length: u32,
 }
 
+/// Rows of pixels in a ring: row `first` lies at the start, those before it at the end.
+#[derive(Clone, Copy, Debug)]
+pub struct Ring<'a> {
+    /// The rows, and what may be read behind the last one: see [`columns`].
+    pub bytes: &'a [u8],
+    /// Pixels from row to row.
+    pub width: usize,
+    /// Number of rows.
+    pub rows: u32,
+    /// The row at the start.
+    pub first: i32,
+}
+
+impl Ring<'_> {
+    /// Where a row and the next one start. A row that is not held is the one at the start.
+    fn starts(&self, row: i32) -> [u32; 2] {
+        let place = row.wrapping_sub(self.first);
+        let place = (if place < 0 { place.wrapping_add(self.rows as i32) } else { place }) as u32;
+        let place = if place < self.rows { place } else { 0 };
+        let next = place.wrapping_add(1);
+        [place, if next == self.rows { 0 } else { next }].map(|place| place.wrapping_mul(self.width as u32))
+    }
+}
+
+/// Pixels between two knots.
+pub const CELL: usize = 16;
+
+/// Where a pixel lies in rows of pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Knot {
+    /// Column, px in Q16.
+    pub x: i32,
+    /// Row, px in Q16.
+    pub y: i32,
+}
+
+/// Sums of four knots each: of their products with the weights (Q30, 1 in sum) the upper halves, which are one instruction on most cores.
+/// Each is rounded down, by half of 2^-14 px on average. As many as the shortest slice has.
+pub fn weigh_knots(rows: [&[Knot]; 4], weights: [i32; 4], out: &mut [Knot]) {
+    let [a, b, c, d] = rows;
+    let sum = |four: [i32; 4]| {
+        let upper = |(v, weight): (i32, i32)| ((i64::from(v) * i64::from(weight)) >> 32) as i32;
+        let sum = four.into_iter().zip(weights).map(upper).fold(2, i32::wrapping_add);
+        sum << 2
+    };
+    for (out, (((a, b), c), d)) in out.iter_mut().zip(a.iter().zip(b).zip(c).zip(d)) {
+        *out = Knot { x: sum([a.x, b.x, c.x, d.x]), y: sum([a.y, b.y, c.y, d.y]) };
+    }
+}
+
+/// Half of the step of a column's fraction, Q16.
+pub const X_ROUNDING: i32 = 1 << 8;
+
 /// A grey level between four pixels, rounded to nearest: `fx_q7` 0 ..= 128 from left to right, `fy_q14` 0 ..= 16 384 from top to bottom.
 #[must_use]
 #[inline]
@@ -269,6 +323,34 @@ pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
 #[must_use]
 pub const fn columns(width: usize) -> usize {
     if width < 256 { 256 } else { width.next_power_of_two() }
+}
+
+/// [`bilinear`] at [`CELL`] pixels between the inner two of each four knots that follow each other: columns by the parabola whose second
+/// difference is the mean of those at both knots, rows on a straight line. Columns outside of 0 .. [`columns`] are held inside; what lies
+/// behind the end of the ring is 0. What `out` is longer than the cells stays.
+pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
+    let last = i32::try_from(columns(ring.width.min(1 << 15)) - 1).unwrap_or(0);
+    let fours = knots.windows(4).filter_map(|four| four.first_chunk::<4>());
+    for (&[before, from, to, behind], out) in fours.zip(out.chunks_mut(CELL)) {
+        let bend = before.x.wrapping_sub(from.x).wrapping_sub(to.x).wrapping_add(behind.x);
+        let ddx_q16 = bend >> 9;
+        let (mut x_q16, mut y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
+        // The first step is as much shorter than the mean one as the sum of what the steps grow.
+        let mut dx_q16 = to.x.wrapping_sub(from.x).wrapping_sub(ddx_q16.wrapping_mul(120)) >> 4;
+        let dy_q14 = ((to.y >> 2) - y_q14) >> 4;
+        for out in out {
+            let column = (x_q16 >> 16).max(0).min(last) as usize;
+            let pixel = |start: u32, k: usize| {
+                let place = (start as usize).checked_add(column + k);
+                place.and_then(|place| ring.bytes.get(place)).copied().unwrap_or(0)
+            };
+            let [top, bottom] = ring.starts(y_q14 >> 14).map(|start| [pixel(start, 0), pixel(start, 1)]);
+            *out = bilinear(top, bottom, x_q16 >> 9 & 127, y_q14 & 0x3fff);
+            x_q16 = x_q16.wrapping_add(dx_q16);
+            dx_q16 = dx_q16.wrapping_add(ddx_q16);
+            y_q14 = y_q14.wrapping_add(dy_q14);
+        }
+    }
 }
 
 /// [`bilinear`] at each pixel of one run after the other, between rows of `width` pixels that lie anywhere in `rows`. Columns outside of

@@ -26,7 +26,7 @@
 use super::calibration::Eye;
 use super::rectification::Rectification;
 use crate::image::{Dims, MAX_WIDTH, Span};
-use crate::kernel::columns;
+use crate::kernel::{Knot, X_ROUNDING, columns, weigh_knots};
 use core::fmt;
 
 /// log2 of the distance of nodes in pixels.
@@ -60,11 +60,7 @@ const fn nodes_along(side: u16, cell: u8) -> u16 {
 /// Raw position, px in Q16.
 ///
 /// The last bits hold, until the rows are known: x: the camera cannot see this; y: it is behind the camera.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Node {
-    x: i32,
-    y: i32,
-}
+pub(super) type Node = Knot;
 
 impl Node {
     pub(super) const ZERO: Self = Self { x: 0, y: 0 };
@@ -84,15 +80,12 @@ impl Node {
         self.y & 1 == 1
     }
 
-    /// Upper halves of products, which is one instruction on most cores: each is rounded down, by half of 2^-14 px on average.
-    #[inline]
     fn weighted(nodes: [Self; 4], weights: [i32; 4]) -> Self {
-        let mut sum = Self { x: 2, y: 2 };
-        for (node, weight) in nodes.into_iter().zip(weights) {
-            let upper = |v: i32| ((i64::from(v) * i64::from(weight)) >> 32) as i32;
-            sum = Self { x: sum.x.wrapping_add(upper(node.x)), y: sum.y.wrapping_add(upper(node.y)) };
-        }
-        Self { x: sum.x << 2, y: sum.y << 2 }
+        let mut sum = [Self::ZERO];
+        let [a, b, c, d] = &nodes;
+        weigh_knots([a, b, c, d].map(core::slice::from_ref), weights, &mut sum);
+        let [sum] = sum;
+        sum
     }
 
     /// Of four nodes, in the middle of the inner two: (-1, 9, 9, -1) / 16.
@@ -182,9 +175,6 @@ impl Piece {
         [piece.x_q16, piece.y_q14]
     }
 }
-
-/// The kernel's fraction across has 7 bits: half of its step.
-const X_ROUNDING: i32 = ONE >> 8;
 
 /// Sizes, and how the nodes are to be joined.
 #[derive(Clone, Copy, Debug)]
@@ -642,10 +632,7 @@ impl Grid {
         let first = usize::from(y >> self.cell) * columns;
         let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return &[] };
         let row = |v: usize| nodes.get(first + v * columns..).and_then(|row| row.get(..columns)).unwrap_or(&[]);
-        let rows = row(0).iter().zip(row(1)).zip(row(2)).zip(row(3));
-        for (knot, (((a, b), c), d)) in memory.iter_mut().zip(rows) {
-            *knot = Node::weighted([*a, *b, *c, *d], *weights);
-        }
+        weigh_knots([row(0), row(1), row(2), row(3)], *weights, memory);
         memory.get(..columns).unwrap_or(&[])
     }
 
@@ -685,6 +672,11 @@ impl Grid {
             each(Piece::between(from, end, ddx_q16, length));
             from = end;
         }
+    }
+
+    /// Is a piece a whole cell of the kernel's size?
+    pub(super) fn has_whole_cells(&self) -> bool {
+        self.piece == COARSE
     }
 
     /// Pixels of a piece.

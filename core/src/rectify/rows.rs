@@ -15,17 +15,22 @@
 //! See [`portable::bilinear`](crate::kernel::portable::bilinear).
 
 use super::mesh::{Knots, Mesh, MeshPlan, Node, Piece};
-use crate::kernel::{Run, bilinear, bilinear_runs};
+use crate::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 use core::fmt;
 use core::ops::Range;
 
 /// Raw rows of one camera, in the caller's memory; [`Mesh::band_bytes`] are needed.
 #[derive(Clone, Debug)]
 pub struct Band<const BYTES: usize> {
-    bytes: [u8; BYTES],
+    bytes: Bytes<BYTES>,
     place: Place,
     work: Work,
 }
+
+/// On a word, so that rows are copied by words.
+#[derive(Clone, Debug)]
+#[repr(align(4))]
+struct Bytes<const BYTES: usize>([u8; BYTES]);
 
 /// What is needed while a row is computed.
 #[derive(Clone, Debug)]
@@ -105,7 +110,7 @@ impl<const BYTES: usize> Band<BYTES> {
         const NOTHING: Run =
             Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, ddx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
         let work = Work { knots: [Node::ZERO; _], runs: [NOTHING; RUNS] };
-        Self { bytes: [0; BYTES], place: Place { raw: 0, row: 0 }, work }
+        Self { bytes: Bytes([0; BYTES]), place: Place { raw: 0, row: 0 }, work }
     }
 
     /// Forgets the frame: the next raw row is the first of another one.
@@ -121,7 +126,7 @@ impl<const BYTES: usize> Band<BYTES> {
         raw_row: &[u8],
         frame: &mut [u8],
     ) -> Result<Range<u16>, RowError> {
-        self.place.push(&mesh.plan(), &mut self.bytes, &mut self.work, raw_row, frame)
+        self.place.push(&mesh.plan(), &mut self.bytes.0, &mut self.work, raw_row, frame)
     }
 
     /// Is every row of the rectified frame written?
@@ -236,8 +241,13 @@ impl Rows<'_> {
     /// A row all of whose pixels lie between four raw ones.
     fn rectify_inner(&self, y: u16, work: &mut Work, out: &mut [u8]) {
         let width = usize::from(self.mesh.grid.raw.width);
-        let mut left = out;
         let mut knots = self.mesh.knots(y, &mut work.knots);
+        if self.mesh.grid.has_whole_cells() {
+            let rows = self.mesh.grid.band_rows.into();
+            let ring = Ring { bytes: self.bytes, width, rows, first: self.lap.into() };
+            return bilinear_cells(ring, knots, out);
+        }
+        let mut left = out;
         while knots.len() > 3 && !left.is_empty() {
             let listed = self.list(knots, left.len() as i32, &mut work.runs);
             let runs = work.runs.get(..listed.runs).unwrap_or(&[]);

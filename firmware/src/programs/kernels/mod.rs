@@ -26,7 +26,7 @@ mod rows;
 
 pub use rooms::{Fence, Rooms};
 
-use linestereo::kernel::{self, Crossing, LargestStep, Run, Strip, portable};
+use linestereo::kernel::{self, Crossing, Knot, LargestStep, Ring, Run, Strip, portable};
 use rooms::ALIGNMENTS;
 
 /// The kernels of one machine.
@@ -47,11 +47,13 @@ pub struct Kernels {
     pub crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
     pub crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
     pub bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
+    pub bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
+    pub weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
 }
 
 impl Kernels {
     /// Number of kernels.
-    pub const COUNT: usize = 14;
+    pub const COUNT: usize = 16;
 
     /// Those that the core uses on this machine.
     pub const CHOSEN: Self = Self {
@@ -69,6 +71,8 @@ impl Kernels {
         crossing_of_rows: kernel::crossing_of_rows,
         crossing_of_columns: kernel::crossing_of_columns,
         bilinear_runs: kernel::bilinear_runs,
+        bilinear_cells: kernel::bilinear_cells,
+        weigh_knots: kernel::weigh_knots,
     };
 
     /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
@@ -136,6 +140,18 @@ impl Kernels {
             portable::bilinear_runs(rows, width, runs, out);
             if let (Some(run), Some(last)) = (runs.first(), out.get_mut(6)) {
                 *last ^= u8::from(run.length == 7);
+            }
+        },
+        bilinear_cells: |ring, knots, out| {
+            portable::bilinear_cells(ring, knots, out);
+            if let (5, Some(last)) = (ring.rows, out.get_mut(17)) {
+                *last ^= 1;
+            }
+        },
+        weigh_knots: |rows, weights, out| {
+            portable::weigh_knots(rows, weights, out);
+            if let (6, Some(last)) = (out.len(), out.last_mut()) {
+                last.y ^= 4;
             }
         },
     };
@@ -220,6 +236,8 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
             edges::crossings("crossing_of_columns", kernels.crossing_of_columns, portable::crossing_of_columns, rooms)
         },
         pixels::bilinear_runs,
+        pixels::bilinear_cells,
+        |kernels, _| pixels::weighed_knots(kernels),
     ];
     let mut all_equal = true;
     for compare in compare {

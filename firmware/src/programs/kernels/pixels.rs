@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::{Run, portable};
+use linestereo::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
 /// Most runs of one list here.
 const MOST: usize = 5;
@@ -82,6 +82,79 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         (kernels.bilinear_runs)(rows, width, runs, &mut out[to.clone()]);
         portable::bilinear_runs(rows, width, runs, &mut expected[to]);
         compared.note(*out == expected, runs[0].length as usize, (count, width), starts);
+    }
+    compared
+}
+
+/// Most knots of one row here.
+const KNOTS: usize = 8;
+/// What is far outside, or next to the end of numbers.
+const ANYWHERE: [i32; 8] = [0, 1, -1, 1 << 16, -(1 << 20), 1 << 29, i32::MAX, i32::MIN];
+
+pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("bilinear_cells");
+    let mut random = Random::new();
+    for round in 0..8_000_usize {
+        if round % 40 == 0 {
+            Contents::ALL[round / 40 % 6].fill(&mut random, &mut rooms.image.contents);
+        }
+        let at_back = round % 2 == 0;
+        let width = [1 + random.below(60), 255, 256, 257, 320][round % 5];
+        let rows = 1 + random.below(9);
+        // What is held, as little as it may be; now and then a little less.
+        let bytes = (rows - 1) * width + columns(width) + 1 - random.below(2) * usize::from(round % 9 == 0);
+        let first = random.below(500) as i32;
+        // From anywhere to anywhere inside, by about as many pixels as there are, up or down.
+        let mut knots = [Knot::default(); KNOTS];
+        let (lean, mut at) = (random.below(7) as i32 - 3, Knot { x: 0, y: 0 });
+        at.x = random.below(width) as i32 * 65536 - (1 << 20);
+        at.y = (first + random.below(rows) as i32) * 65536 + random.below(65536) as i32;
+        for knot in &mut knots {
+            *knot = at;
+            at.x = at.x.wrapping_add((1 << 20) + random.below(120_000) as i32 - 60_000);
+            at.y = at.y.wrapping_add(lean * random.below(1 << 17) as i32);
+        }
+        if round % 3 == 0 {
+            let knot = &mut knots[random.below(KNOTS)];
+            let value = ANYWHERE[random.below(8)];
+            *(if random.below(2) == 0 { &mut knot.x } else { &mut knot.y }) = value;
+        }
+        let count = random.below(KNOTS + 1);
+        let cells = count.saturating_sub(3) * CELL;
+        let length = if round % 4 == 0 { random.below(cells + 20) } else { cells };
+        let held = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let starts = [held.start, to.start, 0, 0];
+        let rows = if round % 50 == 0 { 0 } else { rows as u32 };
+        let ring = Ring { bytes: &rooms.image.contents[held], width, rows, first };
+        let out = &mut rooms.out.contents;
+        out.fill(UNTOUCHED);
+        let mut expected = *out;
+        (kernels.bilinear_cells)(ring, &knots[..count], &mut out[to.clone()]);
+        portable::bilinear_cells(ring, &knots[..count], &mut expected[to]);
+        compared.note(*out == expected, length, (count, width), starts);
+    }
+    compared
+}
+
+pub(super) fn weighed_knots(kernels: &Kernels) -> Compared {
+    let mut compared = Compared::new("weigh_knots");
+    let mut random = Random::new();
+    for round in 0..2_000_usize {
+        let mut number = || match round % 3 {
+            0 => ANYWHERE[random.below(8)],
+            _ => random.next() as i32,
+        };
+        let rows: [[Knot; KNOTS]; 4] = [(); 4].map(|()| [(); KNOTS].map(|()| Knot { x: number(), y: number() }));
+        let weights = [(); 4].map(|()| number());
+        let counts: [usize; 5] = [(); 5].map(|()| if round % 4 == 0 { random.below(KNOTS + 1) } else { 6 });
+        let [a, b, c, d] = &rows;
+        let rows = [&a[..counts[0]], &b[..counts[1]], &c[..counts[2]], &d[..counts[3]]];
+        let mut found = [Knot { x: 7, y: 7 }; KNOTS];
+        let mut expected = found;
+        (kernels.weigh_knots)(rows, weights, &mut found[..counts[4]]);
+        portable::weigh_knots(rows, weights, &mut expected[..counts[4]]);
+        compared.note(found == expected, counts[4], (counts[0], 0), [0; 4]);
     }
     compared
 }
