@@ -73,6 +73,8 @@ pub struct MeshFacts {
     pub band_bytes: usize,
     /// Of each rectified row the pixels that have a source.
     pub spans: Vec<Span>,
+    /// Of each row the pixels that may be used; empty when all may.
+    pub usable: Vec<Span>,
 }
 
 impl PairRectifier {
@@ -121,7 +123,9 @@ fn built<const NODES: usize, const ROWS: usize>(
 }
 
 fn facts<const NODES: usize, const ROWS: usize>(mesh: &Mesh<NODES, ROWS>) -> MeshFacts {
-    MeshFacts { band_rows: mesh.band_rows(), band_bytes: mesh.band_bytes(), spans: mesh.spans().to_vec() }
+    let spans = mesh.spans().to_vec();
+    let usable = mesh.usable(&mut spans.clone()).to_vec();
+    MeshFacts { band_rows: mesh.band_rows(), band_bytes: mesh.band_bytes(), spans, usable }
 }
 
 fn rectified<const NODES: usize, const ROWS: usize>(

@@ -1,7 +1,7 @@
 //! The boards under QEMU: the PC's bits, and an end for everything that must not happen.
 
 use core::time::Duration;
-use linestereo::{Calibration, Camera, Confidence, Dims, Lens, Params, View};
+use linestereo::{Calibration, Camera, Confidence, Dims, Eye, Lens, Params, Span, View};
 use linestereo_firmware::boards::Board;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::programs::kernels::Kernels;
@@ -240,13 +240,17 @@ fn bad_input_is_named_and_the_next_good_pair_is_matched() {
 
 /// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by a degree.
 fn raw_rig(raw: Dims, rectified: Dims) -> RigImage {
+    raw_rig_with(raw, rectified, View::default())
+}
+
+fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
     let scale = f64::from(raw.width);
     let lens = |k: [f64; 3]| Lens::BrownConrady { k, p: [1e-3, -5e-4] };
     let centre = [0.5 * scale - 1.25, 0.5 * f64::from(raw.height) + 0.5];
     let left = Camera::new(raw, [0.85 * scale, 0.851 * scale], centre, 0.0, lens([-0.25, 0.12, -0.01])).unwrap();
     let right = Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.2, 0.02, 0.0])).unwrap();
     let calibration = Calibration::new(left, right, [0.99996, 0.002, 0.004, 0.0087], [-0.07, 0.0004, 0.0]).unwrap();
-    RigImage::new(calibration, rectified, View::default(), (0, 48)).unwrap()
+    RigImage::new(calibration, rectified, view, (0, 48)).unwrap()
 }
 
 #[test]
@@ -269,6 +273,37 @@ fn raw_pairs_give_the_json_of_the_pc() {
             assert!(found.rectification > 100_000, "{}", found.rectification);
             assert!(replayed.stack < 16 * 1024, "{} bytes of stack", replayed.stack);
         }
+    }
+}
+
+#[test]
+fn pixels_without_source_are_not_used_on_a_board() {
+    let board = Board::ALL[1];
+    let Some(machine) = machine(board) else { return };
+    let (left, right) = rendered(160, 120);
+    let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
+    let params = rig.params(Params::default()).unwrap();
+    let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
+    let found = replayed.pairs.remove(0).unwrap().result;
+    assert_eq!((found.counts.segments_left_dropped, found.counts.segments_right_dropped), (0, 0));
+
+    let mut rectifier = PairRectifier::new(rig.rectification()).unwrap();
+    let usable = Eye::BOTH.map(|eye| rectifier.facts(eye).usable);
+    let (left, right) = rectifier.pair(&left, &right).unwrap();
+    let view = |image: &'static GrayImage, spans: &'static [Span]| image.view().unwrap().with_usable(spans).unwrap();
+    let [left_spans, right_spans] = usable.map(|spans| &*Box::leak(spans.into_boxed_slice()));
+    let [left, right] = [left, right].map(|image| &*Box::leak(Box::new(image)));
+    let mut engine = Engine::new(&params, board.largest).unwrap();
+    let expected = engine.run(view(left, left_spans), view(right, right_spans)).unwrap();
+    assert_eq!((&found.matches, &found.points), (&expected.matches, &expected.points));
+    assert!(found.matches.len() > 5, "{} matches", found.matches.len());
+
+    // With all pixels used, the border of what the cameras see gives edges of its own.
+    let all = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    assert_ne!(all.points, found.points);
+    for point in &found.points {
+        let span = left_spans[usize::from(point.y)];
+        assert!((span.start..span.end).contains(&point.x), "a point at {}, {}", point.x, point.y);
     }
 }
 

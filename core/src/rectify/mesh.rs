@@ -25,7 +25,7 @@
 
 use super::calibration::Eye;
 use super::rectification::Rectification;
-use crate::image::{Dims, MAX_WIDTH, Span};
+use crate::image::{Dims, MAX_WIDTH, Span, shrink_to_usable};
 use crate::kernel::{Knot, X_ROUNDING, columns, weigh_knots};
 use core::fmt;
 
@@ -331,6 +331,22 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])
+    }
+
+    /// Spans of usable pixels for [`Gray::with_usable`](crate::Gray::with_usable), in the caller's memory of as many spans as the rectified
+    /// image has rows; none when every pixel has a source.
+    pub fn usable<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
+        let width = self.grid.dims.width;
+        let whole = Span { start: 0, end: width };
+        if self.spans().iter().all(|span| *span == whole) {
+            return &[];
+        }
+        for (usable, span) in memory.iter_mut().zip(self.spans()) {
+            *usable = *span;
+        }
+        let usable = memory.get_mut(..self.spans().len()).unwrap_or_default();
+        shrink_to_usable(usable, width);
+        usable
     }
 
     /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::spans`].

@@ -13,7 +13,7 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use crate::ports::Results;
 use linestereo::{
-    Dims, Eye, Gray, Observer, Plan, PointClaim, Rectification, RowError, SizeMismatch, ViewError, Views,
+    Dims, Eye, Gray, Observer, Plan, PointClaim, Rectification, RowError, SizeMismatch, Span, ViewError, Views,
 };
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -26,6 +26,8 @@ pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, L, R> {
     /// A raw row between its camera and the band; as wide as the rig's raw images.
     raw_row: [u8; RAW_ROW],
     raw_width: u16,
+    /// The frames come from the rectifiers.
+    is_raw: bool,
 }
 
 /// A [`Workspace`] without its capacities.
@@ -94,6 +96,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspac
             rectifiers: [R::CLEARED, R::CLEARED],
             raw_row: [0; RAW_ROW],
             raw_width: 0,
+            is_raw: false,
         }
     }
 }
@@ -110,6 +113,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
     }
 
     fn frames(&mut self) -> [&mut [u8]; 2] {
+        self.is_raw = false;
         [&mut self.left, &mut self.right]
     }
 
@@ -117,7 +121,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
-        views([&self.left, &self.right], dims)
+        views([&self.left, &self.right], usable(&self.rectifiers, self.is_raw), dims)
     }
 
     fn run(&mut self, plan: &Plan, observer: &mut impl Observer) -> Result<(), RunError> {
@@ -125,7 +129,8 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
-        let [left, right] = views([&self.left, &self.right], dims)?;
+        let usable = usable(&self.rectifiers, self.is_raw);
+        let [left, right] = views([&self.left, &self.right], usable, dims)?;
         self.lists.run(plan, left, right, observer).map_err(|SizeMismatch { given, .. }| RunError::Size(given))
     }
 
@@ -134,7 +139,10 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
     }
 
     fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim)) {
-        self.lists.for_each_point(plan, Views::whole(plan.dims()), claim);
+        let usable = usable(&self.rectifiers, self.is_raw);
+        if let Ok([left, right]) = views([&self.left, &self.right], usable, plan.dims()) {
+            self.lists.for_each_point(plan, Views::of(left, right), claim);
+        }
     }
 
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {
@@ -151,6 +159,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
     }
 
     fn restart(&mut self) {
+        self.is_raw = true;
         self.rectifiers.iter_mut().for_each(R::restart);
     }
 
@@ -173,11 +182,18 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
     }
 }
 
-/// Every pixel counts as usable, also those of a rectified frame that have no source.
-fn views(frames: [&[u8]; 2], dims: Dims) -> Result<[Gray<'_>; 2], RunError> {
-    let stride = usize::from(dims.width);
-    let [left, right] = frames;
-    Ok([Gray::new(left, dims, stride)?, Gray::new(right, dims, stride)?])
+fn views<'a>(frames: [&'a [u8]; 2], usable: [&'a [Span]; 2], dims: Dims) -> Result<[Gray<'a>; 2], RunError> {
+    let view = |pixels: &'a [u8], usable: &'a [Span]| {
+        let view = Gray::new(pixels, dims, dims.width.into())?;
+        if usable.is_empty() { Ok(view) } else { view.with_usable(usable) }
+    };
+    let ([left, right], [left_usable, right_usable]) = (frames, usable);
+    Ok([view(left, left_usable)?, view(right, right_usable)?])
+}
+
+/// Of the left and the right frame, the pixels that may be used; none where all may.
+fn usable<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
+    rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.usable() } else { &[] })
 }
 
 #[cfg(target_os = "none")]

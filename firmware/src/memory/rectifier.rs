@@ -1,6 +1,6 @@
 //! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
 
-use linestereo::{Band, Eye, Mesh, MeshError, Rectification, RowError};
+use linestereo::{Band, Eye, Mesh, MeshError, Rectification, RowError, Span};
 
 /// [`Mesh`] and [`Band`] without their capacities.
 pub trait Rectifier {
@@ -18,6 +18,9 @@ pub trait Rectifier {
 
     /// Is the frame complete?
     fn is_complete(&self) -> bool;
+
+    /// Of each row of the frame the pixels that may be used; none when all may.
+    fn usable(&self) -> &[Span];
 }
 
 /// Why a board cannot rectify for a rig.
@@ -51,14 +54,19 @@ impl From<MeshError> for NoRoom {
 pub struct CameraRows<const NODES: usize, const ROWS: usize, const BAND: usize> {
     mesh: Mesh<NODES, ROWS>,
     band: Band<BAND>,
+    usable: [Span; ROWS],
+    /// Rows of it; 0 when every pixel may be used.
+    usable_rows: u16,
 }
 
 impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for CameraRows<NODES, ROWS, BAND> {
-    const CLEARED: Self = Self { mesh: Mesh::new(), band: Band::new() };
+    const CLEARED: Self =
+        Self { mesh: Mesh::new(), band: Band::new(), usable: [Span { start: 0, end: 0 }; ROWS], usable_rows: 0 };
 
     fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), NoRoom> {
         self.band.restart();
         self.mesh.build(rectification, eye)?;
+        self.usable_rows = self.mesh.usable(&mut self.usable).len() as u16;
         let needed = self.mesh.band_bytes();
         if needed > BAND { Err(NoRoom::Small { name: "band", needed, given: BAND }) } else { Ok(()) }
     }
@@ -73,5 +81,9 @@ impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for Cam
 
     fn is_complete(&self) -> bool {
         self.band.is_complete(&self.mesh)
+    }
+
+    fn usable(&self) -> &[Span] {
+        self.usable.get(..self.usable_rows.into()).unwrap_or_default()
     }
 }

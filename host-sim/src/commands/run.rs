@@ -186,13 +186,21 @@ fn raw(args: &Args) -> Result<Input> {
 /// The left image as it was matched, the result, and the time in words.
 fn here(input: &Input) -> Result<(GrayImage, FrameResult, String)> {
     let [left, right] = &input.images;
-    let (left, right) = match &input.rig {
-        Some(rig) => PairRectifier::new(rig.rectification())?.pair(left, right)?,
-        None => (left.clone(), right.clone()),
+    let (left, right, usable) = match &input.rig {
+        Some(rig) => {
+            let mut rectifier = PairRectifier::new(rig.rectification())?;
+            let (left, right) = rectifier.pair(left, right)?;
+            (left, right, Eye::BOTH.map(|eye| rectifier.facts(eye).usable))
+        }
+        None => (left.clone(), right.clone(), [Vec::new(), Vec::new()]),
     };
     let mut engine = engine_with(&input.params, left.dims)?;
     let start = Instant::now();
-    let result = engine.run(left.view()?, right.view()?)?;
+    let [left_view, right_view] = [(&left, &usable[0]), (&right, &usable[1])].map(|(image, usable)| {
+        let view = image.view()?;
+        if usable.is_empty() { Ok(view) } else { view.with_usable(usable) }
+    });
+    let result = engine.run(left_view?, right_view?)?;
     Ok((left, result, format!("{:.1} ms", 1e3 * start.elapsed().as_secs_f64())))
 }
 
