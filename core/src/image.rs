@@ -21,7 +21,7 @@ pub struct Dims {
 }
 
 /// Columns `start .. end` of a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Span {
     /// First column.
     pub start: u16,

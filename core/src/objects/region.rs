@@ -1,0 +1,212 @@
+//! Which pixels a detector calls one object: a box, or a mask as runs of pixels.
+//!
+//! In: what a detector says, and the size of the images. Out: a [`Region`] that has at least one pixel in the image.
+//!
+//! # Cost
+//! A box is eight bytes; a mask eight bytes per run, at least one run per row. No image-sized mask is ever needed.
+
+use crate::image::{Dims, Span};
+use core::fmt;
+
+/// Columns `left .. right` of the rows `top .. bottom`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Area {
+    /// First column.
+    pub left: u16,
+    /// First row.
+    pub top: u16,
+    /// The column after the last one.
+    pub right: u16,
+    /// The row after the last one.
+    pub bottom: u16,
+}
+
+impl Area {
+    /// All pixels of an image.
+    #[must_use]
+    pub const fn of(dims: Dims) -> Self {
+        Self { left: 0, top: 0, right: dims.width, bottom: dims.height }
+    }
+
+    /// Without pixels?
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.left >= self.right || self.top >= self.bottom
+    }
+
+    /// The pixels of both.
+    #[must_use]
+    pub fn common(self, other: Self) -> Self {
+        Self {
+            left: self.left.max(other.left),
+            top: self.top.max(other.top),
+            right: self.right.min(other.right),
+            bottom: self.bottom.min(other.bottom),
+        }
+    }
+
+    /// The smallest area that has the pixels of both; an empty one has none.
+    #[must_use]
+    pub fn joined(self, other: Self) -> Self {
+        if self.is_empty() {
+            return other;
+        }
+        if other.is_empty() {
+            return self;
+        }
+        Self {
+            left: self.left.min(other.left),
+            top: self.top.min(other.top),
+            right: self.right.max(other.right),
+            bottom: self.bottom.max(other.bottom),
+        }
+    }
+
+    /// Larger by so many pixels on every side, as far as the image reaches.
+    #[must_use]
+    pub fn grown(self, by: u16, dims: Dims) -> Self {
+        let grown = Self {
+            left: self.left.saturating_sub(by),
+            top: self.top.saturating_sub(by),
+            right: self.right.saturating_add(by),
+            bottom: self.bottom.saturating_add(by),
+        };
+        grown.common(Self::of(dims))
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub const fn pixels(self) -> u32 {
+        self.right.saturating_sub(self.left) as u32 * self.bottom.saturating_sub(self.top) as u32
+    }
+
+    /// Does the pixel belong to it?
+    #[must_use]
+    pub fn contains(self, x: i32, y: i32) -> bool {
+        (i32::from(self.left)..i32::from(self.right)).contains(&x)
+            && (i32::from(self.top)..i32::from(self.bottom)).contains(&y)
+    }
+}
+
+/// Neighbouring pixels of one row with the same label.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Run {
+    /// Whose pixels they are.
+    pub label: u16,
+    /// Their row.
+    pub y: u16,
+    /// Their columns.
+    pub span: Span,
+}
+
+/// What the pixels of a region are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape<'a> {
+    /// All of an area.
+    Box,
+    /// The runs with the region's label, sorted by row and column; those of other labels may stand between them.
+    Mask(&'a [Run]),
+}
+
+/// The pixels that a detector calls one object.
+///
+/// ```
+/// use linestereo::{Area, Dims, Region, RegionError};
+/// let dims = Dims { width: 320, height: 240 };
+/// let cut = Region::boxed(3, Area { left: 300, top: 10, right: 400, bottom: 60 }, dims).unwrap();
+/// assert_eq!(cut.area().right, 320);
+/// let outside = Area { left: 320, top: 10, right: 400, bottom: 60 };
+/// assert_eq!(Region::boxed(3, outside, dims), Err(RegionError::Outside));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region<'a> {
+    label: u16,
+    area: Area,
+    shape: Shape<'a>,
+}
+
+/// Why something is no region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RegionError {
+    /// It has no pixel.
+    Empty,
+    /// None of its pixels lies in the image.
+    Outside,
+    /// The run at this position of the mask starts after its end, does not lie behind the one before, or ends outside of the image.
+    Run(u32),
+}
+
+impl fmt::Display for RegionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("a region without pixels"),
+            Self::Outside => f.write_str("a region outside of the image"),
+            Self::Run(index) => {
+                write!(f, "run {index} of the mask is empty, outside of the image, or not behind the run before it")
+            }
+        }
+    }
+}
+
+impl core::error::Error for RegionError {}
+
+impl<'a> Region<'a> {
+    /// A box; what lies outside of the image is cut off.
+    pub fn boxed(label: u16, area: Area, dims: Dims) -> Result<Self, RegionError> {
+        if area.is_empty() {
+            return Err(RegionError::Empty);
+        }
+        let area = area.common(Area::of(dims));
+        if area.is_empty() { Err(RegionError::Outside) } else { Ok(Self { label, area, shape: Shape::Box }) }
+    }
+
+    /// The pixels of a mask that have this label. Its runs are sorted by row, then by column, and do not overlap.
+    pub fn masked(label: u16, runs: &'a [Run], dims: Dims) -> Result<Self, RegionError> {
+        let mut area = Area::default();
+        let mut before = None::<Run>;
+        for (run, index) in runs.iter().zip(0_u32..) {
+            let Run { y, span: Span { start, end }, .. } = *run;
+            let is_behind = before.is_none_or(|b| y > b.y || (y == b.y && start >= b.span.end));
+            if !is_behind || start >= end || end > dims.width || y >= dims.height {
+                return Err(RegionError::Run(index));
+            }
+            before = Some(*run);
+            if run.label == label {
+                area = area.joined(Area { left: start, top: y, right: end, bottom: y + 1 });
+            }
+        }
+        if area.is_empty() { Err(RegionError::Empty) } else { Ok(Self { label, area, shape: Shape::Mask(runs) }) }
+    }
+
+    /// What the detector calls it.
+    #[must_use]
+    pub fn label(&self) -> u16 {
+        self.label
+    }
+
+    /// The smallest area with all of its pixels.
+    #[must_use]
+    pub fn area(&self) -> Area {
+        self.area
+    }
+
+    /// Box or mask.
+    #[must_use]
+    pub fn shape(&self) -> Shape<'a> {
+        self.shape
+    }
+
+    /// Does the pixel belong to it?
+    #[must_use]
+    pub fn contains(&self, x: i32, y: i32) -> bool {
+        self.area.contains(x, y)
+            && match self.shape {
+                Shape::Box => true,
+                Shape::Mask(runs) => {
+                    let first = runs.partition_point(|run| i32::from(run.y) < y);
+                    let row = runs.get(first..).unwrap_or(&[]).iter().take_while(|run| i32::from(run.y) == y);
+                    row.into_iter().any(|run| run.label == self.label && run.span.contains(x))
+                }
+            }
+    }
+}
