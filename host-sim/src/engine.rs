@@ -107,6 +107,18 @@ impl Engine {
         limits: &HealthLimits,
         times_us: Option<[u64; 2]>,
     ) -> Result<FrameResult, SizeMismatch> {
+        self.run_watched_observed((left, right), monitor, limits, times_us, &mut ())
+    }
+
+    /// [`Engine::run_watched`], telling `observer` of every step.
+    pub fn run_watched_observed(
+        &mut self,
+        (left, right): (Gray<'_>, Gray<'_>),
+        monitor: &mut HealthMonitor,
+        limits: &HealthLimits,
+        times_us: Option<[u64; 2]>,
+        observer: &mut impl Observer,
+    ) -> Result<FrameResult, SizeMismatch> {
         let mut health = monitor.look(limits, left, right, times_us);
         let empty = FrameResult {
             matches: Vec::new(),
@@ -118,7 +130,7 @@ impl Engine {
         if health.is_refused() {
             return Ok(empty);
         }
-        let output = self.run_in_place(left, right)?;
+        let output = self.run_observed(left, right, observer)?;
         monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
         Ok(FrameResult {
             matches: output.matches.to_vec(),

@@ -13,6 +13,7 @@ pub mod interchange;
 pub mod listing;
 pub mod monitor;
 pub mod output;
+pub mod pinhole;
 pub mod planning;
 pub mod rectify;
 pub mod scene;

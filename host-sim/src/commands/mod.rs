@@ -10,6 +10,7 @@ pub mod demo;
 pub mod eval;
 pub mod fit_confidence;
 pub mod flash_image;
+mod input;
 mod method;
 pub mod monitor;
 pub mod plan_rig;

@@ -1,27 +1,18 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
-use super::method::MethodArgs;
-use super::view::ViewArgs;
+use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::{engine_with, machine_for, print};
 use crate::board;
 use crate::draw;
 use crate::engine::{FrameResult, GrayImage};
-use crate::frames::{
-    SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
-};
 use crate::health;
 use crate::listing;
 use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Dims, Eye, Params, Rejection, Rig, RigError};
-use linestereo_wire::{RigImage, RigUpdate};
+use linestereo::{Dims, Eye, Rejection};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-
-/// Disparity range where neither an option nor a scene file gives one.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -70,24 +61,8 @@ pub struct Args {
     left: PathBuf,
     /// Right image of the same size.
     right: PathBuf,
-    /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene file's, else 64].
-    #[arg(long, value_name = "N")]
-    max_disparity: Option<u16>,
-    /// Focal length of the rectified images as given (before --width).
-    #[arg(long, value_name = "PX", requires = "baseline_m")]
-    focal_px: Option<f64>,
-    /// Distance between the cameras.
-    #[arg(long, value_name = "M", requires = "focal_px")]
-    baseline_m: Option<f64>,
-    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs.
-    #[arg(long, value_name = "PX", requires = "focal_px", allow_negative_numbers = true)]
-    disparity_offset_px: Option<f64>,
-    /// Take disparity range and rig from a scene.json; options given here come first.
-    #[arg(long, value_name = "scene.json")]
-    scene: Option<PathBuf>,
-    /// Reduce both images to this width by area averaging; the rig follows.
-    #[arg(long, value_name = "PX")]
-    width: Option<u16>,
+    #[command(flatten)]
+    input: InputArgs,
     /// Write segments, points and counts as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -97,34 +72,19 @@ pub struct Args {
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
-    /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "scene", "width"])]
-    rig: Vec<PathBuf>,
-    #[command(flatten)]
-    view: ViewArgs,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
     #[arg(long, value_name = "BOARD")]
     on: Option<String>,
-    #[command(flatten)]
-    method: MethodArgs,
-}
-
-/// A pair as the core gets it, and what it is matched with.
-struct Input {
-    /// Rectified, or raw if there is a rig.
-    images: [GrayImage; 2],
-    params: Params,
-    rig_numbers: Option<RigUpdate>,
-    rig: Option<RigImage>,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let input = if args.rig.is_empty() { rectified(args)? } else { raw(args)? };
-    let (max_disparity, rig) = (input.params.max_disparity, input.params.rig);
+    let pair = args.input.load(&args.left, &args.right)?;
+    let setup = args.input.setup(&pair)?;
+    let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
     let (left, result, cost) = match &args.on {
-        Some(board) => on_board(&input, board)?,
-        None => here(&input)?,
+        Some(board) => on_board(&setup, &pair, board)?,
+        None => here(&setup, &pair)?,
     };
 
     let mut output = OutputFiles::new();
@@ -149,75 +109,27 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The image, reduced if asked, and its size before that.
-fn load(path: &Path, width: Option<u16>) -> Result<(GrayImage, Dims)> {
-    let image = load_gray(path)?;
-    let full = image.dims;
-    Ok((width.map_or(Ok(image.clone()), |width| area_average(&image, width))?, full))
-}
-
-fn rectified(args: &Args) -> Result<Input> {
-    let (left, full) = load(&args.left, args.width)?;
-    let (right, right_full) = load(&args.right, args.width)?;
-    check_same_size((&args.left, full), (&args.right, right_full))?;
-    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
-        check_size(path, image)?;
-        check_usable(path, image)?;
-    }
-    let scale = f64::from(left.dims.width) / f64::from(full.width);
-    let (max_disparity, rig, rig_numbers) = range_and_rig(args, scale)?;
-    let params = args.method.params(max_disparity, rig)?;
-    Ok(Input { images: [left, right], params, rig_numbers, rig: None })
-}
-
-fn raw(args: &Args) -> Result<Input> {
-    let (left, right) = (load_gray(&args.left)?, load_gray(&args.right)?);
-    check_same_size((&args.left, left.dims), (&args.right, right.dims))?;
-    for (path, image) in [(&args.left, &left), (&args.right, &right)] {
-        check_usable(path, image)?;
-    }
-    let params = args.method.params(args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
-    let image = args.view.image(&args.rig, None, (params.min_disparity, params.max_disparity))?;
-    let params = image.params(params)?;
-    let (left, right) = (args.view.raw(left)?, args.view.raw(right)?);
-    Ok(Input { images: [left, right], params, rig_numbers: None, rig: Some(image) })
-}
-
 /// The left image as it was matched, the result, and the time in words.
-fn here(input: &Input) -> Result<(GrayImage, FrameResult, String)> {
-    let [left, right] = &input.images;
-    let (left, right, usable) = match &input.rig {
-        Some(rig) => {
-            let mut rectifier = PairRectifier::new(rig.rectification())?;
-            let (left, right) = rectifier.pair(left, right)?;
-            (left, right, Eye::BOTH.map(|eye| rectifier.facts(eye).usable))
-        }
-        None => (left.clone(), right.clone(), [Vec::new(), Vec::new()]),
-    };
-    let mut engine = engine_with(&input.params, left.dims)?;
-    let start = Instant::now();
-    let [left_view, right_view] = [(&left, &usable[0]), (&right, &usable[1])].map(|(image, usable)| {
-        let view = image.view()?;
-        if usable.is_empty() { Ok(view) } else { view.with_usable(usable) }
-    });
-    let result = engine.run(left_view?, right_view?)?;
-    Ok((left, result, format!("{:.1} ms", 1e3 * start.elapsed().as_secs_f64())))
+fn here(setup: &Setup<'_>, pair: &Pair) -> Result<(GrayImage, FrameResult, String)> {
+    let matched = Matcher::new(setup)?.run(setup, pair, None)?;
+    let [left, _] = matched.images;
+    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds)))
 }
 
 /// The left image as it was matched, the result of a board, and its instructions in words.
-fn on_board(input: &Input, board: &str) -> Result<(GrayImage, FrameResult, String)> {
-    let [left, right] = &input.images;
-    let update = board::update(&input.params, input.rig_numbers);
-    let dims = input.rig.as_ref().map_or(left.dims, |rig| rig.rectification().dims());
-    engine_with(&input.params, dims)?; // what is wrong with the parameters is said in the PC's words
+fn on_board(setup: &Setup<'_>, pair: &Pair, board: &str) -> Result<(GrayImage, FrameResult, String)> {
+    let [left, right] = &setup.raw(pair)?;
+    let update = board::update(&setup.params, setup.rig_numbers);
+    let dims = setup.dims();
+    engine_with(&setup.params, dims)?; // what is wrong with the parameters is said in the PC's words
     let largest = board::named(board)?.largest;
-    if input.rig.is_some() && !board::named(board)?.fits(dims) {
+    if setup.rig.is_some() && !board::named(board)?.fits(dims) {
         bail!("{board} holds pairs of up to {largest}, these are {dims}; give --size {largest}");
     }
     let machine = machine_for(board, dims)?;
     let name = machine.board().name;
     let pairs = [(left, right)];
-    let (left, replayed) = match &input.rig {
+    let (left, replayed) = match &setup.rig {
         Some(rig) => {
             let rectified = PairRectifier::new(rig.rectification())?.image(Eye::Left, left)?;
             (rectified, machine.run_raw_pairs(rig, &update, &pairs)?)
@@ -233,33 +145,6 @@ fn on_board(input: &Input, board: &str) -> Result<(GrayImage, FrameResult, Strin
         let _ = write!(cost, " after {:.2} million to rectify", millions(found.rectification));
     }
     Ok((left, found.result, cost))
-}
-
-/// Disparity range, rig, and the numbers it is made from.
-fn range_and_rig(args: &Args, scale: f64) -> Result<(u16, Option<Rig>, Option<RigUpdate>)> {
-    let (mut range, mut rig, mut numbers) = (None, None, None);
-    if let Some(path) = &args.scene {
-        let info = SceneInfo::load(path)?;
-        range =
-            info.max_disparity.map(|range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 });
-        rig = info.rig(path, scale)?;
-        numbers = info.rig_numbers(scale);
-    }
-    if let (Some(focal), Some(baseline)) = (args.focal_px, args.baseline_m) {
-        let offset = args.disparity_offset_px.unwrap_or(0.0);
-        let given = Rig::new(focal * scale, baseline, offset * scale);
-        rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", option_behind(&error)))?);
-        numbers = Some(RigUpdate { focal_px: focal * scale, baseline_m: baseline, offset_px: offset * scale });
-    }
-    Ok((args.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY), rig, numbers))
-}
-
-fn option_behind(error: &RigError) -> &'static str {
-    match error {
-        RigError::Focal(_) => "--focal-px",
-        RigError::Baseline(_) => "--baseline-m",
-        RigError::Offset(_) => "--disparity-offset-px",
-    }
 }
 
 /// What was found, in a few lines.

@@ -1,7 +1,7 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
 //! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `ground_truth` (`file`, `disparity_scale`: disparity in
-//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`). What is visible in
+//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`). What is visible in
 //! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
 
 use super::decode::{check_size, load_values};
@@ -42,6 +42,7 @@ struct RectifiedInfo {
     baseline_m: f64,
     #[serde(default)]
     disparity_offset_px: f64,
+    principal_point_px: Option<[f64; 2]>,
 }
 
 impl SceneInfo {
@@ -57,6 +58,12 @@ impl SceneInfo {
         Rig::new(numbers.focal_px, numbers.baseline_m, numbers.offset_px)
             .map(Some)
             .map_err(|error| FrameError::Rig(path.to_path_buf(), error))
+    }
+
+    /// Principal point of the left image as stored, px.
+    #[must_use]
+    pub fn principal_point(&self) -> Option<[f64; 2]> {
+        self.rectified.as_ref().and_then(|rectified| rectified.principal_point_px)
     }
 
     /// The numbers behind [`SceneInfo::rig`], for a board.

@@ -1,0 +1,262 @@
+//! From the options of a pair to its result: the same for every command that matches pairs.
+//!
+//! ```text
+//! load     two image files, checked, reduced by --width
+//! setup    disparity range, rig, parameters: once for all pairs of one size
+//! Matcher  the core and, for raw pairs, the rectifier, with their memory: once; then pair by pair
+//! ```
+
+use super::engine_with;
+use super::method::MethodArgs;
+use super::view::ViewArgs;
+use crate::engine::{Engine, FrameResult, GrayImage};
+use crate::frames::{
+    SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
+};
+use crate::pinhole::Pinhole;
+use crate::rectify::PairRectifier;
+use anyhow::{Result, anyhow, bail};
+use linestereo::{Dims, Eye, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span};
+use linestereo_wire::{RigImage, RigUpdate};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Disparity range where neither an option nor a scene file gives one.
+const DEFAULT_MAX_DISPARITY: u16 = 64;
+
+/// Disparity range, rig, size and method.
+#[derive(Debug, Default, clap::Args)]
+pub(super) struct InputArgs {
+    /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene file's, else 64].
+    #[arg(long, value_name = "N")]
+    max_disparity: Option<u16>,
+    /// Focal length of the rectified images as given (before --width).
+    #[arg(long, value_name = "PX", requires = "baseline_m")]
+    focal_px: Option<f64>,
+    /// Distance between the cameras.
+    #[arg(long, value_name = "M", requires = "focal_px")]
+    baseline_m: Option<f64>,
+    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs.
+    #[arg(long, value_name = "PX", requires = "focal_px", allow_negative_numbers = true)]
+    disparity_offset_px: Option<f64>,
+    /// Take disparity range and rig from a scene.json; options given here come first.
+    #[arg(long, value_name = "scene.json")]
+    scene: Option<PathBuf>,
+    /// Reduce both images to this width by area averaging; the rig follows.
+    #[arg(long, value_name = "PX")]
+    width: Option<u16>,
+    /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "scene", "width"])]
+    rig: Vec<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    method: MethodArgs,
+}
+
+/// Two images of one size: rectified and reduced, or raw.
+pub(super) struct Pair {
+    images: [GrayImage; 2],
+    /// Before --width.
+    given: Dims,
+}
+
+/// What pairs of one size are matched with.
+pub(super) struct Setup<'a> {
+    args: &'a InputArgs,
+    /// Of the loaded images.
+    loaded: Dims,
+    /// Of the images as given.
+    given: Dims,
+    pub(super) params: Params,
+    pub(super) rig_numbers: Option<RigUpdate>,
+    /// Pairs are raw and of this rig.
+    pub(super) rig: Option<RigImage>,
+    /// Of the rectified left image as matched, where a focal length is known.
+    pub(super) pinhole: Option<Pinhole>,
+}
+
+/// A pair as it was matched.
+pub(super) struct Matched {
+    /// Rectified.
+    pub(super) images: [GrayImage; 2],
+    pub(super) result: FrameResult,
+    /// For the core and its health monitor.
+    pub(super) seconds: f64,
+}
+
+impl InputArgs {
+    /// Reads and checks both images.
+    pub(super) fn load(&self, left_path: &Path, right_path: &Path) -> Result<Pair> {
+        let (left, right) = (load_gray(left_path)?, load_gray(right_path)?);
+        self.checked((left_path, left), (right_path, right))
+    }
+
+    /// Checks both images; with --width they are reduced.
+    pub(super) fn checked(
+        &self,
+        (left_path, left): (&Path, GrayImage),
+        (right_path, right): (&Path, GrayImage),
+    ) -> Result<Pair> {
+        let given = left.dims;
+        check_same_size((left_path, given), (right_path, right.dims))?;
+        let reduced = |image: GrayImage| match self.width {
+            Some(width) => area_average(&image, width),
+            None => Ok(image),
+        };
+        let (left, right) = (reduced(left)?, reduced(right)?);
+        for (path, image) in [(left_path, &left), (right_path, &right)] {
+            if self.rig.is_empty() {
+                check_size(path, image)?;
+            }
+            check_usable(path, image)?;
+        }
+        Ok(Pair { images: [left, right], given })
+    }
+
+    /// The scene file that is given.
+    pub(super) fn has_scene(&self) -> bool {
+        self.scene.is_some()
+    }
+
+    /// Pairs are rectified first.
+    pub(super) fn is_raw(&self) -> bool {
+        !self.rig.is_empty()
+    }
+
+    /// What pairs like this one are matched with.
+    pub(super) fn setup(&self, pair: &Pair) -> Result<Setup<'_>> {
+        self.setup_with(pair, self.scene.as_deref())
+    }
+
+    /// The same with another scene file.
+    pub(super) fn setup_with(&self, pair: &Pair, scene: Option<&Path>) -> Result<Setup<'_>> {
+        let (loaded, given) = (pair.images[0].dims, pair.given);
+        if self.rig.is_empty() { self.rectified(loaded, given, scene) } else { self.raw(loaded) }
+    }
+
+    fn rectified(&self, loaded: Dims, given: Dims, scene: Option<&Path>) -> Result<Setup<'_>> {
+        let scale = f64::from(loaded.width) / f64::from(given.width);
+        let scene = scene.map(|path| Ok::<_, anyhow::Error>((path, SceneInfo::load(path)?))).transpose()?;
+        let (mut range, mut rig, mut rig_numbers) = (None, None, None);
+        if let Some((path, info)) = &scene {
+            let scaled = |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
+            range = info.max_disparity.map(scaled);
+            rig = info.rig(path, scale)?;
+            rig_numbers = info.rig_numbers(scale);
+        }
+        if let (Some(focal), Some(baseline)) = (self.focal_px, self.baseline_m) {
+            let offset = self.disparity_offset_px.unwrap_or(0.0);
+            let given = Rig::new(focal * scale, baseline, offset * scale);
+            rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", option_behind(&error)))?);
+            rig_numbers = Some(RigUpdate { focal_px: focal * scale, baseline_m: baseline, offset_px: offset * scale });
+        }
+        let max_disparity = self.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
+        let centre = scene.as_ref().and_then(|(_, info)| info.principal_point());
+        let centre = centre.map_or_else(|| Pinhole::middle(loaded), |centre| Pinhole::scaled(centre, scale));
+        Ok(Setup {
+            args: self,
+            loaded,
+            given,
+            params: self.method.params(max_disparity, rig)?,
+            rig_numbers,
+            rig: None,
+            pinhole: rig_numbers.map(|numbers| Pinhole { focal: numbers.focal_px, centre }),
+        })
+    }
+
+    fn raw(&self, loaded: Dims) -> Result<Setup<'_>> {
+        let params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
+        let image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
+        let rectification = image.rectification();
+        Ok(Setup {
+            args: self,
+            loaded,
+            given: rectification.dims(),
+            params: image.params(params)?,
+            rig_numbers: None,
+            rig: Some(image),
+            pinhole: Some(Pinhole { focal: rectification.focal(), centre: rectification.centre() }),
+        })
+    }
+}
+
+fn option_behind(error: &RigError) -> &'static str {
+    match error {
+        RigError::Focal(_) => "--focal-px",
+        RigError::Baseline(_) => "--baseline-m",
+        RigError::Offset(_) => "--disparity-offset-px",
+    }
+}
+
+impl Setup<'_> {
+    /// Size of the images as matched.
+    pub(super) fn dims(&self) -> Dims {
+        self.rig.as_ref().map_or(self.loaded, |rig| rig.rectification().dims())
+    }
+
+    /// Size of the rectified images before --width: that of a detector's boxes and masks.
+    pub(super) fn given(&self) -> Dims {
+        self.given
+    }
+
+    /// The images for a board, or for the rectifier: raw ones as the rig sees them.
+    pub(super) fn raw(&self, pair: &Pair) -> Result<[GrayImage; 2]> {
+        let [left, right] = pair.images.clone();
+        match self.rig {
+            Some(_) => Ok([self.args.view.raw(left)?, self.args.view.raw(right)?]),
+            None => Ok([left, right]),
+        }
+    }
+}
+
+/// The core and what goes before it, for pairs of one size in the order in which they were captured.
+pub(super) struct Matcher {
+    rectifier: Option<PairRectifier>,
+    usable: [Vec<Span>; 2],
+    pub(super) engine: Engine,
+    monitor: HealthMonitor,
+}
+
+impl Matcher {
+    /// Checks the parameters and allocates the memory.
+    pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
+        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.rectification())).transpose()?;
+        let usable = Eye::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
+        let engine = engine_with(&setup.params, setup.dims())?;
+        Ok(Self { rectifier, usable, engine, monitor: HealthMonitor::new() })
+    }
+
+    /// Matches the next pair.
+    pub(super) fn run(&mut self, setup: &Setup<'_>, pair: &Pair, times_us: Option<[u64; 2]>) -> Result<Matched> {
+        self.run_observed(setup, pair, times_us, &mut ())
+    }
+
+    /// The same, watched.
+    pub(super) fn run_observed(
+        &mut self,
+        setup: &Setup<'_>,
+        pair: &Pair,
+        times_us: Option<[u64; 2]>,
+        observer: &mut impl Observer,
+    ) -> Result<Matched> {
+        if pair.images[0].dims != setup.loaded {
+            let [first, this] = [setup.loaded, pair.images[0].dims];
+            bail!("the pair is {this}, those before it {first}; give pairs of one size");
+        }
+        let images = setup.raw(pair)?;
+        let images = match &mut self.rectifier {
+            Some(rectifier) => rectifier.pair(&images[0], &images[1])?.into(),
+            None => images,
+        };
+        let start = Instant::now();
+        let view = |eye: usize| {
+            let view = images[eye].view()?;
+            if self.usable[eye].is_empty() { Ok(view) } else { view.with_usable(&self.usable[eye]) }
+        };
+        let limits = &HealthLimits::DEFAULT;
+        let result =
+            self.engine.run_watched_observed((view(0)?, view(1)?), &mut self.monitor, limits, times_us, observer)?;
+        Ok(Matched { images, result, seconds: start.elapsed().as_secs_f64() })
+    }
+}
