@@ -6,7 +6,7 @@
 use crate::engine::FrameResult;
 use crate::health;
 use core::fmt::Write;
-use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Point, Rejection};
+use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, Match, NoDepth, ObjectDepth, Owner, Point, Rejection};
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
 
@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 const CSV_HEAD: &str = "id,x0,y0,x1,y1,disparity0_px,disparity1_px,sigma_px,confidence,owner,depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
 
 #[derive(Serialize)]
-struct Listing {
+struct Listing<'a> {
     size: [u16; 2],
     segments: Vec<Segment>,
     /// x, y, disparity in px, confidence.
@@ -22,6 +22,69 @@ struct Listing {
     #[serde(serialize_with = "as_map")]
     counts: Vec<(&'static str, u32)>,
     health: health::Listing,
+    #[serde(flatten)]
+    answers: &'a Answers,
+}
+
+/// What was asked of a pair besides its segments and points; what nobody asked for is not listed.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Answers {
+    /// Depth of each region.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<Object>>,
+}
+
+/// The depth of a region, or why it has none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Object {
+    /// Value in the mask, or position in the file.
+    pub label: u16,
+    /// What the detector calls it.
+    pub name: Option<String>,
+    /// At the region's centre.
+    pub disparity_px: Option<f64>,
+    /// 0 without a disparity.
+    pub sigma_px: f64,
+    /// `None` without a rig or a disparity, and for an infinite depth.
+    pub depth_m: Option<f64>,
+    /// 0 without a depth.
+    pub sigma_m: f64,
+    /// Nearest credible depth.
+    pub nearest_m: Option<f64>,
+    /// Segments that speak for it.
+    pub support: u16,
+    /// Probability that the disparity is within 1 px of the object's own range.
+    pub confidence: f64,
+    /// Why there is no disparity.
+    pub reason: Option<&'static str>,
+}
+
+impl Object {
+    /// With the name that the detector gave it.
+    #[must_use]
+    pub fn new(found: &ObjectDepth, name: Option<&str>) -> Self {
+        Self {
+            label: found.label,
+            name: name.map(str::to_owned),
+            disparity_px: found.disparity.ok().map(Disparity::to_num),
+            sigma_px: found.sigma.to_num(),
+            depth_m: found.depth.and_then(finite_metres),
+            sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
+            nearest_m: found.nearest.and_then(finite_metres),
+            support: found.support,
+            confidence: five_decimals(found.confidence.to_num()),
+            reason: found.disparity.err().map(reason_name),
+        }
+    }
+}
+
+fn reason_name(reason: NoDepth) -> &'static str {
+    match reason {
+        NoDepth::LittleSupport => "little_support",
+        NoDepth::TwoSurfaces => "two_surfaces",
+        NoDepth::OnlyOutline => "only_outline",
+        NoDepth::UnhealthyPair => "unhealthy_pair",
+    }
 }
 
 #[derive(Serialize)]
@@ -43,8 +106,8 @@ struct TechniqueDisparities {
     census: f64,
 }
 
-/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`.
-pub fn json(dims: Dims, result: &FrameResult) -> serde_json::Result<String> {
+/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`, and the answers to what was asked.
+pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::Result<String> {
     let points = result.points.iter();
     let listing = Listing {
         size: [dims.width, dims.height],
@@ -52,6 +115,7 @@ pub fn json(dims: Dims, result: &FrameResult) -> serde_json::Result<String> {
         points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
         counts: counts(&result.counts),
         health: health::Listing::new(result.health, result.pair.as_ref()),
+        answers,
     };
     let mut text = serde_json::to_string(&listing)?;
     text.push('\n');
@@ -135,7 +199,9 @@ fn position(point: Point) -> [f64; 2] {
     [point.x.to_num(), point.y.to_num()]
 }
 
-fn owner_name(owner: Owner) -> &'static str {
+/// The side or sides in JSON and CSV.
+#[must_use]
+pub fn owner_name(owner: Owner) -> &'static str {
     match owner {
         Owner::Left => "left",
         Owner::Right => "right",
@@ -187,7 +253,7 @@ mod tests {
 
     #[test]
     fn json_is_exactly_this() {
-        let text = json(Dims { width: 64, height: 48 }, &example()).unwrap();
+        let text = json(Dims { width: 64, height: 48 }, &example(), &Answers::default()).unwrap();
         let (head, counts) = text.split_once("\"counts\":").unwrap();
         let expected =
             r#"{"size":[64,48],"segments":[{"id":0,"left":[[1.5,2.0],[3.03125,40.0]],"disparity_px":[10.25,0.0],"#
@@ -201,6 +267,41 @@ mod tests {
         let head = format!(r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#, Rejection::ALL[0].name());
         assert!(counts.starts_with(&head), "{counts}");
         assert!(counts.ends_with(r#""points":0,"points_dropped":0"#), "{counts}");
+    }
+
+    #[test]
+    fn objects_are_exactly_this() {
+        let found = ObjectDepth {
+            label: 3,
+            disparity: Ok(Disparity::from_num(8)),
+            sigma: Disparity::from_num(0.25),
+            slope_q10: [0; 2],
+            spread: Disparity::from_num(1),
+            depth: Some(Depth::from_num(2.5)),
+            depth_sigma: Some(Depth::from_num(0.125)),
+            nearest: Some(Depth::from_num(2.25)),
+            support: 7,
+            confidence: Confidence::from_num(0.875),
+        };
+        let refused = ObjectDepth {
+            disparity: Err(NoDepth::TwoSurfaces),
+            sigma: Disparity::ZERO,
+            depth: None,
+            depth_sigma: None,
+            nearest: None,
+            ..found
+        };
+        let objects = vec![Object::new(&found, Some("cup")), Object::new(&refused, None)];
+        let answers = Answers { objects: Some(objects) };
+        let text = json(Dims { width: 64, height: 48 }, &example(), &answers).unwrap();
+        let (_, objects) = text.split_once(r#""health":{"flags":[]},"#).unwrap();
+        let expected = r#""objects":[{"label":3,"name":"cup","disparity_px":8.0,"sigma_px":0.25,"depth_m":2.5,"#
+            .to_owned()
+            + r#""sigma_m":0.125,"nearest_m":2.25,"support":7,"confidence":0.875,"reason":null},"#
+            + r#"{"label":3,"name":null,"disparity_px":null,"sigma_px":0.0,"depth_m":null,"#
+            + r#""sigma_m":0.0,"nearest_m":null,"support":7,"confidence":0.875,"reason":"two_surfaces"}]}"#
+            + "\n";
+        assert_eq!(objects, expected);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::{TARGET, Toolchain};
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
-use linestereo_sim::listing;
+use linestereo_sim::listing::{self, Answers};
 use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::board::{Twin, machine, or_skip};
@@ -31,7 +31,7 @@ fn rendered(width: u16, height: u16) -> (GrayImage, GrayImage) {
 }
 
 fn json(dims: Dims, result: &FrameResult) -> String {
-    listing::json(dims, result).unwrap()
+    listing::json(dims, result, &Answers::default()).unwrap()
 }
 
 /// The only pair's result.

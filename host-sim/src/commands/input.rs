@@ -66,8 +66,6 @@ pub(super) struct Setup<'a> {
     args: &'a InputArgs,
     /// Of the loaded images.
     loaded: Dims,
-    /// Of the images as given.
-    given: Dims,
     pub(super) params: Params,
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Pairs are raw and of this rig.
@@ -114,16 +112,6 @@ impl InputArgs {
         Ok(Pair { images: [left, right], given })
     }
 
-    /// The scene file that is given.
-    pub(super) fn has_scene(&self) -> bool {
-        self.scene.is_some()
-    }
-
-    /// Pairs are rectified first.
-    pub(super) fn is_raw(&self) -> bool {
-        !self.rig.is_empty()
-    }
-
     /// What pairs like this one are matched with.
     pub(super) fn setup(&self, pair: &Pair) -> Result<Setup<'_>> {
         self.setup_with(pair, self.scene.as_deref())
@@ -157,7 +145,6 @@ impl InputArgs {
         Ok(Setup {
             args: self,
             loaded,
-            given,
             params: self.method.params(max_disparity, rig)?,
             rig_numbers,
             rig: None,
@@ -172,7 +159,6 @@ impl InputArgs {
         Ok(Setup {
             args: self,
             loaded,
-            given: rectification.dims(),
             params: image.params(params)?,
             rig_numbers: None,
             rig: Some(image),
@@ -193,11 +179,6 @@ impl Setup<'_> {
     /// Size of the images as matched.
     pub(super) fn dims(&self) -> Dims {
         self.rig.as_ref().map_or(self.loaded, |rig| rig.rectification().dims())
-    }
-
-    /// Size of the rectified images before --width: that of a detector's boxes and masks.
-    pub(super) fn given(&self) -> Dims {
-        self.given
     }
 
     /// The images for a board, or for the rectifier: raw ones as the rig sees them.

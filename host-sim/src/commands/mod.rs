@@ -42,7 +42,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Args),
-    Run(run::Args),
+    Run(Box<run::Args>),
     Eval(eval::Args),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),

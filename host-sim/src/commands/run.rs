@@ -3,10 +3,11 @@
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::{engine_with, machine_for, print};
 use crate::board;
-use crate::draw;
+use crate::draw::{self, ColourRange};
 use crate::engine::{FrameResult, GrayImage};
+use crate::export;
 use crate::health;
-use crate::listing;
+use crate::listing::{self, Answers};
 use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
@@ -22,6 +23,8 @@ Examples:
       with depth in metres, everything as JSON on stdout
   linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
       range and rig from a scene file, images reduced to 320 px
+  linestereo run left.png right.png --scene scene.json --ply points.ply --disparity-png d.png --pfm d.pfm
+      for other programs: geometry, disparity maps of the images as matched
   linestereo run left.png right.png --width 320 --on mps2-an500
       the same on an emulated Cortex-M7, with its instructions counted
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
@@ -69,6 +72,15 @@ pub struct Args {
     /// Write the segments as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write points and segments in metres as PLY, coloured by disparity (MeshLab, CloudCompare); needs a rig.
+    #[arg(long, value_name = "FILE.ply")]
+    ply: Option<PathBuf>,
+    /// Write the points as a disparity map of KITTI: 16-bit PNG, px * 256, 0 = none.
+    #[arg(long, value_name = "FILE.png")]
+    disparity_png: Option<PathBuf>,
+    /// Write the points as a disparity map of Middlebury: PFM, px, infinity = none.
+    #[arg(long, value_name = "FILE.pfm")]
+    pfm: Option<PathBuf>,
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
@@ -87,10 +99,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => here(&setup, &pair)?,
     };
 
+    let answers = Answers::default();
     let mut output = OutputFiles::new();
     let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
-        output.add(path, listing::json(left.dims, &result)?.as_bytes())?;
+        output.add(path, listing::json(left.dims, &result, &answers)?.as_bytes())?;
     }
     if let Some(path) = &args.csv {
         output.add(path, listing::csv(&result).as_bytes())?;
@@ -98,15 +111,40 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.overlay {
         output.add(path, &draw::png(&draw::overlay(&left, &result, rig.as_ref(), max_disparity))?)?;
     }
+    let notes = export_files(args, &setup, &result, &mut output)?;
     output.commit()?;
     if json_to_stdout {
-        return print(&listing::json(left.dims, &result)?);
+        return print(&listing::json(left.dims, &result, &answers)?);
     }
     print(&summary(left.dims, max_disparity, &result, &cost))?;
-    for path in [&args.json, &args.csv, &args.overlay].into_iter().flatten() {
-        print(&format!("wrote {}\n", path.display()))?;
+    print(&notes)?;
+    let written = [&args.json, &args.csv, &args.ply, &args.disparity_png, &args.pfm, &args.overlay];
+    written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))
+}
+
+/// Files of other programs; what they could not hold, in words.
+fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &mut OutputFiles) -> Result<String> {
+    let dims = setup.dims();
+    let mut notes = String::new();
+    if let Some(path) = &args.ply {
+        let (Some(rig), Some(pinhole)) = (&setup.params.rig, &setup.pinhole) else {
+            bail!("--ply needs depths; give --focal-px and --baseline-m, --scene, or --rig");
+        };
+        let colours = ColourRange::of(result, setup.params.max_disparity);
+        output.add(path, export::ply(result, rig, pinhole, &colours).as_bytes())?;
     }
-    Ok(())
+    if let Some(path) = &args.disparity_png {
+        let map = export::kitti_png(dims, result)?;
+        output.add(path, &map.png)?;
+        if map.left_out > 0 {
+            let _ =
+                writeln!(notes, "{} points are not in the disparity PNG: below 0, or 256 px and more", map.left_out);
+        }
+    }
+    if let Some(path) = &args.pfm {
+        output.add(path, &export::pfm(dims, result))?;
+    }
+    Ok(notes)
 }
 
 /// The left image as it was matched, the result, and the time in words.

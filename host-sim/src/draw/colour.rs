@@ -18,14 +18,17 @@ const OUTSIDE: f32 = 0.02;
 
 /// Disparities, in px, that the colours span.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Range {
-    pub(super) far: f32,
-    pub(super) near: f32,
+pub struct Range {
+    /// Blue.
+    pub far: f32,
+    /// Red.
+    pub near: f32,
 }
 
 impl Range {
     /// What the segments of a result span, within 0 .. `max_disparity`.
-    pub(super) fn of(result: &FrameResult, max_disparity: u16) -> Self {
+    #[must_use]
+    pub fn of(result: &FrameResult, max_disparity: u16) -> Self {
         let limit = f32::from(max_disparity);
         let mut found: Vec<f32> =
             result.matches.iter().flat_map(|found| found.disparity.map(|d| d.to_num::<f32>())).collect();
@@ -42,7 +45,8 @@ impl Range {
 }
 
 /// Colour of a disparity in px; outside the range that of its end.
-pub(super) fn colour(range: &Range, disparity: f32) -> [u8; 3] {
+#[must_use]
+pub fn colour(range: &Range, disparity: f32) -> [u8; 3] {
     let last = STOPS.len() - 1;
     let position = ((disparity - range.far) / (range.near - range.far)).clamp(0.0, 1.0) * last as f32;
     let index = (position as usize).min(last - 1);

@@ -12,10 +12,11 @@ mod rows;
 mod text;
 
 pub use calibration::calibration;
+pub use colour::{Range as ColourRange, colour};
 pub use plan::plan;
 
 use crate::engine::{FrameResult, GrayImage};
-use colour::{Range, colour};
+use colour::Range;
 use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use linestereo::{Match, Owner, Rig};
 pub use rows::rows;

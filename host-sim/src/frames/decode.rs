@@ -31,7 +31,7 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
 }
 
 /// Reads a file of plain numbers (disparities, masks): grey values as stored, 8 or 16 bit.
-pub(super) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
+pub(crate) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
     let image = decode(path)?;
     let dims = dims_of(path, &image)?;
     let values = match image.color() {

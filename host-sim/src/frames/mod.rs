@@ -6,6 +6,7 @@ mod resample;
 mod scene;
 mod truth;
 
+pub(crate) use decode::load_values;
 pub use decode::{check_size, check_usable, load_gray};
 pub use perturb::Perturbation;
 pub use resample::{area_average, resampled_height};

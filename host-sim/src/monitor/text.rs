@@ -3,7 +3,7 @@
 use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
 use crate::health;
-use crate::listing;
+use crate::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::Dims;
 use linestereo_wire::{Counters, Counts, FrameHead, VERSION};
@@ -55,8 +55,8 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let head = &frame.head;
     let dims = Dims { width: head.width, height: head.height };
     let FrameHead { counts, health, pair, .. } = *head;
-    let text =
-        listing::json(dims, &FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair })?;
+    let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair };
+    let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {
         sequence: head.sequence,
