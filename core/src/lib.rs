@@ -71,7 +71,7 @@ pub use lines::Segment;
 pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
-pub use objects::{Area, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
+pub use objects::{Area, LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};

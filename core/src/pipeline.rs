@@ -7,6 +7,7 @@ use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, PLANES, row_bytes};
 use crate::matching::consistency::{self, Place};
 use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset};
+use crate::objects::{NoDepth, ObjectDepth, Region, Witnessed};
 use crate::observe::{Observer, Step};
 use crate::params::{ParamError, Params};
 use crate::report::{Ranked, Report};
@@ -241,6 +242,36 @@ impl Plan {
             claim(point);
             true
         });
+    }
+
+    /// Hands the depth of every region to `each`, by the last run with this plan and memory, in the order given. `fit` says whether the pair
+    /// is healthy enough to be believed; the answers of one that is not are refusals.
+    ///
+    /// # Cost
+    /// Some 25 000 instructions for a region that holds 30 segments.
+    pub fn for_each_object<const R: usize, const M: usize, const S: usize, const C: usize>(
+        &self,
+        scratch: &mut Scratch<R, M, S, C>,
+        regions: &[Region<'_>],
+        fit: bool,
+        mut each: impl FnMut(ObjectDepth),
+    ) {
+        let mut witnessed = Witnessed {
+            candidates: &scratch.candidates,
+            models: self.models,
+            dims: self.dims,
+            rig: self.params.rig,
+            places: &mut scratch.places,
+            order: &mut scratch.order,
+            marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
+        };
+        for region in regions {
+            each(if fit {
+                witnessed.depth_of(region)
+            } else {
+                ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0)
+            });
+        }
     }
 
     /// Says whether this scratch memory is large enough for the planned size.

@@ -7,7 +7,7 @@
 //! ```
 
 use crate::claims::Views;
-use crate::confidence::Models;
+use crate::confidence::{Model, Models};
 use crate::image::Dims;
 use crate::matching::consistency::{Place, for_each_contradiction};
 use crate::matching::evidence::Kind;
@@ -24,8 +24,8 @@ const TWO_SURFACES_Q6: i32 = 2 * 64;
 /// A candidate's place in the order of the lists.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ranked {
-    probability_q16: u16,
-    candidate: u16,
+    pub(crate) probability_q16: u16,
+    pub(crate) candidate: u16,
 }
 
 /// Rejects, then fills both lists. `order` has an entry per candidate, `marks` a bit per pixel.
@@ -136,7 +136,7 @@ impl Report<'_> {
                 let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
                 for distance in 1..=self.params.reach {
                     let further = i32::from(distance) - 1;
-                    let score = i32::from(side.score_q8) + model.coefficient_q8(Kind::Distance) * further;
+                    let score = side.rated_q8(model) + model.coefficient_q8(Kind::Distance) * further;
                     let probability = model.probability_q16(score);
                     if probability < least {
                         break;
@@ -179,12 +179,21 @@ fn take(marks: &mut [u32], dims: Dims, x: u16, y: u16) -> bool {
 fn rate(candidate: &mut Candidate, models: &Models) {
     let (model, edge_model) = models.of(candidate.segment.near_horizontal);
     for side in candidate.sides.iter_mut().flatten() {
-        let score = model.with_neighbours_q8(side.score_q8, side.support_q8, side.conflict_q8);
-        side.score_q8 = narrow(score + model.coefficient_q8(Kind::Distance));
-        side.probability_q16 = model.probability_q16(side.score_q8.into());
-        let edge_score = edge_model.with_neighbours_q8(side.edge_score_q8, side.support_q8, side.conflict_q8);
-        side.edge_probability_q16 = edge_model.probability_q16(edge_score);
-        side.edge_score_q8 = narrow(edge_score);
+        side.probability_q16 = model.probability_q16(side.rated_q8(model));
+        side.edge_probability_q16 = edge_model.probability_q16(side.edge_rated_q8(edge_model));
+    }
+}
+
+impl Side {
+    /// Log-odds of its first pixel, neighbours included.
+    fn rated_q8(&self, model: &Model) -> i32 {
+        let score = model.with_neighbours_q8(self.score_q8, self.support_q8, self.conflict_q8);
+        narrow(score + model.coefficient_q8(Kind::Distance)).into()
+    }
+
+    /// Log-odds of the edge itself, neighbours included.
+    fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
+        narrow(edge_model.with_neighbours_q8(self.edge_score_q8, self.support_q8, self.conflict_q8)).into()
     }
 }
 
@@ -192,7 +201,7 @@ fn to_match(candidate: &Candidate, params: &Params, models: &Models) -> Option<M
     let side = candidate.edge_side()?;
     let disparity_q6 = side.disparity_q6;
     let (_, edge_model) = models.of(candidate.segment.near_horizontal);
-    let sigma = disparity_from_q6(edge_model.sigma_q6(side.edge_score_q8.into()).into());
+    let sigma = disparity_from_q6(edge_model.sigma_q6(side.edge_rated_q8(edge_model)).into());
     let mut found = Match {
         ends: candidate.segment.ends,
         disparity: disparity_q6.map(Disparity::from_bits),

@@ -32,29 +32,29 @@ const OTHER_SURFACE_Q6: i32 = 2 << 6;
 /// A candidate reduced to what its neighbours need to know: its middle, and what each side says.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    x: i16,
-    y: i16,
+    pub(crate) x: i16,
+    pub(crate) y: i16,
     /// First row of the segment.
     top: i16,
     near_horizontal: bool,
-    claims: [Claim; 2],
+    pub(crate) claims: [Claim; 2],
 }
 
 /// What a side says, and what is said of it.
 #[derive(Clone, Copy, Debug)]
-struct Claim {
-    d_q6: i16,
+pub(crate) struct Claim {
+    pub(crate) d_q6: i16,
     /// 0 = no claim.
-    weight_q8: u16,
+    pub(crate) weight_q8: u16,
     /// Sums of weight times nearness, in 1/320 of a neighbour at hand with full weight; 200 of those fit.
-    agreeing: u16,
+    pub(crate) agreeing: u16,
     conflicting: u16,
 }
 
 impl Place {
     pub(crate) const EMPTY: Self = Self { x: 0, y: 0, top: 0, near_horizontal: false, claims: [Claim::EMPTY; 2] };
 
-    fn new(candidate: &Candidate) -> Self {
+    pub(crate) fn new(candidate: &Candidate) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let claim = |side: &Option<Side>| side.as_ref().map_or(Claim::EMPTY, Claim::new);
         Self {
