@@ -1,8 +1,8 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, Observer, Output, ParamError, Params, Plan,
-    PointClaim, Scratch, SizeMismatch, mark_words, row_bytes,
+    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, ObjectDepth, Observer, Output, ParamError,
+    Params, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words, row_bytes,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -70,6 +70,14 @@ impl Engine {
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
         self.scratch.candidates()
+    }
+
+    /// The depth of each region, by the last run; `fit` says whether its pair is healthy enough to be believed.
+    #[must_use]
+    pub fn objects(&mut self, regions: &[Region<'_>], fit: bool) -> Vec<ObjectDepth> {
+        let mut found = Vec::with_capacity(regions.len());
+        self.plan.for_each_object(&mut self.scratch, regions, fit, |object| found.push(object));
+        found
     }
 
     /// Runs the core without copying the result out: for benchmarks and for loops that read it in place.

@@ -8,12 +8,16 @@
 //! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds a claim.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
 //!
+//! - Objects: `objects` says what is wrong and covered there.
+//!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
 
 mod frame;
+mod objects;
 mod summary;
 mod table;
 
 pub use frame::{FrameScore, PointScore, SegmentScore};
+pub use objects::{Mask, ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{report, scene_table};

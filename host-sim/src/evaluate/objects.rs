@@ -1,0 +1,451 @@
+//! Depth per object against ground truth: which answers are wrong, which objects have one, and whether what is said of them is true.
+//!
+//! In: scenes with `objects.png` (a label per surface) or `objects.json` (boxes drawn by hand, with `mask_objects.png` as their truth). Out: a
+//! table. A wrong answer is more than 1 px outside of the object's own 5-95 % range of true disparities; a covered object has an answer.
+//! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
+
+use super::frame::median;
+use crate::engine::Engine;
+use crate::frames::{FrameError, Scene, load_values};
+use core::fmt::Write;
+use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region, Run, Span};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Pixels by which masks are made too large or too small.
+const SLOPPY_PX: usize = 2;
+/// An answer further than this from the object's own range is wrong.
+const WRONG_PX: f32 = 1.0;
+
+/// What the core is told of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outline {
+    /// Its mask.
+    Given,
+    /// Its mask, 2 px too large.
+    TooLarge,
+    /// Its mask, eroded by 2 px.
+    Eroded,
+    /// A box drawn by hand.
+    Box,
+}
+
+impl Outline {
+    /// Every kind, in the order of the table.
+    pub const ALL: [Self; 4] = [Self::Given, Self::TooLarge, Self::Eroded, Self::Box];
+
+    /// In words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Given => "as given",
+            Self::TooLarge => "2 px too large",
+            Self::Eroded => "eroded 2 px",
+            Self::Box => "drawn boxes",
+        }
+    }
+}
+
+/// What belongs to an object, row-major.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mask {
+    dims: Dims,
+    pixels: Vec<bool>,
+}
+
+impl Mask {
+    /// From a flag per pixel.
+    ///
+    /// # Panics
+    /// When there are not `width * height` of them.
+    #[must_use]
+    pub fn new(dims: Dims, pixels: Vec<bool>) -> Self {
+        assert_eq!(pixels.len(), usize::from(dims.width) * usize::from(dims.height));
+        Self { dims, pixels }
+    }
+
+    fn at(&self, x: usize, y: usize) -> bool {
+        self.pixels[y * usize::from(self.dims.width) + x]
+    }
+
+    /// Every pixel that `keep` makes of its own and its four neighbours' flags; there are none beyond the border.
+    fn step(&self, keep: impl Fn(bool, [bool; 4]) -> bool) -> Self {
+        let (width, height) = (usize::from(self.dims.width), usize::from(self.dims.height));
+        let pixels = (0..width * height).map(|i| {
+            let (x, y) = (i % width, i / width);
+            let near = [
+                x > 0 && self.at(x - 1, y),
+                x + 1 < width && self.at(x + 1, y),
+                y > 0 && self.at(x, y - 1),
+                y + 1 < height && self.at(x, y + 1),
+            ];
+            keep(self.at(x, y), near)
+        });
+        Self { dims: self.dims, pixels: pixels.collect() }
+    }
+
+    /// Larger by so many steps to the four neighbours.
+    #[must_use]
+    pub fn grown(&self, steps: usize) -> Self {
+        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own || near.contains(&true)))
+    }
+
+    /// Smaller by so many steps; the image's border erodes too.
+    #[must_use]
+    pub fn eroded(&self, steps: usize) -> Self {
+        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
+    }
+
+    /// Its runs, all with this label.
+    #[must_use]
+    pub fn runs(&self, label: u16) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
+        for (row, y) in self.pixels.chunks(self.dims.width.into()).zip(0..) {
+            for (_, x) in row.iter().zip(0_u16..).filter(|(is_own, _)| **is_own) {
+                match runs.last_mut() {
+                    Some(run) if run.y == y && run.span.end == x => run.span.end = x + 1,
+                    _ => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
+                }
+            }
+        }
+        runs
+    }
+}
+
+/// One object with its truth and what the core is told of it.
+#[derive(Clone, Debug)]
+pub struct ObjectCase {
+    /// Scene and object.
+    pub name: String,
+    /// What the core is told.
+    pub outline: Outline,
+    dims: Dims,
+    label: u16,
+    told: Told,
+    /// 5 % and 95 % of its true disparities, px.
+    range: (f32, f32),
+    /// Their median.
+    median: f32,
+}
+
+#[derive(Clone, Debug)]
+enum Told {
+    Runs(Vec<Run>),
+    Area(Area),
+}
+
+impl ObjectCase {
+    /// What the core is told; `None` where erosion left nothing.
+    #[must_use]
+    pub fn region(&self) -> Option<Region<'_>> {
+        match &self.told {
+            Told::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
+            Told::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
+        }
+    }
+
+    /// Scores what the core says of it.
+    #[must_use]
+    pub fn score(&self, found: &ObjectDepth) -> ObjectScore {
+        let (low, high) = self.range;
+        let disparity = found.disparity.map(|d| d.to_num::<f32>());
+        ObjectScore {
+            name: self.name.clone(),
+            outline: self.outline,
+            refused: found.disparity.err(),
+            range: self.range,
+            disparity: disparity.unwrap_or(f32::NAN),
+            wrong: disparity.is_ok_and(|d| low - d > WRONG_PX || d - high > WRONG_PX),
+            error: disparity.map_or(f32::NAN, |d| (d - self.median).abs()),
+            relative: disparity.map_or(f32::NAN, |d| (d - self.median).abs() / self.median),
+            sigma: found.sigma.to_num(),
+            confidence: found.confidence.to_num(),
+            support: found.support,
+        }
+    }
+}
+
+/// What one answer is worth.
+#[derive(Clone, Debug)]
+pub struct ObjectScore {
+    /// Scene and object.
+    pub name: String,
+    /// What the core was told.
+    pub outline: Outline,
+    /// Why there is no answer.
+    pub refused: Option<NoDepth>,
+    /// 5 % and 95 % of the true disparities, px.
+    pub range: (f32, f32),
+    /// The answer in px; not a number without one, like what follows from it.
+    pub disparity: f32,
+    /// More than 1 px outside of the range.
+    pub wrong: bool,
+    /// Distance from the true median in px, and as a part of it.
+    pub error: f32,
+    /// See `error`.
+    pub relative: f32,
+    /// Standard deviation stated.
+    pub sigma: f32,
+    /// Probability stated that the answer is not wrong.
+    pub confidence: f32,
+    /// Segments that speak for it.
+    pub support: u16,
+}
+
+/// The scores of one kind of outline together.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObjectSummary {
+    /// What the core was told.
+    pub outline: Outline,
+    /// Objects asked for.
+    pub objects: usize,
+    /// Objects with an answer.
+    pub covered: usize,
+    /// Wrong answers.
+    pub wrong: usize,
+    /// Median of |answer - true median| / true median.
+    pub median_relative_error: Option<f64>,
+    /// Share of answers within one stated standard deviation of the true median.
+    pub within_sigma: Option<f64>,
+    /// Share within two.
+    pub within_two_sigma: Option<f64>,
+    /// Mean probability stated.
+    pub mean_confidence: Option<f64>,
+    /// Objects refused for each reason of [`NoDepth::ALL`].
+    pub refused: [usize; NoDepth::ALL.len()],
+}
+
+impl ObjectSummary {
+    /// Of those scores that are of this kind.
+    #[must_use]
+    pub fn pool(outline: Outline, scores: &[ObjectScore]) -> Self {
+        let all: Vec<&ObjectScore> = scores.iter().filter(|score| score.outline == outline).collect();
+        let answers: Vec<&ObjectScore> = all.iter().copied().filter(|score| score.refused.is_none()).collect();
+        let share = |is: &dyn Fn(&ObjectScore) -> bool| {
+            let count = answers.iter().filter(|score| is(score)).count();
+            (!answers.is_empty()).then(|| count as f64 / answers.len() as f64)
+        };
+        let sum: f64 = answers.iter().map(|score| f64::from(score.confidence)).sum();
+        Self {
+            outline,
+            objects: all.len(),
+            covered: answers.len(),
+            wrong: answers.iter().filter(|score| score.wrong).count(),
+            median_relative_error: median(answers.iter().map(|score| score.relative).collect()).map(f64::from),
+            within_sigma: share(&|score| score.error <= score.sigma),
+            within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
+            mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
+            refused: NoDepth::ALL.map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
+        }
+    }
+
+    /// Wrong answers in percent of all answers; 0 without any.
+    #[must_use]
+    pub fn wrong_percent(&self) -> f64 {
+        100.0 * self.wrong as f64 / self.covered.max(1) as f64
+    }
+
+    /// Objects with an answer in percent.
+    #[must_use]
+    pub fn covered_percent(&self) -> f64 {
+        100.0 * self.covered as f64 / self.objects.max(1) as f64
+    }
+}
+
+/// Every object of a scene that has truth, told in every way there is.
+pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
+    let mut cases = Vec::new();
+    let labels_path = scene.folder.join("objects.png");
+    if labels_path.is_file() {
+        let labels = resized_labels(&labels_path, scene.left.dims)?;
+        let mut present = labels.clone();
+        present.sort_unstable();
+        present.dedup();
+        for label in present.into_iter().filter(|&label| label > 0) {
+            let mask = Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect());
+            let told = [
+                (Outline::Given, mask.clone()),
+                (Outline::TooLarge, mask.grown(SLOPPY_PX)),
+                (Outline::Eroded, mask.eroded(SLOPPY_PX)),
+            ];
+            for (outline, shape) in told {
+                cases.extend(case(scene, &label.to_string(), outline, label, Told::Runs(shape.runs(label)), &mask));
+            }
+        }
+    }
+    if let Some(folder) = folder_with_boxes(&scene.folder)? {
+        cases.extend(drawn_boxes(scene, &folder)?);
+    }
+    Ok(cases)
+}
+
+/// What the core says of each object of the pair that the engine ran last.
+#[must_use]
+pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
+    let nothing = |case: &ObjectCase| ObjectScore { refused: Some(NoDepth::LittleSupport), ..case.score(&EMPTY) };
+    let score = |case: &ObjectCase| match case.region() {
+        Some(region) => {
+            engine.objects(&[region], true).first().map_or_else(|| nothing(case), |found| case.score(found))
+        }
+        None => nothing(case),
+    };
+    cases.iter().map(score).collect()
+}
+
+/// The answer for a region without pixels.
+const EMPTY: ObjectDepth = ObjectDepth {
+    label: 0,
+    disparity: Err(NoDepth::LittleSupport),
+    sigma: linestereo::Disparity::ZERO,
+    slope_q10: [0; 2],
+    spread: linestereo::Disparity::ZERO,
+    depth: None,
+    depth_sigma: None,
+    nearest: None,
+    support: 0,
+    confidence: linestereo::Confidence::ZERO,
+};
+
+/// The table, then every answer that is wrong and every object without one.
+#[must_use]
+pub fn object_table(scores: &[ObjectScore]) -> String {
+    let mut text = String::from(
+        "outline          objects   wrong           covered         median error   in 1, 2 sigma   said   refused\n",
+    );
+    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
+    for outline in Outline::ALL {
+        let s = ObjectSummary::pool(outline, scores);
+        if s.objects == 0 {
+            continue;
+        }
+        let refused = NoDepth::ALL.iter().zip(s.refused).filter(|(_, count)| *count > 0);
+        let refused: Vec<String> = refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
+        let _ = writeln!(
+            text,
+            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {}",
+            outline.name(),
+            s.objects,
+            s.wrong,
+            s.wrong_percent(),
+            s.covered,
+            s.covered_percent(),
+            s.median_relative_error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error)),
+            percent(s.within_sigma),
+            percent(s.within_two_sigma),
+            s.mean_confidence.map_or("-".to_owned(), |said| format!("{said:.3}")),
+            refused.join(", "),
+        );
+    }
+    for score in scores.iter().filter(|score| score.wrong) {
+        let (low, high) = score.range;
+        let _ = writeln!(
+            text,
+            "wrong: {}, {}: {:.1} px by {} segments, it is {low:.1} to {high:.1}",
+            score.name,
+            score.outline.name(),
+            score.disparity,
+            score.support
+        );
+    }
+    for score in scores {
+        if let Some(reason) = score.refused {
+            let _ = writeln!(text, "no answer: {}, {}: {}", score.name, score.outline.name(), reason.name());
+        }
+    }
+    text
+}
+
+/// A case, where the object has any truth.
+fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, mask: &Mask) -> Option<ObjectCase> {
+    let truth = scene.truth.as_ref()?;
+    let width = usize::from(scene.left.dims.width);
+    let own = mask.pixels.iter().enumerate().filter(|(_, is_own)| **is_own);
+    let mut values: Vec<f32> =
+        own.filter_map(|(i, _)| truth.disparity((i % width) as i32, (i / width) as i32)).collect();
+    values.sort_by(f32::total_cmp);
+    Some(ObjectCase {
+        name: format!("{} {object}", scene.name),
+        outline,
+        dims: scene.left.dims,
+        label,
+        told,
+        range: (quantile(&values, 0.05)?, quantile(&values, 0.95)?),
+        median: quantile(&values, 0.5)?,
+    })
+}
+
+/// Straight between the two nearest of sorted values.
+fn quantile(sorted: &[f32], share: f64) -> Option<f32> {
+    let place = share * sorted.len().checked_sub(1)? as f64;
+    let (low, part) = (place.floor() as usize, place.fract() as f32);
+    let next = sorted[(low + 1).min(sorted.len() - 1)];
+    Some(sorted[low] + part * (next - sorted[low]))
+}
+
+#[derive(Deserialize)]
+struct DrawnObjects {
+    objects: Vec<DrawnObject>,
+}
+
+#[derive(Deserialize)]
+struct DrawnObject {
+    label: u16,
+    name: String,
+    /// `[x0, y0, x1, y1)` in px of the folder's own left image.
+    #[serde(rename = "box")]
+    corners: [f64; 4],
+}
+
+#[derive(Deserialize)]
+struct Origin {
+    from: Option<String>,
+}
+
+/// The folder that holds boxes of this scene: its own, or the one that it was reduced from.
+fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
+    if folder.join("objects.json").is_file() {
+        return Ok(Some(folder.to_path_buf()));
+    }
+    let origin: Origin = read_json(&folder.join("scene.json"))?;
+    let folder = origin.from.and_then(|from| Some(folder.parent()?.parent()?.join(from)));
+    Ok(folder.filter(|folder| folder.join("objects.json").is_file()))
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, FrameError> {
+    let text = std::fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
+}
+
+fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameError> {
+    let drawn: DrawnObjects = read_json(&folder.join("objects.json"))?;
+    let path = folder.join("mask_objects.png");
+    let (from, _) = load_values(&path)?;
+    let to = scene.left.dims;
+    let labels = resized_labels(&path, to)?;
+    let mut cases = Vec::new();
+    for object in drawn.objects {
+        let mask = Mask::new(to, labels.iter().map(|&label| label == object.label).collect());
+        let scaled = |value: f64, from: u16, to: u16| (value * f64::from(to) / f64::from(from)).round() as u16;
+        let [x0, y0, x1, y1] = object.corners;
+        let area = Area {
+            left: scaled(x0, from.width, to.width),
+            top: scaled(y0, from.height, to.height),
+            right: scaled(x1, from.width, to.width),
+            bottom: scaled(y1, from.height, to.height),
+        };
+        cases.extend(case(scene, &object.name, Outline::Box, object.label, Told::Area(area), &mask));
+    }
+    Ok(cases)
+}
+
+/// Labels at the size of the images: of the pixel at the same place.
+fn resized_labels(path: &Path, to: Dims) -> Result<Vec<u16>, FrameError> {
+    let (from, labels) = load_values(path)?;
+    let same = |at: u16, from: u16, to: u16| (2 * usize::from(at) + 1) * usize::from(from) / (2 * usize::from(to));
+    let rows = (0..to.height).map(|y| same(y, from.height, to.height) * usize::from(from.width));
+    Ok(rows
+        .flat_map(|row| (0..to.width).map(move |x| row + same(x, from.width, to.width)))
+        .map(|i| labels[i])
+        .collect())
+}
