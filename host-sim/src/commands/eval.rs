@@ -25,6 +25,7 @@ Examples:
   linestereo eval frames/qvga --gain 0.8 --bias 8       the same with the right image darker
   linestereo eval frames/full --width 320 --json -      reduce to 320 px first, print JSON
   linestereo eval frames/qvga --on mps2-an500           on an emulated Cortex-M7
+  linestereo eval frames/qvga --objects                 depth of the objects in objects.png and objects.json
 
 Words:
   segprec@1/@2   % of segments whose median error is at most 1 / 2 px
@@ -34,6 +35,10 @@ Words:
   median, rms    error of visible points in px
   ms             time per pair on one thread, median of several runs
   Minstr         millions of instructions per pair on a board (--on); QEMU counts no cycles
+  wrong          (--objects) an answer more than 1 px outside of the object's 5-95 % range of true disparities
+  covered        (--objects) objects with an answer
+  median error   (--objects) |answer - true median| / true median
+  in 1, 2 sigma  (--objects) answers within one and two stated standard deviations of the true median
 
 Scenes that the confidence model was fitted on flatter it: fit-confidence scores each of them by a
 model that has not seen it.";
@@ -59,6 +64,9 @@ pub struct Args {
     /// Match on this board, emulated by QEMU: mps2-an500 or mps2-an386. Scenes that it cannot hold are left out.
     #[arg(long, value_name = "BOARD")]
     on: Option<String>,
+    /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.
+    #[arg(long, conflicts_with = "on")]
+    objects: bool,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -137,20 +145,18 @@ pub fn run(args: &Args) -> Result<()> {
     for root in &args.folders {
         folders.extend(find_scenes(root)?.into_iter().map(|folder| (root, folder)));
     }
+    if args.objects {
+        let scenes = scenes_with_truth(&folders, args)?;
+        return super::eval_objects::run(&scenes, &args.method, &perturbation, args.json.as_deref());
+    }
     let machine = args.on.as_deref().map(|name| Machine::new(board::named(name)?)).transpose()?;
     let progress = progress_bar(folders.len());
     let mut scores = Vec::new();
     let (mut too_large, mut advice) = (Vec::new(), None);
     for (root, folder) in &folders {
-        let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
-        progress.set_message(below_root.clone());
+        progress.set_message(folder.strip_prefix(root).unwrap_or(folder).display().to_string());
         if crate::frames::has_truth(folder)? {
-            let mut scene = load_scene(folder, args.width)?;
-            // Sets hold scenes of the same name: the path below the given folder tells them apart.
-            if !below_root.is_empty() {
-                scene.name = below_root;
-            }
-            scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
+            let scene = load(root, folder, args)?;
             match &machine {
                 Some(machine) if !machine.board().fits(scene.left.dims) => {
                     too_large.push(format!("{} ({})", scene.name, scene.left.dims));
@@ -170,6 +176,28 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("no folder with a scene.json and ground truth below {}; see --help", list(&args.folders));
     }
     write_results(args, &scores, folders.len() - scores.len() - too_large.len(), &too_large)
+}
+
+/// The scene as it is to be matched.
+fn load(root: &Path, folder: &Path, args: &Args) -> Result<Scene> {
+    let mut scene = load_scene(folder, args.width)?;
+    // Sets hold scenes of the same name: the path below the given folder tells them apart.
+    let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
+    if !below_root.is_empty() {
+        scene.name = below_root;
+    }
+    scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
+    Ok(scene)
+}
+
+fn scenes_with_truth(folders: &[(&PathBuf, PathBuf)], args: &Args) -> Result<Vec<Scene>> {
+    let mut scenes = Vec::new();
+    for (root, folder) in folders {
+        if crate::frames::has_truth(folder)? {
+            scenes.push(load(root, folder, args)?);
+        }
+    }
+    Ok(scenes)
 }
 
 /// Runs one scene several times for its time and scores its result.

@@ -8,6 +8,7 @@ pub mod calibrate;
 pub mod convert_rig;
 pub mod demo;
 pub mod eval;
+mod eval_objects;
 pub mod fit_confidence;
 pub mod flash_image;
 mod input;

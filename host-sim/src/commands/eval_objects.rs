@@ -1,0 +1,115 @@
+//! `linestereo eval --objects`: depth per object against ground truth.
+
+use super::method::MethodArgs;
+use super::{engine_with, print};
+use crate::engine::Engine;
+use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
+use crate::frames::{Perturbation, Scene, check_usable};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::path::Path;
+
+#[derive(Serialize)]
+struct JsonReport {
+    /// With the models of the core.
+    fitted: Vec<ObjectSummary>,
+    /// Every scene by models fitted on the others; nothing with a single scene.
+    leave_one_out: Option<Vec<ObjectSummary>>,
+}
+
+/// Prints the table with the core's models, and leave one scene out.
+pub(super) fn run(
+    scenes: &[Scene],
+    method: &MethodArgs,
+    perturbation: &Perturbation,
+    json: Option<&Path>,
+) -> Result<()> {
+    let bar = ProgressBar::new(2 * scenes.len() as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
+    let (mut fitted, mut samples) = (Vec::new(), Vec::new());
+    for scene in scenes {
+        bar.set_message(scene.name.clone());
+        let mut watched = Watched::new(scene, method, perturbation)?;
+        fitted.extend(score_objects(&mut watched.engine, &object_cases(scene)?));
+        samples.push(watched.samples(scene)?);
+        bar.inc(1);
+    }
+    if fitted.is_empty() {
+        bail!("no scene has objects; give folders with objects.png, or with objects.json and mask_objects.png");
+    }
+    let mut unseen = None;
+    if scenes.len() > 1 {
+        let mut scores = Vec::new();
+        for (i, scene) in scenes.iter().enumerate() {
+            bar.set_message(format!("leaving out {}", scene.name));
+            let others: Vec<_> = samples.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, s)| s).collect();
+            let models = fit(&others);
+            let mut engine = engine(scene, method)?.with_models(models);
+            run_pair(&mut engine, scene, perturbation, &mut EvidenceLog::default())?;
+            scores.extend(score_objects(&mut engine, &object_cases(scene)?));
+            bar.inc(1);
+        }
+        unseen = Some(scores);
+    }
+    bar.finish_and_clear();
+    write_results(&fitted, unseen.as_deref(), json)
+}
+
+/// A pair that was run, with the evidence of its claims.
+struct Watched {
+    engine: Engine,
+    log: EvidenceLog,
+}
+
+impl Watched {
+    fn new(scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<Self> {
+        let (mut engine, mut log) = (engine(scene, method)?, EvidenceLog::default());
+        run_pair(&mut engine, scene, perturbation, &mut log)?;
+        Ok(Self { engine, log })
+    }
+
+    fn samples(&self, scene: &Scene) -> Result<SceneSamples> {
+        let truth = scene.truth.as_ref().context("a scene without truth")?;
+        Ok(scene_samples(self.engine.candidates(), &self.log, truth, scene.left.dims))
+    }
+}
+
+fn engine(scene: &Scene, method: &MethodArgs) -> Result<Engine> {
+    engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+        .with_context(|| scene.folder.display().to_string())
+}
+
+fn run_pair(engine: &mut Engine, scene: &Scene, perturbation: &Perturbation, log: &mut EvidenceLog) -> Result<()> {
+    let (left, right) = perturbation.apply(&scene.left, &scene.right);
+    check_usable(&scene.folder.join("left"), &left)?;
+    check_usable(&scene.folder.join("right"), &right)?;
+    engine.run_observed(left.view()?, right.view()?, log)?;
+    Ok(())
+}
+
+fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: Option<&Path>) -> Result<()> {
+    let mut text = format!("Objects, by the models of the core\n\n{}", object_table(fitted));
+    if let Some(unseen) = unseen {
+        text.push_str("\nLeave one scene out: each scene by models fitted on the others\n\n");
+        text.push_str(&object_table(unseen));
+    }
+    if let Some(path) = json {
+        let pool = |scores: &[ObjectScore]| {
+            let all = Outline::ALL.map(|outline| ObjectSummary::pool(outline, scores));
+            all.into_iter().filter(|summary| summary.objects > 0).collect()
+        };
+        let report = JsonReport { fitted: pool(fitted), leave_one_out: unseen.map(pool) };
+        let mut json = serde_json::to_string_pretty(&report)?;
+        json.push('\n');
+        if path == Path::new("-") {
+            return print(&json);
+        }
+        let mut output = OutputFiles::new();
+        output.add(path, json.as_bytes())?;
+        output.commit()?;
+    }
+    print(&text)
+}
