@@ -14,6 +14,7 @@
 //!   consistency what neighbours say of each other; one right position explains one left position
 //!   confidence  evidence -> probability of being within 1 px
 //!   report      matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
+//!   obstacles   the nearest obstacle of each direction, kept over pairs
 //! ```
 //!
 //! ```
@@ -54,6 +55,7 @@ pub mod lines;
 mod matching;
 mod objects;
 mod observe;
+mod obstacles;
 mod params;
 mod pipeline;
 mod rectify;
@@ -73,6 +75,7 @@ pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
 pub use objects::{Area, LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
 pub use observe::{Observer, Stage, StageDigests, Step};
+pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
 pub use rectify::{

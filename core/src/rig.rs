@@ -70,6 +70,16 @@ impl Rig {
         Ok(Self { focal_baseline_q16: nearest(focal_px * baseline_m * 65536.0), offset_q6: nearest(offset_px * 64.0) })
     }
 
+    /// f*B in px*m, 1/65536.
+    pub(crate) fn focal_baseline_q16(&self) -> i64 {
+        self.focal_baseline_q16
+    }
+
+    /// The disparity offset, 1/64 px.
+    pub(crate) fn offset_q6(&self) -> i64 {
+        self.offset_q6
+    }
+
     /// Depth of a disparity (Eqs. 5, 12), rounded to nearest, saturating at [`INFINITE_DEPTH`]; a disparity that is zero or less after
     /// the offset is infinitely far.
     #[must_use]

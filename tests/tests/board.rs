@@ -465,7 +465,7 @@ fn the_core_for_boards_links_without_a_panic_handler() {
         let output = linker.arg(&library).output().unwrap();
         (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    let proofs = ["view", "row", "rig", "depth", "interval", "plan", "run", "counts", "health"]
+    let proofs = ["view", "row", "rig", "depth", "interval", "plan", "run", "counts", "health", "obstacles"]
         .map(|name| format!("proof_{name}"));
     let proofs: Vec<&str> = proofs.iter().map(String::as_str).collect();
     let (linked, errors) = link(&proofs);

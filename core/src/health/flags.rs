@@ -56,6 +56,21 @@ impl HealthFlags {
     /// Several credible matches lie beyond infinity.
     pub const BEYOND_INFINITY: Self = Self(1 << 18);
 
+    /// With one of these, what is matched may be wrong or from another time. The others (exposure, drift of rows, a smaller view) cost yield, or warn.
+    pub const UNFIT: Self = Self(
+        Self::LEFT_DEAD.0
+            | Self::RIGHT_DEAD.0
+            | Self::LEFT_COVERED.0
+            | Self::RIGHT_COVERED.0
+            | Self::LEFT_FROZEN.0
+            | Self::RIGHT_FROZEN.0
+            | Self::SKEW.0
+            | Self::ROWS_OFF.0
+            | Self::ROWS_UNEVEN.0
+            | Self::FEW_MATCHES.0
+            | Self::BEYOND_INFINITY.0,
+    );
+
     /// Every flag with its name.
     pub const NAMES: [(Self, &'static str); 19] = [
         (Self::LEFT_EXPOSURE, "left_exposure"),

@@ -8,6 +8,7 @@ use linestereo::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
+use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, Output, PairHealth, ParamError, Params, Plan,
     Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, row_bytes,
@@ -166,4 +167,21 @@ pub fn proof_health(
     let mut health = monitor.look(limits, left, right, times_us);
     monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
     health
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_obstacle_plan(wanted: &ObstacleParams, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
+    wanted.plan(params, dims)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_obstacles(
+    obstacles: &mut Obstacles,
+    plan: &ObstaclePlan,
+    matches: &[Match],
+    health: HealthFlags,
+    time_us: u64,
+) -> usize {
+    obstacles.see(plan, matches, health, time_us);
+    obstacles.sectors(plan, time_us).filter(|sector| matches!(sector, Sector::Obstacle { .. })).count()
 }

@@ -1,0 +1,230 @@
+//! The view of a camera as sectors of a turn: every check and every float, once.
+//!
+//! In: focal length, principal point, mounting yaw, the range and the height band that matter. Out: an [`ObstaclePlan`]: of every boundary
+//! between two sectors in view its column, and cosines of directions.
+//!
+//! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read OBSTACLE_DISTANCE. A boundary at the angle `a`
+//! from the optical axis is the column `cx + f * tan(a)`.
+
+use crate::health::HealthFlags;
+use crate::image::Dims;
+use crate::params::Params;
+use core::f64::consts::PI;
+use core::fmt;
+
+/// Most sectors that a camera sees: half of 72, and one more where both borders cut one.
+pub const MAX_IN_VIEW: usize = 37;
+
+/// Parts of the width within which the cosine of the direction is a line: within 0.1 % at 100 degrees of view.
+pub(super) const PARTS: usize = 32;
+
+/// Most sectors of a turn: what OBSTACLE_DISTANCE holds. PX4 would read beyond it.
+const MAX_SECTORS: u8 = 72;
+
+/// How directions are cut into sectors, and what is asked of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObstacleParams {
+    /// Focal length of the rectified images, px.
+    pub focal_px: f64,
+    /// Principal point of the rectified left image, px; the centre of the image if `None`.
+    pub centre: Option<[f64; 2]>,
+    /// Where the camera looks, degrees clockwise from ahead, seen from above; -180 ..= 180.
+    pub yaw_deg: f64,
+    /// Sectors of a full turn; 4 ..= 72. 72 are 5 degrees each.
+    pub sectors: u8,
+    /// Obstacles at this distance or further do not matter, m; 0.1 ..= 600.
+    pub range_m: f64,
+    /// Lowest and highest height that matters, m above the camera; -1000 ..= 1000. One plan and one [`Obstacles`](super::Obstacles) for each band.
+    pub heights_m: [f64; 2],
+    /// How long something is kept that is not seen again, ms. Both autopilots keep what they were told for half a second themselves.
+    pub keep_ms: u16,
+    /// The claims behind an answer may all be wrong with this probability, taken as independent; 0.00002 ..= 0.5. At 0.01 one claim is enough
+    /// only if its confidence is 0.99, otherwise two or more have to agree.
+    pub doubt: f64,
+    /// A pair with one of these flags says nothing.
+    pub unfit: HealthFlags,
+}
+
+impl ObstacleParams {
+    /// The documented defaults: 72 sectors, up to 10 m, all heights, half a second.
+    #[must_use]
+    pub const fn new(focal_px: f64) -> Self {
+        Self {
+            focal_px,
+            centre: None,
+            yaw_deg: 0.0,
+            sectors: MAX_SECTORS,
+            range_m: 10.0,
+            heights_m: [-1000.0, 1000.0],
+            keep_ms: 500,
+            doubt: 0.01,
+            unfit: HealthFlags::UNFIT,
+        }
+    }
+
+    /// Checks everything once, for images of this size that are matched with these parameters, which need a rig.
+    #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
+    pub fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
+        let rig = params.rig.ok_or(ObstacleError::NoRig)?;
+        check("focal length (px)", self.focal_px, 1.0, 100_000.0)?;
+        check("yaw (degrees)", self.yaw_deg, -180.0, 180.0)?;
+        check("sectors", self.sectors.into(), 4.0, MAX_SECTORS.into())?;
+        check("range (m)", self.range_m, 0.1, 600.0)?;
+        let [low, high] = self.heights_m;
+        check("lowest height (m)", low, -1000.0, 1000.0)?;
+        check("highest height (m)", high, low, 1000.0)?;
+        check("doubt", self.doubt, 0.000_02, 0.5)?;
+        let (width, height) = (f64::from(dims.width), f64::from(dims.height));
+        let [cx, cy] = self.centre.unwrap_or([0.5 * (width - 1.0), 0.5 * (height - 1.0)]);
+        check("principal column (px)", cx, 0.0, width)?;
+        check("principal row (px)", cy, 0.0, height)?;
+
+        // Directions in sectors: the border columns, and the first and the last sector that they fall into.
+        let sector = 2.0 * PI / f64::from(self.sectors);
+        let yaw = self.yaw_deg / 180.0 * PI;
+        let direction = |x: f64| libm::atan((x - cx) / self.focal_px) + yaw;
+        let [first, last] = [-0.5, width - 0.5].map(|x| libm::round(direction(x) / sector) as i32);
+        let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
+        let mut plan = ObstaclePlan {
+            first: first.rem_euclid(self.sectors.into()) as u8,
+            in_view: in_view as u8,
+            sectors: self.sectors,
+            complete: 0,
+            edges_q5: [0; MAX_IN_VIEW + 1],
+            cosines_q15: [0; PARTS + 1],
+            width: dims.width,
+            height: dims.height,
+            row_q5: nearest(32.0 * cy) as i32,
+            far_q6: 0,
+            offset_q6: rig.offset_q6() as i32,
+            focal_baseline_q16: rig.focal_baseline_q16(),
+            baseline_q16: nearest(rig.focal_baseline_q16() as f64 / self.focal_px),
+            heights_q16: [nearest(65536.0 * low), nearest(65536.0 * high)],
+            range_cm: nearest(100.0 * self.range_m) as u16,
+            keep_ms: self.keep_ms.into(),
+            doubt_q16: nearest(65536.0 * self.doubt) as u16,
+            unfit: self.unfit,
+        };
+        // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
+        plan.far_q6 = nearest(rig.focal_baseline_q16() as f64 / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32;
+        for (cosine_q15, part) in plan.cosines_q15.iter_mut().zip(0_u8..) {
+            let column = width * f64::from(part) / PARTS as f64;
+            *cosine_q15 = nearest(32768.0 * libm::cos(libm::atan((column - cx) / self.focal_px))) as u16;
+        }
+        let mut before = None;
+        for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
+            let angle = (f64::from(first + k) - 0.5) * sector - yaw;
+            // Beyond a right angle there is no column: outside of the view in any case.
+            let column = if angle <= -0.5 * PI {
+                f64::NEG_INFINITY
+            } else if angle >= 0.5 * PI {
+                f64::INFINITY
+            } else {
+                cx + self.focal_px * libm::tan(angle)
+            };
+            *edge_q5 = nearest(32.0 * column.clamp(0.0, width)) as u16;
+            // Both cameras see all of it, however near.
+            if k > 0 && before.is_some_and(|before| before >= f64::from(params.max_disparity)) && column <= width - 0.5
+            {
+                plan.complete |= 1 << (k - 1);
+            }
+            before = Some(column);
+        }
+        Ok(plan)
+    }
+}
+
+fn check(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), ObstacleError> {
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ObstacleError::OutOfRange { name, value, low, high }) }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "set-up")]
+fn nearest(value: f64) -> i64 {
+    libm::round(value) as i64
+}
+
+/// Checked parameters for one camera: all that a pair does not change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObstaclePlan {
+    /// The sector at the left border, and how many are in view.
+    pub(super) first: u8,
+    pub(super) in_view: u8,
+    pub(super) sectors: u8,
+    /// A bit for each sector in view: both cameras see all of it.
+    pub(super) complete: u64,
+    /// Columns of the boundaries between the sectors in view.
+    pub(super) edges_q5: [u16; MAX_IN_VIEW + 1],
+    pub(super) cosines_q15: [u16; PARTS + 1],
+    /// Of the image, px.
+    pub(super) width: u16,
+    pub(super) height: u16,
+    /// Principal row.
+    pub(super) row_q5: i32,
+    /// Nearness at the range.
+    pub(super) far_q6: i32,
+    pub(super) offset_q6: i32,
+    /// px*m
+    pub(super) focal_baseline_q16: i64,
+    /// m
+    pub(super) baseline_q16: i64,
+    /// m
+    pub(super) heights_q16: [i64; 2],
+    pub(super) range_cm: u16,
+    pub(super) keep_ms: u32,
+    pub(super) doubt_q16: u16,
+    pub(super) unfit: HealthFlags,
+}
+
+impl ObstaclePlan {
+    /// Sectors of a full turn.
+    #[must_use]
+    pub fn sectors(&self) -> u8 {
+        self.sectors
+    }
+
+    /// Obstacles at this distance or further do not matter, cm.
+    #[must_use]
+    pub fn range_cm(&self) -> u16 {
+        self.range_cm
+    }
+
+    /// The place of a sector among those in view.
+    #[must_use]
+    pub fn in_view(&self, sector: u8) -> Option<usize> {
+        if sector >= self.sectors {
+            return None;
+        }
+        let behind = if sector < self.first { self.sectors } else { 0 };
+        let place = u16::from(sector) + u16::from(behind) - u16::from(self.first);
+        (place < u16::from(self.in_view)).then_some(place.into())
+    }
+}
+
+/// Why directions cannot be cut so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObstacleError {
+    /// Without a rig nothing has a distance.
+    NoRig,
+    /// A number outside its range.
+    OutOfRange {
+        /// What it is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least allowed value.
+        low: f64,
+        /// Largest allowed value.
+        high: f64,
+    },
+}
+
+impl fmt::Display for ObstacleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NoRig => f.write_str("distances need a rig (focal length and baseline)"),
+            Self::OutOfRange { name, value, low, high } => write!(f, "{name} is {value}, allowed are {low} to {high}"),
+        }
+    }
+}
+
+impl core::error::Error for ObstacleError {}

@@ -1,0 +1,461 @@
+//! Distance per direction: sectors against a naive reference, the rules of support, age and freedom, and real frames against their truth.
+
+use linestereo::{
+    Confidence, Dims, Disparity, HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Owner,
+    Params, Point, Position, Rig, Sector, Techniques,
+};
+use linestereo_sim::engine::Engine;
+use linestereo_sim::frames::{find_scenes, load_scene};
+use std::path::PathBuf;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+const FOCAL: f64 = 300.0;
+const BASELINE: f64 = 0.1;
+/// The last column and row in the middle of the image.
+const CENTRE: [f64; 2] = [159.5, 119.5];
+
+fn params() -> Params {
+    Params { rig: Some(Rig::new(FOCAL, BASELINE, 0.0).unwrap()), ..Params::default() }
+}
+
+fn plan_of(change: impl FnOnce(&mut ObstacleParams)) -> ObstaclePlan {
+    let mut wanted = ObstacleParams::new(FOCAL);
+    change(&mut wanted);
+    wanted.plan(&params(), DIMS).unwrap()
+}
+
+fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2], confidence: f64) -> Match {
+    let d = disparity.map(Disparity::from_num);
+    Match {
+        ends: ends.map(|[x, y]| Point { x: Position::from_num(x), y: Position::from_num(y) }),
+        disparity: d,
+        sigma: Disparity::from_num(0.1),
+        confidence: Confidence::from_num(confidence),
+        owner: Owner::Both,
+        depth: None,
+        depth_sigma: None,
+        techniques: Techniques { feature: None, window: d[0], census: d[0] },
+    }
+}
+
+/// A vertical edge around the middle row.
+fn edge(x: f64, disparity: f64, confidence: f64) -> Match {
+    segment([[x, 105.0], [x, 135.0]], [disparity; 2], confidence)
+}
+
+fn seen(plan: &ObstaclePlan, matches: &[Match]) -> Obstacles {
+    let mut obstacles = Obstacles::new();
+    obstacles.see(plan, matches, HealthFlags::GOOD, 0);
+    obstacles
+}
+
+fn distance(sector: Sector) -> Option<u16> {
+    if let Sector::Obstacle { distance_cm, .. } = sector { Some(distance_cm) } else { None }
+}
+
+/// Sector and distance (cm) of a point, by the definition.
+fn reference(x: f64, disparity: f64, yaw_deg: f64, sectors: u8) -> (u8, f64) {
+    let turn = (x - CENTRE[0]).atan2(FOCAL).to_degrees() + yaw_deg;
+    let index = (turn / 360.0 * f64::from(sectors)).round().rem_euclid(sectors.into());
+    let depth = FOCAL * BASELINE / disparity;
+    (index as u8, 100.0 * depth.hypot(depth * (x - CENTRE[0]) / FOCAL))
+}
+
+#[test]
+fn every_column_has_the_sector_and_the_distance_of_the_definition() {
+    for (yaw_deg, sectors) in [(0.0, 72), (90.0, 72), (-180.0, 72), (33.3, 72), (0.0, 36), (10.0, 8), (179.0, 4)] {
+        let plan = plan_of(|p| {
+            (p.yaw_deg, p.sectors) = (yaw_deg, sectors);
+        });
+        for step in 0..2 * 319 {
+            let x = f64::from(step) * 0.5;
+            let disparity = 4.0 + f64::from(step % 50);
+            let (index, expected_cm) = reference(x, disparity, yaw_deg, sectors);
+            let obstacles = seen(&plan, &[edge(x, disparity, 0.995)]);
+            let turn = ((x - CENTRE[0]).atan2(FOCAL).to_degrees() + yaw_deg) / 360.0 * f64::from(sectors);
+            let is_at_a_boundary = ((turn - 0.5) - (turn - 0.5).round()).abs() < 0.01;
+            let found: Vec<(u8, u16)> =
+                obstacles.sectors(&plan, 0).zip(0_u8..).filter_map(|(s, i)| Some((i, distance(s)?))).collect();
+            let [(found_index, cm)] = found[..] else { panic!("x {x}: {found:?}") };
+            assert!(
+                found_index == index || is_at_a_boundary,
+                "x {x}, yaw {yaw_deg}, {sectors} sectors: {found_index} not {index}"
+            );
+            // A centimetre is cut off, half a step of the disparity, and a thousandth for the cosine.
+            let bound = 1.0 + expected_cm * (0.001 + 1.0 / 128.0 / disparity);
+            assert!((f64::from(cm) - expected_cm).abs() <= bound, "x {x}, d {disparity}: {cm} cm not {expected_cm:.1}");
+        }
+    }
+}
+
+#[test]
+fn a_long_segment_stands_in_every_sector_that_it_crosses() {
+    let plan = plan_of(|_| {});
+    // 100 columns, 2 m on the left to 1 m on the right.
+    let matches = [segment([[110.0, 120.0], [210.0, 121.0]], [15.0, 30.0], 0.995)];
+    for ends in [matches[0], {
+        let mut m = matches[0];
+        m.ends.reverse();
+        m.disparity.reverse();
+        m
+    }] {
+        let obstacles = seen(&plan, &[ends]);
+        let mut last = u16::MAX;
+        for offset in -2_i16..=2 {
+            let index = offset.rem_euclid(72) as u8;
+            let cm = distance(obstacles.sector(&plan, index, 0)).unwrap();
+            assert!(cm < last, "sector {index}: {cm} cm after {last}");
+            last = cm;
+            // Its nearest part there, the right end of the sector.
+            let x = (CENTRE[0] + FOCAL * ((f64::from(offset) + 0.5) * 5.0).to_radians().tan()).clamp(110.0, 210.0);
+            let (_, expected) = reference(x, 15.0 + 0.15 * (x - 110.0), 0.0, 72);
+            assert!((f64::from(cm) - expected).abs() <= 2.0, "sector {index}: {cm} cm not {expected:.1}");
+        }
+    }
+}
+
+#[test]
+fn sectors_outside_of_the_view_are_outside_whatever_is_seen() {
+    let plan = plan_of(|_| {});
+    // 56 degrees: 28 to each side, so that 5 sectors to each side are whole and the sixth is cut.
+    let matches: Vec<Match> = (0..320).map(|x| edge(x.into(), 1.5, 0.99)).collect();
+    let obstacles = seen(&plan, &matches);
+    for (sector, index) in obstacles.sectors(&plan, 0).zip(0_i16..) {
+        let offset = if index > 36 { index - 72 } else { index };
+        assert_eq!(sector == Sector::Outside, offset.abs() > 6, "sector {index}: {sector:?}");
+    }
+    assert_eq!(obstacles.sector(&plan, 72, 0), Sector::Outside);
+    assert_eq!(obstacles.sector(&plan, 255, 0), Sector::Outside);
+}
+
+#[test]
+fn free_is_what_both_cameras_see_whole_with_something_behind() {
+    let plan = plan_of(|_| {});
+    // 20 m, with 10 m as the range.
+    let far: Vec<Match> = (0..320).step_by(2).map(|x| edge(x.into(), 1.5, 0.95)).collect();
+    let obstacles = seen(&plan, &far);
+    for offset in -6_i16..=6 {
+        let sector = obstacles.sector(&plan, offset.rem_euclid(72) as u8, 0);
+        // Where a disparity of 64 px does not fit, or a border cuts the sector, the near is not seen by both.
+        let left = CENTRE[0] + FOCAL * ((f64::from(offset) - 0.5) * 5.0).to_radians().tan();
+        let is_whole = left >= 64.0 && offset < 6;
+        assert_eq!(matches!(sector, Sector::Free { .. }), is_whole, "sector {offset}: {sector:?}");
+    }
+    // One weak claim is not enough, and no claim says nothing.
+    assert_eq!(seen(&plan, &[edge(160.0, 1.5, 0.95)]).sector(&plan, 0, 0), Sector::Unknown);
+    assert_eq!(seen(&plan, &[]).sector(&plan, 0, 0), Sector::Unknown);
+    assert!(matches!(seen(&plan, &[edge(160.0, 1.5, 0.995)]).sector(&plan, 0, 0), Sector::Free { .. }));
+    // What nobody supports within the range is no obstacle, but the sector is not free either.
+    let mut doubtful = far.clone();
+    doubtful.push(edge(160.0, 30.0, 0.9));
+    assert_eq!(seen(&plan, &doubtful).sector(&plan, 0, 0), Sector::Unknown);
+    // An infinite depth, and one beyond it, is far.
+    for d in [0.0, -0.5] {
+        assert!(matches!(seen(&plan, &[edge(160.0, d, 0.995)]).sector(&plan, 0, 0), Sector::Free { .. }));
+    }
+}
+
+#[test]
+fn a_claim_needs_support_unless_it_is_sure() {
+    let plan = plan_of(|_| {});
+    let ahead = |matches: &[Match]| distance(seen(&plan, matches).sector(&plan, 0, 0));
+    let at = |d: f64| Some(reference(160.0, d, 0.0, 72).1);
+    let is = |found: Option<u16>, expected: Option<f64>| match (found, expected) {
+        (Some(cm), Some(expected)) => (f64::from(cm) - expected).abs() <= 1.0,
+        (found, expected) => found.is_none() && expected.is_none(),
+    };
+    assert!(is(ahead(&[edge(160.0, 30.0, 0.92)]), None));
+    assert!(is(ahead(&[edge(160.0, 30.0, 0.992)]), at(30.0)));
+    // Two that agree; the answer is the farther of both, which both support.
+    assert!(is(ahead(&[edge(158.0, 30.0, 0.92), edge(162.0, 29.0, 0.92)]), at(29.0)));
+    // Two that do not.
+    assert!(is(ahead(&[edge(158.0, 30.0, 0.92), edge(162.0, 20.0, 0.92)]), None));
+    // In another sector it is no support.
+    assert!(is(ahead(&[edge(160.0, 30.0, 0.92), edge(200.0, 30.0, 0.92)]), None));
+    // A single look-alike in front of a wall is passed over.
+    let wall = [edge(152.0, 12.0, 0.95), edge(157.0, 12.2, 0.95), edge(164.0, 11.9, 0.95)];
+    let with = |more: &[Match]| [wall.as_slice(), more].concat();
+    assert!(is(ahead(&with(&[edge(160.0, 60.0, 0.95)])), at(12.0)));
+    // The order of the list does not matter.
+    let mut list = with(&[edge(160.0, 60.0, 0.95), edge(159.0, 45.0, 0.91), edge(155.0, 33.0, 0.93)]);
+    let expected = ahead(&list);
+    for _ in 0..list.len() {
+        list.rotate_left(1);
+        assert_eq!(ahead(&list), expected);
+    }
+    assert!(is(expected, at(12.0)));
+}
+
+#[test]
+fn confidence_is_that_of_the_group() {
+    let plan = plan_of(|_| {});
+    let Sector::Obstacle { confidence, .. } =
+        seen(&plan, &[edge(158.0, 30.0, 0.92), edge(162.0, 30.0, 0.95), edge(161.0, 29.5, 0.9)]).sector(&plan, 0, 0)
+    else {
+        panic!("no obstacle")
+    };
+    assert!((confidence.to_num::<f64>() - (1.0 - 0.08 * 0.05 * 0.1)).abs() < 1e-4, "{confidence}");
+}
+
+#[test]
+fn only_the_height_band_matters() {
+    // Rows above the centre are above the camera: at 2 m (15 px), 60 rows are 0.4 m.
+    let plan = plan_of(|p| p.heights_m = [-0.2, 0.3]);
+    let ahead = |from: f64, to: f64, d: f64| {
+        let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
+        distance(seen(&plan, &matches).sector(&plan, 0, 0)).is_some()
+    };
+    assert!(ahead(100.0, 130.0, 15.0), "around the camera's height");
+    assert!(!ahead(10.0, 40.0, 15.0), "0.53 m to 0.73 m above");
+    assert!(ahead(60.0, 90.0, 15.0), "from 0.2 m to 0.4 m: reaches into the band");
+    assert!(!ahead(170.0, 200.0, 15.0), "0.34 m to 0.54 m below: the floor");
+    assert!(ahead(140.0, 170.0, 15.0), "from 0.14 m to 0.34 m below");
+    assert!(ahead(20.0, 220.0, 15.0), "through the band");
+    // What is seen outside of the band lies behind it, as the floor does: free, as far as it is this segment's to say.
+    let free = |heights_m: [f64; 2], from: f64, to: f64, d: f64| {
+        let plan = plan_of(|p| p.heights_m = heights_m);
+        let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
+        matches!(seen(&plan, &matches).sector(&plan, 0, 0), Sector::Free { .. })
+    };
+    assert!(free([-0.2, 0.3], 170.0, 200.0, 15.0), "the floor at 2 m");
+    assert!(free([-0.2, 0.3], 10.0, 40.0, 1.5) && free([-0.2, 0.3], 100.0, 130.0, 1.5), "20 m away");
+    assert!(!free([-0.2, 0.3], 160.0, 175.0, 15.0), "seen in one eighth of the rows only");
+    assert!(!free([0.1, 0.3], 170.0, 200.0, 15.0), "a band above the camera is not seen through by looking down");
+    // What begins shortly behind the range (10 m, 3 px) may reach into it: neither.
+    assert!(!free([-1.0, 1.0], 100.0, 130.0, 2.9) && !free([-1.0, 1.0], 100.0, 130.0, 2.5));
+    assert!(free([-1.0, 1.0], 100.0, 130.0, 2.3));
+    assert!(!ahead(100.0, 130.0, 2.9));
+}
+
+#[test]
+fn an_offset_of_the_rig_moves_distances_not_directions() {
+    let rig = Rig::new(FOCAL, BASELINE, 40.0).unwrap();
+    let plan = ObstacleParams::new(FOCAL).plan(&Params { rig: Some(rig), ..params() }, DIMS).unwrap();
+    // 20 + 40 px: half a metre.
+    assert_eq!(distance(seen(&plan, &[edge(160.0, 20.0, 0.995)]).sector(&plan, 0, 0)), Some(50));
+    assert_eq!(distance(seen(&plan, &[edge(160.0, -10.0, 0.995)]).sector(&plan, 0, 0)), Some(100));
+}
+
+/// What the sector ahead says, in short.
+fn word(sector: Sector) -> String {
+    match sector {
+        Sector::Outside => "outside".to_owned(),
+        Sector::Unknown => "unknown".to_owned(),
+        Sector::Free { age_ms, .. } => format!("free {age_ms}"),
+        Sector::Obstacle { distance_cm, age_ms, .. } => format!("{distance_cm} cm {age_ms}"),
+    }
+}
+
+#[test]
+fn what_was_seen_is_kept_with_its_age_until_it_is_too_old() {
+    let plan = plan_of(|p| p.keep_ms = 300);
+    let mut obstacles = Obstacles::new();
+    let near = [edge(160.0, 30.0, 0.995)];
+    let mid = [edge(160.0, 20.0, 0.995)];
+    let far = [edge(160.0, 1.5, 0.995)];
+    let steps: [(u64, &[Match], &str); 12] = [
+        (0, &near, "100 cm 0"),
+        (100, &[], "100 cm 100"),
+        (200, &mid, "100 cm 200"), // the nearer one stays
+        (300, &far, "100 cm 300"),
+        (301, &far, "free 0"),
+        (400, &[], "free 99"),
+        (500, &near, "100 cm 0"), // nothing protects what is free
+        (600, &[edge(160.0, 31.0, 0.995)], "96 cm 0"),
+        (700, &[edge(160.0, 29.0, 0.995)], "103 cm 0"), // the same one, moving away
+        (1000, &[], "103 cm 300"),
+        (1001, &[], "unknown"),
+        (1100, &mid, "150 cm 0"),
+    ];
+    for (time_ms, matches, expected) in steps {
+        obstacles.see(&plan, matches, HealthFlags::GOOD, time_ms * 1000);
+        assert_eq!(word(obstacles.sector(&plan, 0, time_ms * 1000)), expected, "at {time_ms} ms");
+    }
+    // Between pairs, age counts as well.
+    assert_eq!(word(obstacles.sector(&plan, 0, 1_400_000)), "150 cm 300");
+    assert_eq!(word(obstacles.sector(&plan, 0, 1_401_000)), "unknown");
+    // 49 days later, when milliseconds have wrapped, an old one does not become new.
+    obstacles.see(&plan, &[], HealthFlags::GOOD, 1_500_000);
+    assert_eq!(word(obstacles.sector(&plan, 0, 1_100_000 + (1 << 32) * 1000)), "unknown");
+}
+
+#[test]
+fn an_unfit_pair_says_nothing() {
+    let plan = plan_of(|_| {});
+    let near = [edge(160.0, 30.0, 0.995)];
+    for (flag, name) in HealthFlags::NAMES {
+        let mut obstacles = Obstacles::new();
+        assert!(!obstacles.is_fit(), "before the first pair");
+        obstacles.see(&plan, &near, flag, 0);
+        let is_fit = !HealthFlags::UNFIT.contains(flag);
+        assert_eq!(obstacles.is_fit(), is_fit, "{name}");
+        assert_eq!(distance(obstacles.sector(&plan, 0, 0)).is_some(), is_fit, "{name}");
+        // What was known before grows old.
+        obstacles.see(&plan, &near, HealthFlags::GOOD, 0);
+        obstacles.see(&plan, &[edge(160.0, 60.0, 0.995)], HealthFlags::ROWS_OFF, 100_000);
+        assert_eq!(word(obstacles.sector(&plan, 0, 100_000)), "100 cm 100");
+        obstacles.see(&plan, &near, HealthFlags::GOOD, 200_000);
+        obstacles.miss();
+        assert!(!obstacles.is_fit());
+        assert_eq!(word(obstacles.sector(&plan, 0, 250_000)), "100 cm 50");
+    }
+    let all = plan_of(|p| p.unfit = HealthFlags::LEFT_EXPOSURE);
+    let mut obstacles = Obstacles::new();
+    obstacles.see(&all, &near, HealthFlags::LEFT_EXPOSURE | HealthFlags::SKEW, 0);
+    assert!(!obstacles.is_fit());
+}
+
+#[test]
+fn parameters_without_sense_are_refused_by_name() {
+    let refused = |change: &dyn Fn(&mut ObstacleParams)| {
+        let mut wanted = ObstacleParams::new(FOCAL);
+        change(&mut wanted);
+        wanted.plan(&params(), DIMS).unwrap_err().to_string()
+    };
+    let cases: [(&dyn Fn(&mut ObstacleParams), &str); 11] = [
+        (&|p| p.focal_px = 0.0, "focal length (px) is 0, allowed are 1 to 100000"),
+        (&|p| p.focal_px = f64::NAN, "focal length (px) is NaN, allowed are 1 to 100000"),
+        (&|p| p.yaw_deg = 181.0, "yaw (degrees) is 181, allowed are -180 to 180"),
+        (&|p| p.sectors = 73, "sectors is 73, allowed are 4 to 72"),
+        (&|p| p.sectors = 0, "sectors is 0, allowed are 4 to 72"),
+        (&|p| p.range_m = 601.0, "range (m) is 601, allowed are 0.1 to 600"),
+        (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1, allowed are 2 to 1000"),
+        (&|p| p.heights_m = [f64::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
+        (&|p| p.doubt = 0.0, "doubt is 0, allowed are 0.00002 to 0.5"),
+        (&|p| p.centre = Some([400.0, 1.0]), "principal column (px) is 400, allowed are 0 to 320"),
+        (&|p| p.centre = Some([1.0, f64::NAN]), "principal row (px) is NaN, allowed are 0 to 240"),
+    ];
+    for (change, expected) in cases {
+        assert_eq!(refused(change), expected);
+    }
+    let no_rig = ObstacleParams::new(FOCAL).plan(&Params::default(), DIMS);
+    assert_eq!(no_rig, Err(ObstacleError::NoRig));
+}
+
+/// Widest lenses, extreme rigs and matches of any bits: an answer within bounds, whatever it is.
+#[test]
+fn nothing_overflows() {
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 32) as u32
+    };
+    for round in 0..2000 {
+        let rig = Rig::new(
+            [1.0, 37.0, 300.0, 100_000.0][round % 4],
+            [0.0001, 0.1, 100.0][round % 3],
+            [0.0, 4096.0, -4096.0, 67.4][round % 4],
+        );
+        let dims = [DIMS, Dims { width: 1280, height: 16 }, Dims { width: 80, height: 1280 }][round % 3];
+        let wanted = ObstacleParams {
+            focal_px: [1.0, 40.0, 300.0, 100_000.0][(round / 4) % 4],
+            yaw_deg: f64::from(random() % 361) - 180.0,
+            sectors: [4, 5, 7, 36, 71, 72][round % 6],
+            range_m: [0.1, 10.0, 600.0][round % 3],
+            heights_m: [[-1000.0, 1000.0], [-0.1, 0.1], [0.0, 0.0]][round % 3],
+            ..ObstacleParams::new(FOCAL)
+        };
+        let plan = wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims).unwrap();
+        let mut point = || Point { x: Position::from_bits(random() as u16), y: Position::from_bits(random() as u16) };
+        let ends: Vec<_> = (0..20).map(|_| [point(), point()]).collect();
+        let matches: Vec<Match> = ends
+            .into_iter()
+            .map(|ends| {
+                let disparity = [Disparity::from_bits(random() as i16), Disparity::from_bits(random() as i16)];
+                let confidence = Confidence::from_bits(random() as u16);
+                Match { ends, disparity, confidence, ..edge(1.0, 1.0, 0.5) }
+            })
+            .collect();
+        let obstacles = seen(&plan, &matches);
+        let mut in_view = 0;
+        for sector in obstacles.sectors(&plan, 0) {
+            in_view += usize::from(sector != Sector::Outside);
+            if let Some(cm) = distance(sector) {
+                assert!(cm > 0 && cm < plan.range_cm(), "{cm}");
+            }
+        }
+        assert!((1..=37).contains(&in_view), "{in_view} in view");
+    }
+}
+
+/// Real frames, as if a camera with 56 degrees of view had seen them: how often a sector shows something nearer than anything that is there,
+/// or is free although something is there.
+#[test]
+fn captured_frames_give_no_ghosts() {
+    let root = std::env::var_os("LINESTEREO_FRAMES")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
+    let folder = root.join("qvga");
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
+        return;
+    }
+    let scenes = find_scenes(&folder).unwrap().into_iter().map(|folder| load_scene(&folder, None).unwrap());
+    let (mut sectors, mut shown, mut ghosts, mut missed, mut free, mut not_free) = (0, 0, 0, 0, 0, 0);
+    let mut least = 1.0_f64;
+    for scene in scenes {
+        let truth = scene.truth.as_ref().unwrap();
+        let dims = scene.left.dims;
+        let params = Params { max_disparity: scene.max_disparity, ..params() };
+        let mut engine = Engine::new(&params, dims).unwrap();
+        let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        let cx = 0.5 * (f64::from(dims.width) - 1.0);
+        // Distances (cm) of the truth in a sector and some columns beside it, nearest first.
+        let of_truth = |offset: i16, beside: i32| {
+            let column = |half: f64| cx + FOCAL * ((f64::from(offset) + half) * 5.0).to_radians().tan();
+            let (from, to) = (column(-0.5).max(0.0) as i32, column(0.5).min(f64::from(dims.width) - 1.0) as i32);
+            let mut list = Vec::new();
+            for y in 0..i32::from(dims.height) {
+                for x in from - beside..=to + beside {
+                    let d = truth.disparity(x, y).filter(|&d| d > 0.5);
+                    list.extend(
+                        d.map(|d| 100.0 * FOCAL * BASELINE / f64::from(d) * ((f64::from(x) - cx) / FOCAL).hypot(1.0)),
+                    );
+                }
+            }
+            list.sort_by(f64::total_cmp);
+            list
+        };
+        let mut depths: Vec<f64> = (-5..=5).flat_map(|offset| of_truth(offset, 0)).collect();
+        depths.sort_by(f64::total_cmp);
+        // With all in range; and with ranges that most of the scene lies behind.
+        let quantile = |share: usize| depths[depths.len() / share] / 100.0;
+        for range_m in [10.0, quantile(20), quantile(10), quantile(5)] {
+            let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::new(FOCAL) };
+            let plan = wanted.plan(&params, dims).unwrap();
+            let obstacles = seen(&plan, &result.matches);
+            for offset in -5_i16..=5 {
+                let (own, wide) = (of_truth(offset, 0), of_truth(offset, 4));
+                if own.len() < 200 {
+                    continue;
+                }
+                // What counts as something: a tenth of the sector.
+                let something = own[own.len() / 10];
+                let sector = obstacles.sector(&plan, offset.rem_euclid(72) as u8, 0);
+                if range_m < 10.0 {
+                    let is_free = matches!(sector, Sector::Free { .. });
+                    free += u32::from(is_free);
+                    not_free += u32::from(is_free && something < 95.0 * range_m);
+                    least = if is_free { least.min(something / 100.0 / range_m) } else { least };
+                    continue;
+                }
+                sectors += 1;
+                if let Some(cm) = distance(sector).map(f64::from) {
+                    shown += 1;
+                    ghosts += u32::from(cm < 0.9 * wide[0]);
+                    missed += u32::from(cm > 1.25 * something);
+                }
+            }
+        }
+    }
+    println!(
+        "{sectors} sectors: {shown} with an obstacle, {ghosts} nearer than all there is by 10 %, {missed} farther than its nearest tenth by 25 %; \
+         with short ranges {free} free, {not_free} with something within the range, the nearest at {least:.2} of it"
+    );
+    assert!(shown * 10 >= sectors * 8, "{shown} of {sectors} sectors show an obstacle");
+    assert!(ghosts * 100 <= shown, "{ghosts} ghosts in {shown} sectors");
+    assert!(missed * 4 <= shown, "{missed} of {shown} obstacles are too far");
+    assert!(
+        free >= 40 && not_free * 10 <= free && least >= 0.7,
+        "{not_free} of {free} free sectors are not, {least:.2}"
+    );
+}
