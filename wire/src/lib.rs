@@ -47,6 +47,7 @@
 mod command;
 mod frame;
 mod health;
+pub mod mavlink;
 mod message;
 mod packet;
 mod rig_fault;

@@ -1,0 +1,256 @@
+//! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how many of them a serial line carries.
+
+mod support;
+
+use linestereo::{Dims, HealthFlags, ObstacleParams, ObstaclePlan, Obstacles, Params, Rig};
+use linestereo_wire::mavlink::{
+    AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace, Policy,
+    Sender, StreamError, SystemStatus, UNKNOWN_CM,
+};
+use mavlink::dialects::common as theirs;
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _, MessageData};
+use support::Random;
+
+/// One of our frames.
+fn ours<M: Mavlink>(sender: Sender, message: &M) -> Vec<u8> {
+    let (mut sender, mut bytes) = (sender, Vec::new());
+    let sent = sender.send(message, &mut |frame: &[u8]| {
+        bytes.extend_from_slice(frame);
+        Ok::<(), ()>(())
+    });
+    assert_eq!(sent, Ok(()));
+    assert!(bytes.len() <= MAX_FRAME);
+    bytes
+}
+
+/// The same message in the words of the crate.
+fn frame_of(header: MavHeader, message: &theirs::MavMessage) -> Vec<u8> {
+    let mut raw = MAVLinkV2MessageRaw::new();
+    raw.serialize_message(header, message);
+    raw.raw_bytes().to_vec()
+}
+
+fn read(bytes: &[u8]) -> (MavHeader, theirs::MavMessage) {
+    MavlinkReader::new(bytes).read_any_message().unwrap()
+}
+
+/// Compares both encodings, and what the crate reads from ours with what it was told.
+fn check<M: Mavlink>(sender: Sender, message: &M, expected: &theirs::MavMessage) {
+    let header =
+        MavHeader { system_id: sender.system.into(), component_id: sender.component, sequence: sender.sequence };
+    let bytes = ours(sender, message);
+    assert_eq!(bytes, frame_of(header, expected), "{expected:?}");
+    let (found_header, found) = read(&bytes);
+    assert_eq!(found_header, header);
+    assert_eq!(frame_of(header, &found), bytes, "{found:?} instead of {expected:?}");
+}
+
+fn any_sender(random: &mut Random) -> Sender {
+    Sender { system: random.byte(), component: random.byte(), sequence: random.byte() }
+}
+
+fn their_obstacles(message: &ObstacleDistance) -> theirs::MavMessage {
+    theirs::MavMessage::OBSTACLE_DISTANCE(theirs::OBSTACLE_DISTANCE_DATA {
+        time_usec: message.time_usec,
+        distances: message.distances,
+        min_distance: message.min_distance,
+        max_distance: message.max_distance,
+        sensor_type: theirs::MavDistanceSensor::MAV_DISTANCE_SENSOR_UNKNOWN,
+        increment: message.increment_f as u8,
+        increment_f: message.increment_f,
+        angle_offset: message.angle_offset,
+        frame: theirs::MavFrame::MAV_FRAME_BODY_FRD,
+    })
+}
+
+fn their_sensor(message: &DistanceSensor) -> theirs::MavMessage {
+    theirs::MavMessage::DISTANCE_SENSOR(theirs::DISTANCE_SENSOR_DATA {
+        time_boot_ms: message.time_boot_ms,
+        min_distance: message.min_distance,
+        max_distance: message.max_distance,
+        current_distance: message.current_distance,
+        mavtype: theirs::MavDistanceSensor::MAV_DISTANCE_SENSOR_UNKNOWN,
+        id: message.id,
+        orientation: theirs::MavSensorOrientation::MAV_SENSOR_ROTATION_NONE,
+        covariance: u8::MAX,
+        horizontal_fov: message.horizontal_fov,
+        vertical_fov: message.vertical_fov,
+        quaternion: [0.0; 4],
+        signal_quality: message.signal_quality,
+    })
+}
+
+#[test]
+fn ids_and_checksum_bytes_are_those_of_the_definitions() {
+    assert_eq!((Heartbeat::ID, Heartbeat::CRC_EXTRA), (theirs::HEARTBEAT_DATA::ID, theirs::HEARTBEAT_DATA::EXTRA_CRC));
+    type Obstacle = theirs::OBSTACLE_DISTANCE_DATA;
+    assert_eq!((ObstacleDistance::ID, ObstacleDistance::CRC_EXTRA), (Obstacle::ID, Obstacle::EXTRA_CRC));
+    type Sensor = theirs::DISTANCE_SENSOR_DATA;
+    assert_eq!((DistanceSensor::ID, DistanceSensor::CRC_EXTRA), (Sensor::ID, Sensor::EXTRA_CRC));
+}
+
+#[test]
+fn heartbeats_are_those_of_the_crate() {
+    let mut random = Random(1);
+    for (status, their_status) in [
+        (SystemStatus::Active, theirs::MavState::MAV_STATE_ACTIVE),
+        (SystemStatus::Critical, theirs::MavState::MAV_STATE_CRITICAL),
+    ] {
+        let expected = theirs::MavMessage::HEARTBEAT(theirs::HEARTBEAT_DATA {
+            custom_mode: 0,
+            mavtype: theirs::MavType::MAV_TYPE_ONBOARD_CONTROLLER,
+            autopilot: theirs::MavAutopilot::MAV_AUTOPILOT_INVALID,
+            base_mode: theirs::MavModeFlag::empty(),
+            system_status: their_status,
+            mavlink_version: 3,
+        });
+        for _ in 0..300 {
+            check(any_sender(&mut random), &Heartbeat { status }, &expected);
+        }
+    }
+}
+
+#[test]
+fn distances_of_any_values_are_those_of_the_crate() {
+    let mut random = Random(2);
+    for round in 0..3000 {
+        // Zeros at the end are what is cut off: some rounds have many.
+        let zeros = round % 4 == 0;
+        let mut word = || if zeros && random.next().is_multiple_of(3) { 0 } else { random.next() as u16 };
+        let message = ObstacleDistance {
+            time_usec: [u64::from(word()), u64::MAX, 0][round % 3],
+            distances: core::array::from_fn(|_| word()),
+            min_distance: word(),
+            max_distance: word(),
+            increment_f: [5.0, 7.5, 0.0, 90.0][round % 4],
+            angle_offset: f32::from(word()) / 64.0 - 500.0,
+        };
+        check(any_sender(&mut random), &message, &their_obstacles(&message));
+
+        let mut word = || if zeros { 0 } else { random.next() as u16 };
+        let message = DistanceSensor {
+            time_boot_ms: u32::from(word()) << 8,
+            min_distance: word(),
+            max_distance: word(),
+            current_distance: word(),
+            id: word() as u8,
+            horizontal_fov: f32::from(word()) / 10_000.0,
+            vertical_fov: f32::from(word()) / 10_000.0,
+            signal_quality: if round % 3 == 0 { 0 } else { word() as u8 },
+        };
+        check(any_sender(&mut random), &message, &their_sensor(&message));
+    }
+}
+
+fn plan() -> ObstaclePlan {
+    let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap()), ..Params::default() };
+    ObstacleParams::new(300.0).plan(&params, Dims { width: 320, height: 240 }).unwrap()
+}
+
+/// Messages of a stream over some seconds, each with its time.
+fn messages(params: AutopilotParams, seconds: u64, step_us: u64, is_fit: bool) -> Vec<(u64, Vec<u8>)> {
+    let plan = plan();
+    let mut stream = AutopilotStream::new(params, &plan).unwrap();
+    let mut obstacles = Obstacles::new();
+    let health = if is_fit { HealthFlags::GOOD } else { HealthFlags::SKEW };
+    let mut sent = Vec::new();
+    let mut time = 0;
+    while time < seconds * 1_000_000 {
+        obstacles.see(&plan, &[], health, time);
+        let written = stream.turn(&obstacles, &plan, time, &mut |frame: &[u8]| {
+            sent.push((time, frame.to_vec()));
+            Ok::<(), ()>(())
+        });
+        assert_eq!(written, Ok(()));
+        time += step_us;
+    }
+    sent
+}
+
+#[test]
+fn a_line_of_57600_baud_carries_the_fastest_stream() {
+    const SECONDS: u64 = 10;
+    for rate_hz in [10, 15, 20] {
+        let params = AutopilotParams { rate_hz, distance_sensor: true, policy: Policy::Block, ..Default::default() };
+        // Blocked, so that DISTANCE_SENSOR is sent every time as well: the most that a stream ever sends.
+        let sent = messages(params, SECONDS, 1000, false);
+        let count = |id: u32| sent.iter().filter(|(_, frame)| read(frame).1.message_id() == id).count() as u64;
+        assert_eq!(count(ObstacleDistance::ID), SECONDS * u64::from(rate_hz));
+        assert_eq!(count(DistanceSensor::ID), SECONDS * u64::from(rate_hz));
+        assert_eq!(count(Heartbeat::ID), SECONDS);
+        let bytes: u64 = sent.iter().map(|(_, frame)| frame.len() as u64).sum();
+        assert!(bytes < SECONDS * 5760, "{bytes} bytes in {SECONDS} s at {rate_hz} Hz");
+        // Never more than fits into any 100 ms and the two frames under way.
+        for &(start, _) in &sent {
+            let window = sent.iter().filter(|(time, _)| (start..start + 100_000).contains(time));
+            let bytes: usize = window.map(|(_, frame)| frame.len()).sum();
+            assert!(bytes <= 576 + 2 * MAX_FRAME, "{bytes} bytes within 100 ms from {start} us");
+        }
+        // Numbered without a gap.
+        let numbers = sent.iter().map(|(_, frame)| frame[4]);
+        assert!(numbers.zip(0..).all(|(number, index): (u8, u32)| number == index as u8));
+    }
+}
+
+#[test]
+fn pairs_that_come_rarely_or_in_bursts_neither_speed_nor_stop_the_stream() {
+    let params = AutopilotParams { rate_hz: 20, ..Default::default() };
+    let times =
+        |step| messages(params, 6, step, true).into_iter().filter(|(_, frame)| frame[7] != 0).map(|(time, _)| time);
+    assert_eq!(times(250_000).count(), 24, "every pair is sent at 4 a second");
+    let counted = times(33_333).collect::<Vec<_>>();
+    assert!((115..=120).contains(&counted.len()), "{} in 6 s at 20 Hz and 30 pairs a second", counted.len());
+    assert!(counted.windows(2).all(|pair| pair[1] - pair[0] >= 33_333));
+}
+
+#[test]
+fn a_pace_keeps_its_rhythm_and_forgets_a_pause() {
+    let mut pace = Pace::per_second(10);
+    let mut due = |times: &[u64]| times.iter().map(|&time| pace.is_due(time)).collect::<Vec<_>>();
+    assert_eq!(due(&[7, 8, 100_006, 130_000, 200_008, 200_009]), [true, false, true, false, true, false]);
+    assert_eq!(due(&[9_000_000, 9_000_001, 9_099_999, 9_100_000]), [true, false, false, true]);
+    assert!(Pace::per_second(0).is_due(u64::MAX));
+}
+
+#[test]
+fn a_stream_without_sense_is_refused() {
+    let plan = plan();
+    let refused = |params| AutopilotStream::new(params, &plan).unwrap_err();
+    for rate_hz in [0, 9, 21, 255] {
+        assert_eq!(refused(AutopilotParams { rate_hz, ..Default::default() }), StreamError::Rate(rate_hz));
+    }
+    for cm in [0, 1000, u16::MAX] {
+        assert_eq!(
+            refused(AutopilotParams { min_distance_cm: cm, ..Default::default() }),
+            StreamError::MinDistance(cm)
+        );
+    }
+    for cm in [19, 1000] {
+        assert_eq!(refused(AutopilotParams { block_cm: cm, ..Default::default() }), StreamError::Block(cm));
+    }
+    assert_eq!(StreamError::Rate(9).to_string(), "9 messages a second, allowed are 10 to 20");
+}
+
+#[test]
+fn a_port_that_fails_ends_the_turn() {
+    let plan = plan();
+    let mut stream = AutopilotStream::new(AutopilotParams::default(), &plan).unwrap();
+    let mut calls = 0;
+    let turned = stream.turn(&Obstacles::new(), &plan, 0, &mut |_| {
+        calls += 1;
+        Err("full")
+    });
+    assert_eq!((turned, calls), (Err("full"), 1));
+}
+
+/// The bytes of a message in which nothing is known: sector by sector unknown, never 0, the whole turn.
+#[test]
+fn nothing_known_is_65535_everywhere() {
+    let sent = messages(AutopilotParams::default(), 1, 1_000_000, true);
+    let theirs::MavMessage::OBSTACLE_DISTANCE(found) = read(&sent[1].1).1 else { panic!("{sent:?}") };
+    assert_eq!(found.distances, [UNKNOWN_CM; 72]);
+    assert_eq!((found.increment, found.increment_f, found.angle_offset), (5, 5.0, 0.0));
+    assert_eq!((found.min_distance, found.max_distance), (20, 1000));
+    assert_eq!(found.frame, theirs::MavFrame::MAV_FRAME_BODY_FRD);
+    assert_eq!(sent[1].1.len(), 179);
+}
