@@ -46,6 +46,15 @@ pub struct FrameResult {
     pub pair: Option<PairReport>,
 }
 
+impl FrameResult {
+    /// The same; without its points if asked. The counts stay.
+    #[must_use]
+    pub fn without_points(&self, without: bool) -> Self {
+        let points = if without { Vec::new() } else { self.points.clone() };
+        Self { matches: self.matches.clone(), points, ..*self }
+    }
+}
+
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
 pub struct Engine {
     plan: Plan,

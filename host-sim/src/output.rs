@@ -59,6 +59,39 @@ impl OutputFiles {
     }
 }
 
+/// A file that grows line by line beside its destination, and appears there when it is whole.
+#[derive(Debug)]
+pub struct LineFile {
+    file: io::BufWriter<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl LineFile {
+    /// Nothing yet.
+    pub fn new(path: &Path) -> Result<Self> {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        if let Some(permissions) = ordinary_permissions() {
+            builder.permissions(permissions);
+        }
+        let file = builder.prefix(".linestereo-").tempfile_in(folder).map_err(|error| cannot_write(path, &error))?;
+        Ok(Self { file: io::BufWriter::new(file), path: path.to_path_buf() })
+    }
+
+    /// More of it.
+    pub fn push(&mut self, text: &str) -> Result<()> {
+        self.file.write_all(text.as_bytes()).map_err(|error| cannot_write(&self.path, &error))
+    }
+
+    /// Puts it in its place.
+    pub fn commit(self) -> Result<()> {
+        let Self { file, path } = self;
+        let file = file.into_inner().map_err(|error| cannot_write(&path, error.error()))?;
+        file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
+        Ok(())
+    }
+}
+
 /// Only the kind: the error itself names the temporary file, which nobody asked for.
 fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
     anyhow!("cannot write {}: {}; choose a file in a folder that exists and is writable", path.display(), error.kind())

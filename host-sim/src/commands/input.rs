@@ -24,6 +24,9 @@ use std::time::Instant;
 /// Disparity range where neither an option nor a scene file gives one.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 
+/// Matches of what is infinitely far scatter by less than this, px.
+const BEYOND_INFINITY: i16 = 2;
+
 /// Disparity range, rig, size and method.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct InputArgs {
@@ -36,8 +39,12 @@ pub(super) struct InputArgs {
     /// Distance between the cameras.
     #[arg(long, value_name = "M", requires = "focal_px")]
     baseline_m: Option<f64>,
-    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs.
-    #[arg(long, value_name = "PX", requires = "focal_px", allow_negative_numbers = true)]
+    /// Focal length times baseline, where only their product is known: depths, but no directions.
+    #[arg(long, value_name = "PX*M", conflicts_with = "focal_px")]
+    fb: Option<f64>,
+    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs
+    /// [default: minus the scene file's disparity_zero_px].
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     disparity_offset_px: Option<f64>,
     /// Take disparity range and rig from a scene.json; options given here come first.
     #[arg(long, value_name = "scene.json")]
@@ -46,7 +53,7 @@ pub(super) struct InputArgs {
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
     /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "scene", "width"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene", "width"])]
     rig: Vec<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
@@ -66,6 +73,10 @@ pub(super) struct Setup<'a> {
     args: &'a InputArgs,
     /// Of the loaded images.
     loaded: Dims,
+    /// Of the rectified images before --width: that of a detector's boxes and masks.
+    pub(super) given: Dims,
+    /// Disparity of what is infinitely far, in px of the images as matched.
+    pub(super) zero: f64,
     pub(super) params: Params,
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Pairs are raw and of this rig.
@@ -112,6 +123,16 @@ impl InputArgs {
         Ok(Pair { images: [left, right], given })
     }
 
+    /// A scene file is given.
+    pub(super) fn has_scene(&self) -> bool {
+        self.scene.is_some()
+    }
+
+    /// Pairs are rectified first.
+    pub(super) fn is_raw(&self) -> bool {
+        !self.rig.is_empty()
+    }
+
     /// What pairs like this one are matched with.
     pub(super) fn setup(&self, pair: &Pair) -> Result<Setup<'_>> {
         self.setup_with(pair, self.scene.as_deref())
@@ -127,29 +148,53 @@ impl InputArgs {
         let scale = f64::from(loaded.width) / f64::from(given.width);
         let scene = scene.map(|path| Ok::<_, anyhow::Error>((path, SceneInfo::load(path)?))).transpose()?;
         let (mut range, mut rig, mut rig_numbers) = (None, None, None);
+        let zero = scene.as_ref().map_or(0.0, |(_, info)| info.disparity_zero_px);
         if let Some((path, info)) = &scene {
             let scaled = |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
             range = info.max_disparity.map(scaled);
             rig = info.rig(path, scale)?;
             rig_numbers = info.rig_numbers(scale);
         }
-        if let (Some(focal), Some(baseline)) = (self.focal_px, self.baseline_m) {
-            let offset = self.disparity_offset_px.unwrap_or(0.0);
-            let given = Rig::new(focal * scale, baseline, offset * scale);
-            rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", option_behind(&error)))?);
-            rig_numbers = Some(RigUpdate { focal_px: focal * scale, baseline_m: baseline, offset_px: offset * scale });
+        let product = self.fb.map(|fb| (fb, 1.0));
+        if let Some((focal_px, baseline_m)) = self.focal_px.zip(self.baseline_m).or(product) {
+            let offset_px = self.disparity_offset_px.unwrap_or(-zero);
+            let numbers = RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
+            let given = Rig::new(numbers.focal_px, baseline_m, numbers.offset_px);
+            rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
+            rig_numbers = Some(numbers);
+        } else if self.disparity_offset_px.is_some() {
+            bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
         }
         let max_disparity = self.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
         let centre = scene.as_ref().and_then(|(_, info)| info.principal_point());
         let centre = centre.map_or_else(|| Pinhole::middle(loaded), |centre| Pinhole::scaled(centre, scale));
+        let mut params = self.method.params(max_disparity, rig)?;
+        if !self.method.has_min_disparity() {
+            // What is infinitely far has its place in the range.
+            params.min_disparity =
+                ((zero * scale).floor().clamp(-30.0, 0.0) as i16 - BEYOND_INFINITY * i16::from(zero < 0.0)).max(-32);
+        }
         Ok(Setup {
             args: self,
             loaded,
-            params: self.method.params(max_disparity, rig)?,
+            given,
+            zero: zero * scale,
+            params,
             rig_numbers,
             rig: None,
-            pinhole: rig_numbers.map(|numbers| Pinhole { focal: numbers.focal_px, centre }),
+            pinhole: rig_numbers
+                .filter(|_| self.fb.is_none())
+                .map(|numbers| Pinhole { focal: numbers.focal_px, centre }),
         })
+    }
+
+    fn option_behind(&self, error: &RigError) -> &'static str {
+        match error {
+            RigError::Focal(_) if self.fb.is_some() => "--fb",
+            RigError::Focal(_) => "--focal-px",
+            RigError::Baseline(_) => "--baseline-m",
+            RigError::Offset(_) => "--disparity-offset-px",
+        }
     }
 
     fn raw(&self, loaded: Dims) -> Result<Setup<'_>> {
@@ -159,19 +204,13 @@ impl InputArgs {
         Ok(Setup {
             args: self,
             loaded,
+            given: rectification.dims(),
+            zero: 0.0,
             params: image.params(params)?,
             rig_numbers: None,
             rig: Some(image),
             pinhole: Some(Pinhole { focal: rectification.focal(), centre: rectification.centre() }),
         })
-    }
-}
-
-fn option_behind(error: &RigError) -> &'static str {
-    match error {
-        RigError::Focal(_) => "--focal-px",
-        RigError::Baseline(_) => "--baseline-m",
-        RigError::Offset(_) => "--disparity-offset-px",
     }
 }
 

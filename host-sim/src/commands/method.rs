@@ -28,6 +28,11 @@ pub(super) struct MethodArgs {
 }
 
 impl MethodArgs {
+    /// The first disparity is asked for.
+    pub(super) fn has_min_disparity(&self) -> bool {
+        self.min_disparity.is_some()
+    }
+
     /// The core's parameters; ranges are the core's to check.
     pub(super) fn params(&self, max_disparity: u16, rig: Option<Rig>) -> Result<Params> {
         let mut params = Params { max_disparity, rig, ..Params::default() };

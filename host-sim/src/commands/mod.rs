@@ -18,6 +18,7 @@ pub mod plan_rig;
 pub mod rectify;
 pub mod run;
 pub mod scene;
+pub mod sequence;
 mod view;
 
 use crate::board::{self, Board, Machine};
@@ -49,6 +50,7 @@ enum Command {
     FlashImage(flash_image::Args),
     Rectify(rectify::Args),
     Scene(scene::Args),
+    Sequence(Box<sequence::Args>),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
     ConvertRig(convert_rig::Args),
@@ -70,6 +72,7 @@ pub fn main() -> ExitCode {
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Rectify(args)) => rectify::run(args),
         Some(Command::Scene(args)) => scene::run(args),
+        Some(Command::Sequence(args)) => sequence::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),

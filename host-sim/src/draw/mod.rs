@@ -7,12 +7,15 @@
 mod calibration;
 mod colour;
 mod legend;
+mod nearest;
 mod plan;
 mod rows;
+mod sheet;
 mod text;
 
 pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
+pub use nearest::nearest;
 pub use plan::plan;
 
 use crate::engine::{FrameResult, GrayImage};

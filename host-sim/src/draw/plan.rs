@@ -1,23 +1,17 @@
 //! A rig that is planned: seen from above, to scale, whole and near the cameras; error and common view by distance.
 
-use super::paint;
-use super::text::{Align, write};
+use super::sheet::{FAINT, GRID, INK, Sheet, TEXT};
+use super::text::Align;
 use crate::planning::{RigPlan, Wish};
 use image::RgbImage;
-use tiny_skia::{Color, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
 
 const SIZE: [u32; 2] = [1280, 860];
-const BACKGROUND: [u8; 3] = [16, 16, 18];
-const INK: [u8; 3] = [225, 225, 225];
-const FAINT: [u8; 3] = [120, 120, 128];
-const GRID: [u8; 3] = [60, 60, 66];
 /// Error below 5 %, below 10 %, above, and too near.
 const GOOD: [u8; 3] = [70, 225, 110];
 const FAIR: [u8; 3] = [255, 225, 40];
 const POOR: [u8; 3] = [255, 140, 20];
 const LOST: [u8; 3] = [255, 45, 45];
 const SHARED: [u8; 3] = [0, 200, 255];
-const TEXT: f32 = 15.0;
 /// Shares of distance that the colours part at.
 const SHARES: [f64; 2] = [0.05, 0.1];
 /// The near view ends at this many times the near limit.
@@ -31,7 +25,7 @@ const TOP_ERROR: f64 = 20.0;
 #[must_use]
 pub fn plan(plan: &RigPlan, wish: Option<&Wish>) -> RgbImage {
     let far = 1.15 * wish.map_or(0.0, |wish| wish.far).max(plan.reach(SHARES[1])).max(1.3 * plan.near_limit());
-    let mut sheet = Sheet::new();
+    let mut sheet = Sheet::new(SIZE);
     let title = format!(
         "focal length {:.0} px, {}, baseline {:.1} mm, disparities to {}, sigma {} px",
         plan.focal(),
@@ -158,73 +152,15 @@ fn charts(sheet: &mut Sheet, plan: &RigPlan, wish: Option<&Wish>, [left, top, ri
 }
 
 /// The 1, 2 or 5 times a power of ten next above.
-fn even_step(least: f64) -> f64 {
+pub(super) fn even_step(least: f64) -> f64 {
     let power = 10_f64.powi(least.log10().floor() as i32);
     let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * power >= least);
     step.unwrap_or(10.0) * power
 }
 
-fn metres(value: f64) -> String {
+pub(super) fn metres(value: f64) -> String {
     let decimals = if value == 0.0 || value >= 10.0 { 0 } else { (1.0 - value.log10().floor()) as usize };
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} m")
-}
-
-/// A picture in the making: shapes first, words over them.
-struct Sheet {
-    pixmap: Pixmap,
-    labels: Vec<Label>,
-}
-
-struct Label {
-    at: (f32, f32),
-    align: Align,
-    rgb: [u8; 3],
-    text: String,
-}
-
-impl Sheet {
-    fn new() -> Self {
-        let [width, height] = SIZE;
-        let mut pixmap = Pixmap::new(width, height).expect("sides are above 0");
-        let [red, green, blue] = BACKGROUND;
-        pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
-        Self { pixmap, labels: Vec::new() }
-    }
-
-    fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
-        self.labels.push(Label { at, align, rgb, text });
-    }
-
-    fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
-        let mut path = PathBuilder::new();
-        path.move_to(from.0, from.1);
-        path.line_to(to.0, to.1);
-        if let Some(path) = path.finish() {
-            let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
-            self.pixmap.stroke_path(&path, &paint(rgb, 1.0), &stroke, Transform::identity(), None);
-        }
-    }
-
-    fn fill(&mut self, corners: &[(f32, f32)], rgb: [u8; 3], alpha: f32) {
-        let mut path = PathBuilder::new();
-        for (index, &(x, y)) in corners.iter().enumerate() {
-            if index == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
-        }
-        path.close();
-        if let Some(path) = path.finish() {
-            self.pixmap.fill_path(&path, &paint(rgb, alpha), FillRule::Winding, Transform::identity(), None);
-        }
-    }
-
-    fn into_picture(self) -> RgbImage {
-        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        let [width, height] = SIZE;
-        let mut picture = RgbImage::from_raw(width, height, bytes).expect("three bytes for each pixel");
-        for Label { at, align, rgb, text } in &self.labels {
-            write(&mut picture, *at, *align, TEXT, *rgb, text);
-        }
-        picture
-    }
 }

@@ -9,15 +9,18 @@
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
 //!
 //! - Objects: `objects` says what is wrong and covered there.
+//! - **nearest**: the disparity that at least three segments of a frame reach, against a surveyed distance.
 //!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
 
 mod frame;
+mod nearest;
 mod objects;
 mod summary;
 mod table;
 
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use objects::{Mask, ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
 pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{report, scene_table};

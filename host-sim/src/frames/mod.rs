@@ -4,6 +4,7 @@ mod decode;
 mod perturb;
 mod resample;
 mod scene;
+mod sequence;
 mod truth;
 
 pub(crate) use decode::load_values;
@@ -11,6 +12,7 @@ pub use decode::{check_size, check_usable, load_gray};
 pub use perturb::Perturbation;
 pub use resample::{area_average, resampled_height};
 pub use scene::{Scene, SceneInfo, find_pairs, find_scenes, has_truth, load_scene, scaled_max_disparity};
+pub use sequence::{PairFiles, Sequence, SequencePair};
 pub use truth::Truth;
 
 use core::fmt;

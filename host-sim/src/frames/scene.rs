@@ -1,6 +1,6 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
-//! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `ground_truth` (`file`, `disparity_scale`: disparity in
+//! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `disparity_zero_px`, `ground_truth` (`file`, `disparity_scale`: disparity in
 //! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`). What is visible in
 //! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
 
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 /// Derived disparity ranges are multiples of this.
 const RANGE_STEP: u16 = 16;
-const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+pub(super) const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
 
 /// What `scene.json` says; fields it does not have are `None`.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -26,6 +26,9 @@ pub struct SceneInfo {
     pub scene: Option<String>,
     /// Disparities to search, 0 .. this, in px.
     pub max_disparity: Option<f64>,
+    /// Disparity of what is infinitely far, in px of the images as stored: what cameras that do not look in the same direction have.
+    #[serde(default)]
+    pub disparity_zero_px: f64,
     ground_truth: Option<GroundTruthInfo>,
     rectified: Option<RectifiedInfo>,
 }

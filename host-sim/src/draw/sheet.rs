@@ -1,0 +1,69 @@
+//! A dark sheet for plans and charts: lines and areas first, labels on top.
+
+use super::paint;
+use super::text::{Align, write};
+use image::RgbImage;
+use tiny_skia::{Color, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
+
+const BACKGROUND: [u8; 3] = [16, 16, 18];
+pub(super) const INK: [u8; 3] = [225, 225, 225];
+pub(super) const FAINT: [u8; 3] = [120, 120, 128];
+pub(super) const GRID: [u8; 3] = [60, 60, 66];
+pub(super) const TEXT: f32 = 15.0;
+
+/// A picture in the making: shapes first, words over them.
+pub(super) struct Sheet {
+    pixmap: Pixmap,
+    labels: Vec<Label>,
+}
+
+struct Label {
+    at: (f32, f32),
+    align: Align,
+    rgb: [u8; 3],
+    text: String,
+}
+
+impl Sheet {
+    pub(super) fn new([width, height]: [u32; 2]) -> Self {
+        let mut pixmap = Pixmap::new(width, height).expect("sides are above 0");
+        let [red, green, blue] = BACKGROUND;
+        pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
+        Self { pixmap, labels: Vec::new() }
+    }
+
+    pub(super) fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
+        self.labels.push(Label { at, align, rgb, text });
+    }
+
+    pub(super) fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
+        let mut path = PathBuilder::new();
+        path.move_to(from.0, from.1);
+        path.line_to(to.0, to.1);
+        if let Some(path) = path.finish() {
+            let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+            self.pixmap.stroke_path(&path, &paint(rgb, 1.0), &stroke, Transform::identity(), None);
+        }
+    }
+
+    pub(super) fn fill(&mut self, corners: &[(f32, f32)], rgb: [u8; 3], alpha: f32) {
+        let mut path = PathBuilder::new();
+        for (index, &(x, y)) in corners.iter().enumerate() {
+            if index == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
+        }
+        path.close();
+        if let Some(path) = path.finish() {
+            self.pixmap.fill_path(&path, &paint(rgb, alpha), FillRule::Winding, Transform::identity(), None);
+        }
+    }
+
+    pub(super) fn into_picture(self) -> RgbImage {
+        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        let mut picture =
+            RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), bytes).expect("three bytes for each pixel");
+        for Label { at, align, rgb, text } in &self.labels {
+            write(&mut picture, *at, *align, TEXT, *rgb, text);
+        }
+        picture
+    }
+}
