@@ -259,6 +259,17 @@ impl Candidate {
         self.best(|side| side.edge_probability_q16)
     }
 
+    /// Why its segment is not in the list of matches of the run that made it; `None` when it is listed.
+    #[must_use]
+    pub fn rejection(&self) -> Option<Rejection> {
+        match (self.listed, self.edge_side()) {
+            (Some(_), _) => None,
+            (None, Some(_)) => Some(Rejection::EdgeUnclear),
+            (None, None) if self.beaten => Some(Rejection::NotExclusive),
+            (None, None) => Some(Rejection::LowConfidence),
+        }
+    }
+
     fn owner(&self) -> Option<Owner> {
         let [left, right] = self.sides.each_ref().map(|side| side.as_ref().filter(|s| !s.rejected));
         match (left, right) {

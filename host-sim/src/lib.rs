@@ -18,4 +18,5 @@ pub mod pinhole;
 pub mod planning;
 pub mod rectify;
 pub mod regions;
+pub mod report;
 pub mod scene;

@@ -16,7 +16,7 @@ use crate::frames::{
 use crate::pinhole::Pinhole;
 use crate::rectify::PairRectifier;
 use anyhow::{Result, anyhow, bail};
-use linestereo::{Dims, Eye, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span};
+use linestereo::{Dims, Eye, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span, shrink_to_usable};
 use linestereo_wire::{RigImage, RigUpdate};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -75,6 +75,8 @@ pub(super) struct Setup<'a> {
     loaded: Dims,
     /// Of the rectified images before --width: that of a detector's boxes and masks.
     pub(super) given: Dims,
+    /// Pixels of the left image with content, where the scene file says so; empty when all have.
+    left_content: Vec<Span>,
     /// Disparity of what is infinitely far, in px of the images as matched.
     pub(super) zero: f64,
     pub(super) params: Params,
@@ -178,6 +180,7 @@ impl InputArgs {
             args: self,
             loaded,
             given,
+            left_content: scene.as_ref().and_then(|(_, info)| info.left_content(loaded)).unwrap_or_default(),
             zero: zero * scale,
             params,
             rig_numbers,
@@ -205,6 +208,7 @@ impl InputArgs {
             args: self,
             loaded,
             given: rectification.dims(),
+            left_content: Vec::new(),
             zero: 0.0,
             params: image.params(params)?,
             rig_numbers: None,
@@ -242,7 +246,11 @@ impl Matcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
         let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.rectification())).transpose()?;
-        let usable = Eye::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
+        let mut usable = Eye::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
+        if !setup.left_content.is_empty() {
+            usable[0].clone_from(&setup.left_content);
+            shrink_to_usable(&mut usable[0], setup.dims().width);
+        }
         let engine = engine_with(&setup.params, setup.dims())?;
         Ok(Self { rectifier, usable, engine, monitor: HealthMonitor::new() })
     }

@@ -16,6 +16,7 @@ mod method;
 pub mod monitor;
 pub mod plan_rig;
 pub mod rectify;
+pub mod report;
 pub mod run;
 pub mod scene;
 pub mod sequence;
@@ -49,6 +50,7 @@ enum Command {
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
     Rectify(rectify::Args),
+    Report(Box<report::Args>),
     Scene(scene::Args),
     Sequence(Box<sequence::Args>),
     Calibrate(calibrate::Args),
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Rectify(args)) => rectify::run(args),
+        Some(Command::Report(args)) => report::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Sequence(args)) => sequence::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),

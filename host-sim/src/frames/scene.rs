@@ -1,13 +1,14 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
 //! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `disparity_zero_px`, `ground_truth` (`file`, `disparity_scale`: disparity in
-//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`). What is visible in
+//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`,
+//! `left_valid_normalized`: left, top, right, bottom border of the left image's content as shares of its sides). What is visible in
 //! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
 
 use super::decode::{check_size, load_values};
 use super::{FrameError, Truth, area_average, check_same_size, load_gray};
 use crate::engine::GrayImage;
-use linestereo::{Dims, Rig};
+use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
 use serde::Deserialize;
 use std::fs;
@@ -46,6 +47,7 @@ struct RectifiedInfo {
     #[serde(default)]
     disparity_offset_px: f64,
     principal_point_px: Option<[f64; 2]>,
+    left_valid_normalized: Option<[f64; 4]>,
 }
 
 impl SceneInfo {
@@ -61,6 +63,20 @@ impl SceneInfo {
         Rig::new(numbers.focal_px, numbers.baseline_m, numbers.offset_px)
             .map(Some)
             .map_err(|error| FrameError::Rig(path.to_path_buf(), error))
+    }
+
+    /// Of each row of a left image of this size the pixels with content; `None` when all have.
+    #[must_use]
+    pub fn left_content(&self, dims: Dims) -> Option<Vec<Span>> {
+        let [left, top, right, bottom] = self.rectified.as_ref()?.left_valid_normalized?;
+        let [width, height] = [dims.width, dims.height].map(f64::from);
+        let within = |value: f64, side: f64| value.clamp(0.0, side) as u16;
+        let span = Span {
+            start: within((left * width).ceil(), width),
+            end: within((right * width).floor(), width).max(within((left * width).ceil(), width)),
+        };
+        let rows = within((top * height).ceil(), height)..within((bottom * height).floor(), height);
+        Some((0..dims.height).map(|y| if rows.contains(&y) { span } else { Span::default() }).collect())
     }
 
     /// Principal point of the left image as stored, px.

@@ -1,0 +1,159 @@
+//! `linestereo report`: one page for a pair or a sequence, to be looked at.
+
+use super::input::InputArgs;
+use super::print;
+use super::sequence::Player;
+use crate::frames::{PairFiles, Sequence, SequencePair};
+use crate::output::OutputFiles;
+use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo report left.png right.png --scene scene.json -o report.html
+  linestereo report frames/desk -o desk.html
+      a folder with a pair and its scene.json
+  linestereo report recording --rig rig.toml --size 320x240 --max-frames 100 -o recording.html
+      a sequence, with a slider over its frames; layouts: linestereo sequence --help
+
+The page holds everything: images, data, script. It works offline, with mouse, touch and keyboard
+(arrow keys go through the segments of a picture that has the focus).";
+
+/// Write one HTML page that shows what was found in a pair or a sequence, and why the rest was not.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Left image; or a folder with a pair or a sequence.
+    left: PathBuf,
+    /// Right image.
+    right: Option<PathBuf>,
+    /// The page.
+    #[arg(long, short, value_name = "FILE.html")]
+    out: PathBuf,
+    /// Of a longer sequence so many frames are shown, evenly spaced; all of them are matched.
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    max_frames: usize,
+    /// Both images of a pair stand side by side in one file: left | right.
+    #[arg(long, conflicts_with = "right")]
+    side_by_side: bool,
+    #[command(flatten)]
+    input: InputArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let (pairs, title) = pairs(args)?;
+    let shown = shown(pairs.len(), args.max_frames.max(1));
+    let mut player = Player::new(&args.input, &args.left);
+    let progress = progress_bar(pairs.len());
+    let mut page = None;
+    let mut failed = Vec::new();
+    for (index, pair) in pairs.iter().enumerate() {
+        progress.set_message(pair.name.clone());
+        let outcome = add(
+            &mut player,
+            pair,
+            shown.contains(&index),
+            |setup| PageSetup { title: title.clone(), many: pairs.len() > 1, ..setup },
+            &mut page,
+        );
+        if let Err(error) = outcome {
+            if pairs.len() == 1 {
+                return Err(error);
+            }
+            failed.push((pair.name.clone(), format!("{error:#}")));
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let Some(mut page) = page else {
+        let (name, error) = failed.into_iter().next().context("there are no pairs")?;
+        bail!("no pair can be shown; {name}: {error}");
+    };
+    failed.iter().for_each(|(name, error)| page.push_error(name, error));
+    let html = page.html()?;
+    let mut output = OutputFiles::new();
+    output.add(&args.out, html.as_bytes())?;
+    output.commit()?;
+    let megabytes = html.len() as f64 / 1e6;
+    print(&format!(
+        "{} of {} pairs, {} failed: wrote {} ({megabytes:.1} MB)\n",
+        shown.len(),
+        pairs.len(),
+        failed.len(),
+        args.out.display()
+    ))
+}
+
+fn pairs(args: &Args) -> Result<(Vec<SequencePair>, String)> {
+    let name = |path: &Path| {
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    if let Some(right) = &args.right {
+        let title = format!("{} and {}", name(&args.left), name(right));
+        let files = PairFiles::Two([args.left.clone(), right.clone()]);
+        return Ok((vec![SequencePair { name: name(&args.left), number: None, files }], title));
+    }
+    if !args.left.is_dir() {
+        bail!("{} is no folder; give a left and a right image, or a folder", args.left.display());
+    }
+    let title = name(&args.left);
+    let mut pairs = Sequence::find(&args.left, args.side_by_side)?.pairs;
+    if pairs.is_empty() {
+        bail!("{} holds no pairs; see linestereo sequence --help for the layouts", args.left.display());
+    }
+    for pair in pairs.iter_mut().filter(|pair| pair.name.is_empty()) {
+        pair.name.clone_from(&title);
+    }
+    Ok((pairs, title))
+}
+
+/// Positions of at most so many frames, evenly spaced, the first and the last among them.
+fn shown(frames: usize, most: usize) -> Vec<usize> {
+    if frames <= most {
+        return (0..frames).collect();
+    }
+    (0..most).map(|i| if most > 1 { i * (frames - 1) / (most - 1) } else { 0 }).collect()
+}
+
+/// Matches a pair and, if it is to be shown, puts it on the page, which the first one begins.
+fn add(
+    player: &mut Player<'_>,
+    pair: &SequencePair,
+    is_shown: bool,
+    named: impl Fn(PageSetup) -> PageSetup,
+    page: &mut Option<Page>,
+) -> Result<()> {
+    let loaded = player.load(pair)?;
+    let (Some(setup), Some(matcher)) = (&player.setup, &mut player.matcher) else { bail!("nothing is set up") };
+    let mut log = RejectionLog::default();
+    let times = pair.time_us().map(|time| [time; 2]);
+    let matched = matcher.run_observed(setup, &loaded, times, &mut log)?;
+    if !is_shown {
+        return Ok(());
+    }
+    let page = page.get_or_insert_with(|| {
+        Page::new(named(PageSetup {
+            title: String::new(),
+            max_disparity: setup.params.max_disparity,
+            rig: setup.params.rig,
+            pinhole: setup.pinhole,
+            many: false,
+        }))
+    });
+    page.push(&PageFrame {
+        name: pair.name.clone(),
+        images: &matched.images,
+        result: &matched.result,
+        rejected: &log.rejected(matcher.engine.candidates()),
+        objects: &[],
+    })
+}
+
+fn progress_bar(length: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
+    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,286 @@
+//! Results of pairs -> one page that needs nothing but a browser.
+//!
+//! In: a [`PageFrame`] per pair. Out: HTML with images, data, style and script in it: no network, no other files.
+//!
+//! The data are compact lists (`page.js` names their fields); positions and disparities have two decimals, metres three. Points are thinned to
+//! [`MOST_POINTS`] a frame: they are seen from above only. Images are PNG where there is one pair, JPEG in a sequence.
+
+mod rejected;
+
+pub use rejected::{Rejected, RejectionLog};
+
+use crate::draw::ColourRange;
+use crate::engine::{FrameResult, GrayImage};
+use crate::health;
+use crate::listing::{self, finite_metres, owner_name};
+use crate::pinhole::Pinhole;
+use crate::regions::{Object, Pixels};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
+use linestereo::{Match, Rejection, Rig};
+use serde::Serialize;
+use serde_json::Value;
+
+/// Points of a frame that are kept: every so many-th of them.
+pub const MOST_POINTS: usize = 4000;
+const JPEG_QUALITY: u8 = 85;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// What a reader is told about each reason, in the order of [`Rejection::ALL`].
+const REASONS: [(&str, &str); Rejection::ALL.len()] = [
+    ("less_prominent", "Another segment in the same square has more extent and contrast; this one was not matched."),
+    ("near_border", "Too close to the left or right border to compare enough disparities."),
+    ("window_not_unique", "A second place in the right image looks nearly as much like its window."),
+    ("census_not_unique", "A second place in the right image has nearly the same order of grey levels."),
+    ("techniques_disagree", "Window and census lie further apart than the margin."),
+    ("left_right", "Searching back from the right image does not return to it."),
+    ("slant", "Its two halves lie too far apart to be one straight edge."),
+    ("no_owner", "Neither side of it carries the disparity on its own."),
+    ("not_exclusive", "A more credible segment explains the same place in the right image."),
+    ("low_confidence", "Its probability is below the asked one."),
+    ("edge_unclear", "Its points are credible, but the edge may belong to the surface on the other side."),
+];
+
+/// A pair and what was found in it.
+pub struct PageFrame<'a> {
+    /// What the pair is called.
+    pub name: String,
+    /// As matched.
+    pub images: &'a [GrayImage; 2],
+    /// What was found.
+    pub result: &'a FrameResult,
+    /// Segments without a match.
+    pub rejected: &'a [Rejected],
+    /// Regions with their depths; empty when nobody asked.
+    pub objects: &'a [(Object, listing::Object)],
+}
+
+/// What holds for all pairs of a page.
+pub struct PageSetup {
+    /// Title of the page.
+    pub title: String,
+    /// Disparities searched: 0 .. this, px.
+    pub max_disparity: u16,
+    /// Where depths are known.
+    pub rig: Option<Rig>,
+    /// Where directions are known, too.
+    pub pinhole: Option<Pinhole>,
+    /// There are several frames: smaller images.
+    pub many: bool,
+}
+
+#[derive(Serialize)]
+struct FrameData {
+    name: String,
+    size: [u16; 2],
+    images: [String; 2],
+    /// Colours span these disparities, px.
+    range: [f32; 2],
+    segments: Vec<Vec<Value>>,
+    /// Ends and position of the reason in the list of reasons.
+    rejected: Vec<(f64, f64, f64, f64, usize)>,
+    /// x, y, disparity.
+    points: Vec<(u16, u16, f64, Option<f64>)>,
+    objects: Vec<ObjectData>,
+    counts: Vec<(&'static str, u32)>,
+    health: Vec<(String, &'static str)>,
+    rows_px: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ObjectData {
+    #[serde(flatten)]
+    depth: listing::Object,
+    /// Rectangles: x, y, width, height.
+    cover: Vec<[u16; 4]>,
+    is_box: bool,
+}
+
+#[derive(Serialize)]
+struct PageData<'a> {
+    title: &'a str,
+    version: &'static str,
+    max_disparity: u16,
+    has_depth: bool,
+    pinhole: Option<(f64, f64, f64)>,
+    reasons: [(&'static str, &'static str); Rejection::ALL.len()],
+}
+
+/// A page in the making: frames are turned into text one by one.
+pub struct Page {
+    setup: PageSetup,
+    frames: Vec<String>,
+}
+
+impl Page {
+    /// Without frames.
+    #[must_use]
+    pub fn new(setup: PageSetup) -> Self {
+        Self { setup, frames: Vec::new() }
+    }
+
+    /// The next pair.
+    pub fn push(&mut self, frame: &PageFrame<'_>) -> anyhow::Result<()> {
+        let result = frame.result;
+        let range = ColourRange::of(result, self.setup.max_disparity);
+        let [left, right] = frame.images;
+        let data = FrameData {
+            name: frame.name.clone(),
+            size: [left.dims.width, left.dims.height],
+            images: [data_uri(left, self.setup.many)?, data_uri(right, self.setup.many)?],
+            range: [range.far, range.near],
+            segments: result.matches.iter().map(segment).collect(),
+            rejected: frame.rejected.iter().map(rejected).collect(),
+            points: self.points(result),
+            objects: frame.objects.iter().map(object).collect(),
+            counts: listing::counts(&result.counts),
+            health: explained_health(result),
+            rows_px: result.pair.as_ref().and_then(|pair| pair.row_offset_q8).map(|q8| f64::from(q8) / 256.0),
+        };
+        self.frames.push(serde_json::to_string(&data)?);
+        Ok(())
+    }
+
+    /// A pair that failed: its name and why.
+    pub fn push_error(&mut self, name: &str, error: &str) {
+        self.frames.push(serde_json::json!({"name": name, "error": error}).to_string());
+    }
+
+    fn points(&self, result: &FrameResult) -> Vec<(u16, u16, f64, Option<f64>)> {
+        let every = result.points.len().div_ceil(MOST_POINTS).max(1);
+        let depth = |disparity| self.setup.rig.and_then(|rig| finite_metres(rig.depth(disparity))).map(thousandths);
+        let points = result.points.iter().step_by(every);
+        points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
+    }
+
+    /// The whole page.
+    pub fn html(&self) -> serde_json::Result<String> {
+        let setup = &self.setup;
+        let data = serde_json::to_string(&PageData {
+            title: &setup.title,
+            version: env!("CARGO_PKG_VERSION"),
+            max_disparity: setup.max_disparity,
+            has_depth: setup.rig.is_some(),
+            pinhole: setup.pinhole.map(|pinhole| (pinhole.focal, pinhole.centre[0], pinhole.centre[1])),
+            reasons: REASONS,
+        })?;
+        // Nothing in the data may end the script that holds it.
+        let harmless = |json: String| json.replace('<', "\\u003c");
+        let frames = harmless(format!("[{}]", self.frames.join(",\n")));
+        let (before, after) = PAGE.split_once("/*SCRIPT*/").unwrap_or((PAGE, ""));
+        let before = before
+            .replace("/*STYLE*/", STYLE)
+            .replace("/*SETUP*/", &harmless(data))
+            .replace("<!--TITLE-->", &escaped(&setup.title));
+        let (head, tail) = before.split_once("/*FRAMES*/").unwrap_or((&before, ""));
+        Ok([head, &frames, tail, SCRIPT, after].concat())
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}
+
+fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
+    let mut bytes = Vec::new();
+    let (width, height) = (image.dims.width.into(), image.dims.height.into());
+    let kind = if small {
+        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
+            &image.pixels,
+            width,
+            height,
+            ExtendedColorType::L8,
+        )?;
+        "jpeg"
+    } else {
+        PngEncoder::new(&mut bytes).write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
+        "png"
+    };
+    Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
+}
+
+/// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window, census.
+fn segment(found: &Match) -> Vec<Value> {
+    let [a, b] = found.ends;
+    let px = |value: f64| Value::from(hundredths(value));
+    let metres = |ends: Option<[linestereo::Depth; 2]>, i: usize| {
+        Value::from(ends.and_then(|ends| finite_metres(ends[i])).map(thousandths))
+    };
+    vec![
+        px(a.x.to_num()),
+        px(a.y.to_num()),
+        px(b.x.to_num()),
+        px(b.y.to_num()),
+        px(found.disparity[0].to_num()),
+        px(found.disparity[1].to_num()),
+        px(found.sigma.to_num()),
+        thousandths(found.confidence.to_num()).into(),
+        owner_name(found.owner).into(),
+        metres(found.depth, 0),
+        metres(found.depth, 1),
+        metres(found.depth_sigma, 0),
+        metres(found.depth_sigma, 1),
+        found.techniques.feature.map(|d| hundredths(d.to_num())).into(),
+        px(found.techniques.window.to_num()),
+        px(found.techniques.census.to_num()),
+    ]
+}
+
+fn rejected(lost: &Rejected) -> (f64, f64, f64, f64, usize) {
+    let [a, b] = lost.ends;
+    let px = |value: linestereo::Position| hundredths(value.to_num());
+    (px(a.x), px(a.y), px(b.x), px(b.y), lost.reason as usize)
+}
+
+fn object((object, depth): &(Object, listing::Object)) -> ObjectData {
+    let cover = match &object.pixels {
+        Pixels::Box(area) => vec![[area.left, area.top, area.right - area.left, area.bottom - area.top]],
+        Pixels::Mask(runs) => {
+            runs.iter().map(|run| [run.span.start, run.y, run.span.end - run.span.start, 1]).collect()
+        }
+    };
+    ObjectData { depth: depth.clone(), cover, is_box: matches!(object.pixels, Pixels::Box(_)) }
+}
+
+fn explained_health(result: &FrameResult) -> Vec<(String, &'static str)> {
+    let explained = health::advice(result.health);
+    explained.map(|(name, what)| (name.to_owned(), what)).collect()
+}
+
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+fn thousandths(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reason_is_explained() {
+        assert_eq!(REASONS.map(|(name, _)| name), Rejection::ALL.map(Rejection::name));
+    }
+
+    #[test]
+    fn a_page_needs_nothing_else_and_no_name_ends_its_script() {
+        let title = "</script><b>&".to_owned();
+        let setup = PageSetup { title, max_disparity: 64, rig: None, pinhole: None, many: false };
+        let mut page = Page::new(setup);
+        page.push_error("</script>", "broken");
+        let html = page.html().unwrap();
+        assert_eq!(html.matches("</script>").count(), 3); // setup, frames, script
+        for outside in ["http://", "https://", "src=\"/", "@import", "url("] {
+            let html = html.replace("http://www.w3.org/2000/svg", "");
+            assert!(!html.contains(outside), "{outside}");
+        }
+        for place in ["/*STYLE*/", "/*SETUP*/", "/*FRAMES*/", "/*SCRIPT*/", "<!--TITLE-->"] {
+            assert!(PAGE.contains(place) && !html.contains(place), "{place}");
+        }
+    }
+}
