@@ -32,6 +32,9 @@ pub struct Answers {
     /// Depth of each region.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub objects: Option<Vec<Object>>,
+    /// Why the list of objects is empty: its file could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects_error: Option<String>,
 }
 
 /// The depth of a region, or why it has none.
@@ -149,6 +152,36 @@ pub fn csv(result: &FrameResult) -> String {
             }
         }
         text.push('\n');
+    }
+    text
+}
+
+/// Objects as CSV, one line each below a line of names; what is unknown is empty.
+#[must_use]
+pub fn objects_csv(objects: &[Object]) -> String {
+    let mut text =
+        String::from("label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n");
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for object in objects {
+        let name = object.name.as_deref().unwrap_or("");
+        let name = if name.contains([',', '"', '\n']) {
+            format!("\"{}\"", name.replace('"', "\"\""))
+        } else {
+            name.to_owned()
+        };
+        let _ = writeln!(
+            text,
+            "{},{name},{},{},{},{},{},{},{},{}",
+            object.label,
+            number(object.disparity_px),
+            object.sigma_px,
+            number(object.depth_m),
+            object.sigma_m,
+            number(object.nearest_m),
+            object.support,
+            object.confidence,
+            object.reason.unwrap_or("")
+        );
     }
     text
 }
@@ -292,7 +325,7 @@ mod tests {
             ..found
         };
         let objects = vec![Object::new(&found, Some("cup")), Object::new(&refused, None)];
-        let answers = Answers { objects: Some(objects) };
+        let answers = Answers { objects: Some(objects), ..Answers::default() };
         let text = json(Dims { width: 64, height: 48 }, &example(), &answers).unwrap();
         let (_, objects) = text.split_once(r#""health":{"flags":[]},"#).unwrap();
         let expected = r#""objects":[{"label":3,"name":"cup","disparity_px":8.0,"sigma_px":0.25,"depth_m":2.5,"#

@@ -14,6 +14,7 @@ pub mod flash_image;
 mod input;
 mod method;
 pub mod monitor;
+mod objects;
 pub mod plan_rig;
 pub mod rectify;
 pub mod report;

@@ -1,6 +1,7 @@
 //! `linestereo report`: one page for a pair or a sequence, to be looked at.
 
 use super::input::InputArgs;
+use super::objects::ObjectArgs;
 use super::print;
 use super::sequence::Player;
 use crate::frames::{PairFiles, Sequence, SequencePair};
@@ -40,6 +41,8 @@ pub struct Args {
     side_by_side: bool,
     #[command(flatten)]
     input: InputArgs,
+    #[command(flatten)]
+    objects: ObjectArgs,
 }
 
 /// Runs the command.
@@ -53,6 +56,7 @@ pub fn run(args: &Args) -> Result<()> {
     for (index, pair) in pairs.iter().enumerate() {
         progress.set_message(pair.name.clone());
         let outcome = add(
+            args,
             &mut player,
             pair,
             shown.contains(&index),
@@ -121,6 +125,7 @@ fn shown(frames: usize, most: usize) -> Vec<usize> {
 
 /// Matches a pair and, if it is to be shown, puts it on the page, which the first one begins.
 fn add(
+    args: &Args,
     player: &mut Player<'_>,
     pair: &SequencePair,
     is_shown: bool,
@@ -144,12 +149,16 @@ fn add(
             many: false,
         }))
     });
+    let objects = args.objects.depths(setup, pair.left(), &mut matcher.engine, &matched.result).unwrap_or_default();
+    if let Some(error) = objects.error {
+        bail!("{error}");
+    }
     page.push(&PageFrame {
         name: pair.name.clone(),
         images: &matched.images,
         result: &matched.result,
         rejected: &log.rejected(matcher.engine.candidates()),
-        objects: &[],
+        objects: &objects.list,
     })
 }
 

@@ -1,13 +1,14 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
 use super::input::{InputArgs, Matcher, Pair, Setup};
+use super::objects::{Asked, ObjectArgs};
 use super::{engine_with, machine_for, print};
 use crate::board;
 use crate::draw::{self, ColourRange};
 use crate::engine::{FrameResult, GrayImage};
 use crate::export;
 use crate::health;
-use crate::listing::{self, Answers};
+use crate::listing;
 use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
@@ -25,6 +26,8 @@ Examples:
       range and rig from a scene file, images reduced to 320 px
   linestereo run left.png right.png --scene scene.json --ply points.ply --disparity-png d.png --pfm d.pfm
       for other programs: geometry, disparity maps of the images as matched
+  linestereo run left.png right.png --scene scene.json --objects detections.json --json -
+      the depth of every object that a detector found
   linestereo run left.png right.png --width 320 --on mps2-an500
       the same on an emulated Cortex-M7, with its instructions counted
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
@@ -41,6 +44,8 @@ JSON:
                 \"techniques\":{\"feature\":d, \"window\":d, \"census\":d}}],
    \"points\":[[x,y,disparity_px,confidence]],
    \"counts\":{...},
+   \"objects\":[{\"label\":n, \"name\":s, \"disparity_px\":d, \"sigma_px\":s, \"depth_m\":z, \"sigma_m\":s,
+               \"nearest_m\":z, \"support\":k, \"confidence\":c, \"reason\":null}],
    \"health\":{\"flags\":[\"...\"],
              \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
              \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"witnesses\":n},
@@ -49,6 +54,9 @@ JSON:
   owner       side whose surface has this depth; left is above on a near-horizontal segment
   depth_m     null without a rig; a z of null is infinite
   feature     null when no segment of the right image is alike
+  objects     with --objects; label: the mask's value, or the object's position in the file (from 0);
+              disparity and depth at its centre, null with a reason: little_support, two_surfaces,
+              only_outline, unhealthy_pair; support: segments that speak for it
   health      what is wrong with the pair, and the numbers behind it; null is not known
   level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
               detail: mean grey step between samples; view: share of the usable pixels
@@ -84,8 +92,13 @@ pub struct Args {
     /// Draw the segments over the left image, red near to blue far, as PNG.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<PathBuf>,
+    /// Write the objects as CSV.
+    #[arg(long, value_name = "FILE", requires = "objects")]
+    objects_csv: Option<PathBuf>,
+    #[command(flatten)]
+    objects: ObjectArgs,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
-    #[arg(long, value_name = "BOARD")]
+    #[arg(long, value_name = "BOARD", conflicts_with = "objects")]
     on: Option<String>,
 }
 
@@ -94,12 +107,15 @@ pub fn run(args: &Args) -> Result<()> {
     let pair = args.input.load(&args.left, &args.right)?;
     let setup = args.input.setup(&pair)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
-    let (left, result, cost) = match &args.on {
-        Some(board) => on_board(&setup, &pair, board)?,
-        None => here(&setup, &pair)?,
+    let (left, result, cost, objects) = match &args.on {
+        Some(board) => {
+            let (left, result, cost) = on_board(&setup, &pair, board)?;
+            (left, result, cost, None)
+        }
+        None => here(&setup, &pair, args)?,
     };
 
-    let answers = Answers::default();
+    let answers = Asked::answers(objects.as_ref());
     let mut output = OutputFiles::new();
     let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
@@ -111,15 +127,23 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.overlay {
         output.add(path, &draw::png(&draw::overlay(&left, &result, rig.as_ref(), max_disparity))?)?;
     }
+    if let (Some(path), Some(list)) = (&args.objects_csv, &answers.objects) {
+        output.add(path, listing::objects_csv(list).as_bytes())?;
+    }
     let notes = export_files(args, &setup, &result, &mut output)?;
     output.commit()?;
     if json_to_stdout {
-        return print(&listing::json(left.dims, &result, &answers)?);
+        print(&listing::json(left.dims, &result, &answers)?)?;
+    } else {
+        print(&summary(left.dims, max_disparity, &result, &cost))?;
+        print(&objects.as_ref().map_or(String::new(), Asked::summary))?;
+        print(&notes)?;
+        let written =
+            [&args.json, &args.csv, &args.objects_csv, &args.ply, &args.disparity_png, &args.pfm, &args.overlay];
+        written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))?;
     }
-    print(&summary(left.dims, max_disparity, &result, &cost))?;
-    print(&notes)?;
-    let written = [&args.json, &args.csv, &args.ply, &args.disparity_png, &args.pfm, &args.overlay];
-    written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))
+    // What else was found is written by now.
+    objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
 }
 
 /// Files of other programs; what they could not hold, in words.
@@ -147,11 +171,13 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     Ok(notes)
 }
 
-/// The left image as it was matched, the result, and the time in words.
-fn here(setup: &Setup<'_>, pair: &Pair) -> Result<(GrayImage, FrameResult, String)> {
-    let matched = Matcher::new(setup)?.run(setup, pair, None)?;
+/// The left image as it was matched, the result, the time in words, and the objects' depths.
+fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<(GrayImage, FrameResult, String, Option<Asked>)> {
+    let mut matcher = Matcher::new(setup)?;
+    let matched = matcher.run(setup, pair, None)?;
+    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
     let [left, _] = matched.images;
-    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds)))
+    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects))
 }
 
 /// The left image as it was matched, the result of a board, and its instructions in words.

@@ -1,12 +1,13 @@
 //! `linestereo sequence`: a recorded sequence, a line of JSON per frame.
 
 use super::input::{InputArgs, Matcher, Pair, Setup};
+use super::objects::{Asked, ObjectArgs};
 use super::print;
 use crate::draw;
-use crate::engine::GrayImage;
+use crate::engine::{FrameResult, GrayImage};
 use crate::evaluate::{NearestSummary, Surveyed, median, nearest_disparity, surveyed};
 use crate::frames::{PairFiles, Sequence, SequencePair, load_gray};
-use crate::listing::{self, Answers};
+use crate::listing;
 use crate::output::{LineFile, OutputFiles};
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,7 +32,8 @@ right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1
 in both; with --side-by-side one file per pair. A scene.json in FOLDER is used unless --scene or --rig is given.
 
 A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame that fails gives
-{\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others.";
+{\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others. Objects that cannot be read are an
+\"objects_error\" in their frame's line.";
 
 /// Match every pair of a recorded sequence: one line of JSON per frame.
 #[derive(Debug, clap::Args)]
@@ -53,6 +55,8 @@ pub struct Args {
     no_points: bool,
     #[command(flatten)]
     input: InputArgs,
+    #[command(flatten)]
+    objects: ObjectArgs,
     #[command(flatten)]
     truth: TruthArgs,
 }
@@ -81,13 +85,18 @@ pub fn run(args: &Args) -> Result<()> {
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
     let mut lines = args.out.as_deref().map(LineFile::new).transpose()?;
     let mut player = Player::new(&args.input, &args.folder);
-    let (mut failed, mut nearest) = (0, Vec::new());
+    let (mut failed, mut skipped, mut unread, mut nearest) = (0, 0, 0, Vec::new());
     let progress = progress_bar(frames.len());
     for &(number, pair) in &frames {
         progress.set_message(pair.name.clone());
-        let (line, disparity) = match player.next(pair) {
-            Ok((dims, result)) => {
-                let line = listing::json(dims, &result.without_points(args.no_points), &Answers::default())?;
+        let (line, disparity) = match player.next(pair, &args.objects) {
+            Ok((dims, result, objects)) => {
+                let answers = Asked::answers(objects.as_ref());
+                if let Some(objects) = &objects {
+                    skipped += objects.skipped.objects();
+                    unread += usize::from(objects.error.is_some());
+                }
+                let line = listing::json(dims, &result.without_points(args.no_points), &answers)?;
                 (with_name(number, &pair.name, &line), nearest_disparity(&result))
             }
             Err(error) => {
@@ -105,6 +114,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     progress.finish_and_clear();
     let mut notes = format!("{} frames, {failed} failed, {} images without a partner\n", frames.len(), sequence.alone);
+    if args.objects.is_given() {
+        notes.push_str(&format!("{skipped} objects skipped, {unread} frames whose objects cannot be read\n"));
+    }
     if let Some(surveyed) = &surveyed {
         notes.push_str(&compare(args, player.setup.as_ref(), surveyed, &nearest)?);
     }
@@ -166,11 +178,13 @@ impl<'a> Player<'a> {
         Ok(loaded)
     }
 
-    fn next(&mut self, pair: &SequencePair) -> Result<(Dims, crate::engine::FrameResult)> {
+    fn next(&mut self, pair: &SequencePair, asked: &ObjectArgs) -> Result<(Dims, FrameResult, Option<Asked>)> {
         let loaded = self.load(pair)?;
         let (Some(setup), Some(matcher)) = (&self.setup, &mut self.matcher) else { bail!("nothing is set up") };
         let times = pair.time_us().map(|time| [time; 2]);
-        Ok((setup.dims(), matcher.run(setup, &loaded, times)?.result))
+        let result = matcher.run(setup, &loaded, times)?.result;
+        let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
+        Ok((setup.dims(), result, objects))
     }
 }
 

@@ -47,6 +47,14 @@ pub struct SequencePair {
 }
 
 impl SequencePair {
+    /// The file with the left image.
+    #[must_use]
+    pub fn left(&self) -> &Path {
+        match &self.files {
+            PairFiles::Two([left, _]) | PairFiles::SideBySide(left) => left,
+        }
+    }
+
     /// When it was captured, where the name says so (EuRoC).
     #[must_use]
     pub fn time_us(&self) -> Option<u64> {

@@ -1,0 +1,112 @@
+//! What a detector found, asked for by options, and its depths: the same for every command that matches pairs.
+
+use super::input::Setup;
+use crate::engine::{Engine, FrameResult};
+use crate::health;
+use crate::listing::{self, Answers};
+use crate::regions::{self, Frame, Object, ObjectsError, Skipped};
+use core::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Extensions of files of one frame, in the order in which they are looked for.
+const EXTENSIONS: [&str; 5] = ["png", "json", "txt", "csv", "pgm"];
+/// Objects that a summary lists.
+const MOST_LISTED: usize = 20;
+
+#[derive(Debug, Default, clap::Args)]
+#[command(next_help_heading = "Objects")]
+pub(super) struct ObjectArgs {
+    /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV (x0,y0,x1,y1[,label][,name]) or a label image .png, in pixels of the
+    /// rectified left image before --width. For a sequence also a folder with a file per frame.
+    #[arg(long, value_name = "FILE")]
+    objects: Option<PathBuf>,
+    /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside it].
+    #[arg(long, value_name = "FILE", requires = "objects")]
+    classes: Option<PathBuf>,
+}
+
+/// Depths of a frame's objects.
+#[derive(Debug, Default)]
+pub(super) struct Asked {
+    /// In the order of the file.
+    pub(super) list: Vec<(Object, listing::Object)>,
+    pub(super) skipped: Skipped,
+    /// Why there is no list.
+    pub(super) error: Option<String>,
+}
+
+impl ObjectArgs {
+    /// Is a depth per object asked for?
+    pub(super) fn is_given(&self) -> bool {
+        self.objects.is_some()
+    }
+
+    /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
+    pub(super) fn depths(
+        &self,
+        setup: &Setup<'_>,
+        image: &Path,
+        engine: &mut Engine,
+        result: &FrameResult,
+    ) -> Option<Asked> {
+        let path = self.objects.as_deref()?;
+        let objects = match self.read(path, setup, image) {
+            Ok(objects) => objects,
+            Err(error) => return Some(Asked { error: Some(error.to_string()), ..Asked::default() }),
+        };
+        let dims = setup.dims();
+        let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
+        let depths = engine.objects(&regions, health::is_fit(result.health));
+        // A file gives regions that lie in the image: there is one for every object.
+        let list = objects.list.iter().zip(&depths);
+        let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
+        Some(Asked { list: list.collect(), skipped: objects.skipped, error: None })
+    }
+
+    fn read(&self, path: &Path, setup: &Setup<'_>, image: &Path) -> Result<regions::Objects, ObjectsError> {
+        let name = image.file_name().map(|name| name.to_string_lossy());
+        let frame = Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
+        if !path.is_dir() {
+            return regions::load(path, self.classes.as_deref(), frame);
+        }
+        let stem = path.join(image.file_stem().unwrap_or_default());
+        match EXTENSIONS.map(|extension| stem.with_extension(extension)).into_iter().find(|file| file.is_file()) {
+            Some(file) => regions::load(&file, self.classes.as_deref(), frame),
+            None => Ok(regions::Objects::default()),
+        }
+    }
+}
+
+impl Asked {
+    /// As it stands in JSON.
+    pub(super) fn answers(asked: Option<&Self>) -> Answers {
+        Answers {
+            objects: asked.map(|asked| asked.list.iter().map(|(_, depth)| depth.clone()).collect()),
+            objects_error: asked.and_then(|asked| asked.error.clone()),
+        }
+    }
+
+    /// A line per object, and what was skipped.
+    pub(super) fn summary(&self) -> String {
+        let mut text = String::new();
+        for (_, object) in self.list.iter().take(MOST_LISTED) {
+            let name = object.name.as_deref().unwrap_or("object");
+            let _ = write!(text, "{name} ({}): ", object.label);
+            let _ = match (object.disparity_px, object.depth_m, object.reason) {
+                (_, Some(z), _) => write!(
+                    text,
+                    "{z:.3} m, sigma {:.3} m, nearest {:.3} m",
+                    object.sigma_m,
+                    object.nearest_m.unwrap_or(z)
+                ),
+                (Some(d), None, _) => write!(text, "{d:.2} px, sigma {:.2} px", object.sigma_px),
+                (None, None, reason) => write!(text, "{}", reason.unwrap_or("unknown")),
+            };
+            let _ = writeln!(text, ", {} segments, p = {:.2}", object.support, object.confidence);
+        }
+        if self.list.len() > MOST_LISTED {
+            let _ = writeln!(text, "and {} more objects", self.list.len() - MOST_LISTED);
+        }
+        text + &self.skipped.summary()
+    }
+}
