@@ -14,6 +14,7 @@ use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board};
+use linestereo_sim::report::browser::Browser;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -49,7 +50,7 @@ impl Boards {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Find or install what board builds need: a compiler and QEMU.
+    /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of pages.
     Setup,
     /// Build a program and print where its ELF file is.
     Build {
@@ -149,6 +150,11 @@ fn setup() -> Result<()> {
     let toolchain = Toolchain::find(&top)?;
     println!("compiler, by {}: {}", toolchain.way, toolchain.version(&top)?);
     println!("QEMU: {}", qemu::find()?.display());
+    // Only the tests of report pages need one, and they say when they are skipped.
+    match Browser::install() {
+        Ok(browser) => println!("browser: {}", browser.path().display()),
+        Err(error) => println!("browser: none; {error:#}"),
+    }
     Ok(())
 }
 

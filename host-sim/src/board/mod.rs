@@ -11,9 +11,9 @@
 mod debian;
 pub mod firmware;
 pub mod log;
-mod packages;
+pub(crate) mod packages;
 mod pairs;
-mod process;
+pub(crate) mod process;
 pub mod qemu;
 pub mod toolchain;
 

@@ -5,6 +5,7 @@
 //! The data are compact lists (`page.js` names their fields); positions and disparities have two decimals, metres three. Points are thinned to
 //! [`MOST_POINTS`] a frame: they are seen from above only. Images are PNG where there is one pair, JPEG in a sequence.
 
+pub mod browser;
 mod rejected;
 
 pub use rejected::{Rejected, RejectionLog};

@@ -34,6 +34,7 @@ function colour(d) {
 const isFlat = s => Math.abs(s.x1 - s.x0) > 4 * Math.abs(s.y1 - s.y0);
 const middle = s => 0.5 * (s.d0 + s.d1);
 const px = v => v === null ? "–" : `${v.toFixed(2)} px`;
+const percent = v => v > 0.999 ? "above 99.9 %" : `${(100 * v).toFixed(1)} %`;
 const metres = v => v === null ? "∞" : `${v < 10 ? v.toFixed(3) : v.toFixed(1)} m`;
 
 function line(s, shift) {
@@ -119,7 +120,8 @@ function drawTop() {
   const placed = frame.segments.filter(s => s.z0 !== null && s.z1 !== null);
   const depths = [...placed.flatMap(s => [s.z0, s.z1]), ...frame.points.filter(p => p[3] !== null).map(p => p[3])];
   if (!depths.length) return say("Nothing was placed.");
-  const far = 1.12 * quantile(depths, 0.97), [w] = frame.size;
+  // What is seen through a window should not make the room small.
+  const far = 1.2 * quantile(depths, 0.93), [w] = frame.size;
   const edges = [across(-0.5, far), across(w - 0.5, far)], half = 1.08 * Math.max(-edges[0], edges[1], 0.22 * far);
   const W = 720, scale = Math.min((W - 20) / (2 * half), 520 / far), H = far * scale + 46;
   const at = (x, z) => [W / 2 + x * scale, H - 30 - z * scale];
@@ -137,8 +139,10 @@ function drawTop() {
     bins.set(key, `${bins.get(key) ?? ""}M${u.toFixed(1)} ${v.toFixed(1)}h0`);
   }
   for (const [stroke, d] of bins) element(svg, "path", { class: "point", stroke, d });
+  const beyond = placed.filter(s => Math.max(s.z0, s.z1) > far);
+  if (beyond.length) say(`${beyond.length} segments lie beyond, up to ${metres(Math.max(...beyond.flatMap(s => [s.z0, s.z1])))}.`);
   for (const s of [...placed].reverse()) {
-    if (Math.min(s.z0, s.z1) > far) continue;
+    if (beyond.includes(s)) continue;
     const [u0, v0] = at(across(s.x0, s.z0), s.z0), [u1, v1] = at(across(s.x1, s.z1), s.z1);
     const made = element(svg, "path", { class: "segment", stroke: colour(middle(s)), d: `M${u0.toFixed(1)} ${v0.toFixed(1)}L${u1.toFixed(1)} ${(v1 + 0.01).toFixed(2)}` });
     parts.top.set(s, made);
@@ -164,16 +168,15 @@ function drawLists() {
   objects.replaceChildren();
   if (frame.objects.length) {
     const head = element(objects, "tr");
-    for (const [name, isNumber] of [["object", 0], ["depth", 1], ["disparity", 1], ["nearest", 1], ["segments", 1], ["confidence", 1], ["", 0]]) element(head, "th", isNumber ? { class: "number" } : {}, name);
+    for (const [name, isNumber] of [["object", 0], ["depth", 1], ["disparity", 1], ["nearest", 1], ["segments", 1], ["confidence", 1]]) element(head, "th", isNumber ? { class: "number" } : {}, name);
     for (const o of frame.objects) {
       const row = element(objects, "tr"), number = { class: "number" };
       element(row, "td", {}, objectName(o));
-      element(row, "td", number, o.depth_m === null ? "–" : `${metres(o.depth_m)} ± ${o.sigma_m.toFixed(3)}`);
+      element(row, "td", number, o.reason ? o.reason.replaceAll("_", " ") : o.depth_m === null ? "–" : `${metres(o.depth_m)} ± ${o.sigma_m.toFixed(3)}`);
       element(row, "td", number, o.disparity_px === null ? "–" : `${px(o.disparity_px)} ± ${o.sigma_px.toFixed(2)}`);
       element(row, "td", number, o.nearest_m === null ? "–" : metres(o.nearest_m));
       element(row, "td", number, o.support);
-      element(row, "td", number, `${(100 * o.confidence).toFixed(1)} %`);
-      element(row, "td", {}, o.reason ? o.reason.replaceAll("_", " ") : "");
+      element(row, "td", number, percent(o.confidence));
     }
   }
   const health = $("health");
@@ -249,7 +252,7 @@ function describe(s) {
   put("disparity", from(s.d0, s.d1, px));
   if (setup.has_depth) put("depth", from(s.z0, s.z1, metres));
   put("uncertainty", `± ${s.sigma.toFixed(2)} px` + (s.sz0 !== null && setup.has_depth ? `, ± ${Math.max(s.sz0, s.sz1 ?? 0).toFixed(3)} m` : ""));
-  put("confidence", `${(100 * s.confidence).toFixed(1)} %`);
+  put("confidence", percent(s.confidence));
   const names = isFlat(s) ? { left: "above", right: "below", both: "both sides" } : { left: "left side", right: "right side", both: "both sides" };
   put("owner", names[s.owner]);
   put("feature", px(s.feature));
