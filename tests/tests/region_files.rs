@@ -164,9 +164,9 @@ fn what_is_wrong_with_one_object_skips_it() {
         "[62, 4, 16, 4, 714]",
         "[800]",
     ];
-    let list: Vec<String> = masks.map(|counts| coco_mask(counts).trim_matches(['[', ']']).to_owned() + "}").into();
+    let list: Vec<String> = masks.map(|counts| coco_mask(counts).trim_matches(['[', ']']).to_owned()).into();
     let other_size = coco_mask("[800]").replace("[20, 40]", "[40, 20]");
-    let json = format!("[{}, {}]", list.join(", ").replace("}}}", "}}"), other_size.trim_matches(['[', ']']));
+    let json = format!("[{}, {}]", list.join(", "), other_size.trim_matches(['[', ']']));
     let objects = folder.load("a.json", &json).unwrap();
     assert_eq!(objects.list.iter().map(|object| object.label).collect::<Vec<_>>(), [5], "{json}");
     assert_eq!(objects.skipped, Skipped { broken_mask: 5, empty: 1, mask_size: 1, ..Skipped::default() });

@@ -1,0 +1,138 @@
+//! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
+
+use linestereo::Dims;
+use linestereo_sim::engine::GrayImage;
+use linestereo_sim::scene::{self, Kind, Sensor};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+fn save(image: &GrayImage, path: &Path) {
+    let (width, height) = (image.dims.width.into(), image.dims.height.into());
+    image::GrayImage::from_raw(width, height, image.pixels.clone()).unwrap().save(path).unwrap();
+}
+
+/// `0001_left.png`, `0001_right.png`, ...
+fn recording(folder: &Path, frames: u64) {
+    for frame in 1..=frames {
+        let sensor = Sensor { noise: 1.0, seed: frame, ..Sensor::default() };
+        let rendering = scene::render(&scene::build(Kind::Boxes, DIMS, 1), DIMS, &sensor);
+        save(&rendering.left, &folder.join(format!("{frame:04}_left.png")));
+        save(&rendering.right, &folder.join(format!("{frame:04}_right.png")));
+    }
+}
+
+fn call(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+const RIG: [&str; 4] = ["--focal-px", "300", "--baseline-m", "0.1"];
+
+#[test]
+fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 4);
+    fs::write(at.join("0002_right.png"), b"no image").unwrap();
+    fs::create_dir(at.join("boxes")).unwrap();
+    fs::write(at.join("boxes/0001_left.csv"), "x0,y0,x1,y1,name\n40,30,200,200,a\n400,30,500,200,b\n").unwrap();
+    fs::write(at.join("boxes/0003_left.json"), "{").unwrap();
+    let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &RIG].concat();
+    let output = call(at, &with_rig);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let lines: Vec<Value> = stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    assert!(lines[1]["error"].as_str().unwrap().contains("0002_right.png"), "{}", lines[1]);
+    for line in [&lines[0], &lines[2], &lines[3]] {
+        assert!(!line["segments"].as_array().unwrap().is_empty() && !line["points"].as_array().unwrap().is_empty());
+        assert_eq!(line["counts"]["matched"].as_u64().unwrap() as usize, line["segments"].as_array().unwrap().len());
+    }
+    assert_eq!(lines[0]["objects"].as_array().unwrap().len(), 1);
+    assert_eq!((&lines[0]["objects"][0]["label"], &lines[0]["objects"][0]["name"]), (&0.into(), &"a".into()));
+    assert!(lines[2]["objects_error"].as_str().unwrap().contains("0003_left.json"));
+    assert_eq!((&lines[3]["objects"], &lines[3]["objects_error"]), (&Value::Array(vec![]), &Value::Null));
+    assert!(stderr(&output).contains("4 frames, 1 failed"), "{}", stderr(&output));
+
+    // The first pair as `run` sees it, but for its frame and name; and lines in a file.
+    let run = [&["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..], &RIG].concat();
+    let mut alone: Value = serde_json::from_str(&stdout(&call(at, &run))).unwrap();
+    let mut first = lines[0].clone();
+    for value in [&mut alone, &mut first] {
+        let fields = value.as_object_mut().unwrap();
+        fields.remove("frame");
+        fields.remove("name");
+    }
+    assert_eq!(alone, first);
+    let some = call(at, &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"]);
+    assert!(stdout(&some).contains("2 frames, 0 failed"), "{}", stderr(&some));
+    assert_eq!(fs::read_to_string(at.join("lines.jsonl")).unwrap().lines().count(), 2);
+}
+
+#[test]
+fn broken_objects_cost_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 1);
+    fs::write(at.join("broken.json"), "{\"annotations\": [").unwrap();
+    let output =
+        call(at, &["run", "0001_left.png", "0001_right.png", "--objects", "broken.json", "--json", "out.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).starts_with("linestereo: broken.json holds no objects"), "{}", stderr(&output));
+    let written: Value = serde_json::from_slice(&fs::read(at.join("out.json")).unwrap()).unwrap();
+    assert!(!written["segments"].as_array().unwrap().is_empty());
+    assert_eq!(written["objects"], Value::Array(vec![]));
+}
+
+#[test]
+fn distances_need_the_product_that_fits() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 3);
+    fs::write(at.join("scene.json"), r#"{"disparity_zero_px": -3}"#).unwrap();
+    let nearest = {
+        let output = call(at, &["sequence", ".", "--no-points", "--frames", "2..2"]);
+        let line: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        let middle =
+            |s: &Value| (s["disparity_px"][0].as_f64().unwrap() + s["disparity_px"][1].as_f64().unwrap()) / 2.0;
+        let mut found: Vec<f64> = line["segments"].as_array().unwrap().iter().map(middle).collect();
+        found.sort_by(|a, b| b.total_cmp(a));
+        found[2]
+    };
+    fs::write(at.join("frames.csv"), "frame,dist_m\n1,\n2,2.25\n").unwrap();
+    let fitted = (nearest + 3.0) * 2.0;
+    let with = |more: &[&str]| {
+        let all = ["sequence", ".", "--truth", "frames.csv", "--truth-radius-m", "0.25", "--no-points"];
+        stderr(&call(at, &[&all[..], more].concat()))
+    };
+    let said = with(&[]);
+    assert!(said.contains(&format!("f*B that fits: {fitted:.3} px*m")), "{said}");
+    assert!(said.contains("1 frames: 0 missed, error median 0.0 %"), "{said}");
+    let said = with(&["--fb", &format!("{:.3}", 1.1 * fitted), "--plot", "nearest.png"]);
+    assert!(said.contains("error median 10.0 %") && said.contains("measured / surveyed 1.100"), "{said}");
+    assert!(at.join("nearest.png").is_file());
+}
+
+#[test]
+fn a_report_is_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 3);
+    let output = call(at, &["report", ".", "-o", "page.html", "--max-frames", "2"]);
+    assert!(output.status.success() && stdout(&output).contains("2 of 3 pairs"), "{}", stderr(&output));
+    let page = fs::read_to_string(at.join("page.html")).unwrap();
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 4);
+    let output = call(at, &["report", "nowhere", "-o", "page.html"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("is no folder"), "{}", stderr(&output));
+}
