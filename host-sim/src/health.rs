@@ -51,23 +51,10 @@ pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static st
 /// May what is matched be believed? With one of these flags it may be wrong, or from another time; the others cost yield, or warn.
 #[must_use]
 pub fn is_fit(health: Health) -> bool {
-    const UNFIT: [HealthFlags; 11] = [
-        HealthFlags::LEFT_DEAD,
-        HealthFlags::RIGHT_DEAD,
-        HealthFlags::LEFT_COVERED,
-        HealthFlags::RIGHT_COVERED,
-        HealthFlags::LEFT_FROZEN,
-        HealthFlags::RIGHT_FROZEN,
-        HealthFlags::SKEW,
-        HealthFlags::ROWS_OFF,
-        HealthFlags::ROWS_UNEVEN,
-        HealthFlags::FEW_MATCHES,
-        HealthFlags::BEYOND_INFINITY,
-    ];
     let of_pair = health.of_pair();
     !health.contains(Health::PAIR_MISSING)
         && !health.contains(Health::SIZE_MISMATCH)
-        && !UNFIT.iter().any(|flag| of_pair.contains(*flag))
+        && of_pair.bits() & HealthFlags::UNFIT.bits() == 0
 }
 
 /// Names of the flags; unnamed ones as a number.

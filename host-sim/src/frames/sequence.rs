@@ -83,7 +83,7 @@ impl Sequence {
             match camera_folders.iter().find(|folders| folders.iter().all(|folder| folder.is_dir())) {
                 Some([left, right]) => by_name(images(left)?, images(right)?),
                 None => match by_side(images(root)?) {
-                    none if none.pairs.is_empty() => folders_of_pairs(root)?,
+                    none if none.pairs.is_empty() => Self { alone: none.alone, ..folders_of_pairs(root)? },
                     found => found,
                 },
             }
