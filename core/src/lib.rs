@@ -48,6 +48,7 @@
 
 mod claims;
 mod confidence;
+mod focus;
 mod health;
 mod image;
 pub mod kernel;
@@ -67,6 +68,7 @@ mod units;
 
 pub use claims::Views;
 pub use confidence::{FITTED, Model, Models, NODES};
+pub use focus::Focus;
 pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
 pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
 pub use lines::Segment;

@@ -2,6 +2,7 @@
 
 use crate::claims::Views;
 use crate::confidence::{FITTED, Models};
+use crate::focus::{Focus, Sought};
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, PLANES, row_bytes};
@@ -53,6 +54,7 @@ pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
 pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> {
     marks: [u32; MARKS],
     chain: [u16; lines::MAX_POSITIONS],
+    strengths: [u8; lines::MAX_POSITIONS],
     rows: [[[u8; ROW]; BAND_ROWS]; PLANES],
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
@@ -75,6 +77,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
         Self {
             marks: [0; MARKS],
             chain: [0; lines::MAX_POSITIONS],
+            strengths: [0; lines::MAX_POSITIONS],
             rows: [[[0; ROW]; BAND_ROWS]; PLANES],
             left: Vec::new(),
             right: Vec::new(),
@@ -108,13 +111,15 @@ pub struct Output<const SEGMENTS: usize, const POINTS: usize> {
     pub points: Vec<PointClaim, POINTS>,
     /// What was found and lost.
     pub counts: Counts,
+    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as [`Focus`] told it.
+    pub row_offset_q5: i16,
 }
 
 impl<const SEGMENTS: usize, const POINTS: usize> Output<SEGMENTS, POINTS> {
     /// An empty output.
     #[must_use]
     pub const fn new() -> Self {
-        Self { matches: Vec::new(), points: Vec::new(), counts: Counts::ZERO }
+        Self { matches: Vec::new(), points: Vec::new(), counts: Counts::ZERO, row_offset_q5: 0 }
     }
 }
 
@@ -144,6 +149,7 @@ impl Params {
 struct Memory<'a> {
     marks: &'a mut [u32],
     chain: &'a mut [u16],
+    strengths: &'a mut [u8],
     rows: &'a mut [u8],
     left: &'a mut VecView<Segment>,
     right: &'a mut VecView<Segment>,
@@ -158,6 +164,7 @@ struct Lists<'a> {
     matches: &'a mut VecView<Match>,
     points: &'a mut VecView<PointClaim>,
     counts: &'a mut Counts,
+    row_offset_q5: &'a mut i16,
 }
 
 impl Plan {
@@ -203,9 +210,29 @@ impl Plan {
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch> {
+        self.run_on(left, right, &Focus::WHOLE, scratch, out, observer)
+    }
+
+    /// [`Plan::run_observed`] in and just around some areas of the left image.
+    ///
+    /// The candidates there are those of a run over the whole frame, given its row offset; what is made of their neighbours (the confidence of
+    /// matches and points) knows no neighbours elsewhere, so those near the border of an area may be listed with another confidence.
+    ///
+    /// # Cost
+    /// About in proportion to the areas, each grown by some 30 px, and in the right image by the disparity range as well.
+    pub fn run_on<const R: usize, const M: usize, const S: usize, const C: usize, const OS: usize, const OP: usize>(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        focus: &Focus<'_>,
+        scratch: &mut Scratch<R, M, S, C>,
+        out: &mut Output<OS, OP>,
+        observer: &mut impl Observer,
+    ) -> Result<(), SizeMismatch> {
         let memory = Memory {
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
             chain: &mut scratch.chain,
+            strengths: &mut scratch.strengths,
             rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
             left: &mut scratch.left,
             right: &mut scratch.right,
@@ -214,8 +241,13 @@ impl Plan {
             order: &mut scratch.order,
             work: &mut scratch.work,
         };
-        let lists = Lists { matches: &mut out.matches, points: &mut out.points, counts: &mut out.counts };
-        self.run_stages(left, right, memory, lists, observer)
+        let lists = Lists {
+            matches: &mut out.matches,
+            points: &mut out.points,
+            counts: &mut out.counts,
+            row_offset_q5: &mut out.row_offset_q5,
+        };
+        self.run_stages([left, right], focus, memory, lists, observer)
     }
 
     /// Hands every point of the last run with this plan, pair and memory to `claim`, in the order and with the values of the list of points: for
@@ -292,8 +324,8 @@ impl Plan {
     #[inline(never)]
     fn run_stages(
         &self,
-        left: Gray<'_>,
-        right: Gray<'_>,
+        [left, right]: [Gray<'_>; 2],
+        focus: &Focus<'_>,
         m: Memory<'_>,
         out: Lists<'_>,
         observer: &mut impl Observer,
@@ -308,25 +340,33 @@ impl Plan {
         *out.counts = Counts::ZERO;
 
         // Segments of both images; of the left ones, the prominent.
+        let sought = Sought::new(focus, self.dims);
         let lines = LineParams {
             anchor: self.params.anchor_gradient.into(),
             edge: self.params.edge_gradient.into(),
             min_extent: self.params.min_extent.into(),
-            column_scan: lines::SCAN_STEP,
+            column_scan: Some(lines::SCAN_STEP),
         };
         // Near-horizontal segments of the right image only tell the row offset.
-        let right_lines = LineParams { column_scan: 3 * lines::SCAN_STEP, ..lines };
+        let right_lines =
+            LineParams { column_scan: focus.row_offset_q5.is_none().then_some(3 * lines::SCAN_STEP), ..lines };
+        let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         out.counts.segments_left_dropped =
-            lines::detect(left, &lines, LineScratch { marks: m.marks, chain: m.chain }, m.left);
+            lines::detect(left, sought.left(self.params.cell).as_deref(), &lines, scratch, m.left);
         observer.ended(Step::LinesLeft(m.left));
+        let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         out.counts.segments_right_dropped =
-            lines::detect(right, &right_lines, LineScratch { marks: m.marks, chain: m.chain }, m.right);
+            lines::detect(right, sought.right(m.left, &self.params).as_deref(), &right_lines, scratch, m.right);
         lines::sort_by_top(m.right);
         observer.ended(Step::LinesRight(m.right));
-        out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX);
         out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let row_offset_q5 =
-            row_offset::estimate(m.left, m.right, (self.params.min_disparity.into(), self.params.max_disparity.into()));
+        let disparities = (self.params.min_disparity.into(), self.params.max_disparity.into());
+        let row_offset_q5 = match focus.row_offset_q5 {
+            Some(known) => known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5),
+            None => row_offset::estimate(m.left, m.right, disparities),
+        };
+        *out.row_offset_q5 = row_offset_q5;
+        let row_offset_q5 = i32::from(row_offset_q5);
         // The line of a near-horizontal segment says nothing about disparity: no votes.
         m.right.retain(|segment| !segment.near_horizontal);
         let lost = lines::keep_prominent(
@@ -335,7 +375,9 @@ impl Plan {
             self.dims.width.into(),
             m.marks,
         );
+        m.left.retain(|segment| sought.is_near(segment));
         lines::sort_by_top(m.left);
+        out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         out.counts.reject_many(Rejection::LessProminent, lost);
         observer.ended(Step::Selection(row_offset_q5, m.left));
 

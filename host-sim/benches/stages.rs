@@ -49,11 +49,12 @@ fn stages(name: &str, left: &GrayImage, right: &GrayImage, max_disparity: u16) {
     print(name, "census, one image", census, dims);
     let mut marks = vec![0; mark_words(dims)];
     let mut chain = vec![0; width.max(height)];
+    let mut strengths = [0; 640];
     let mut segments = heapless::Vec::<Segment, 4096>::new();
-    let params = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: 6 };
+    let params = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: Some(6) };
     let lines = time(|| {
-        let scratch = LineScratch { marks: &mut marks, chain: &mut chain };
-        black_box(detect(left.view().unwrap(), &params, scratch, &mut segments));
+        let scratch = LineScratch { marks: &mut marks, chain: &mut chain, strengths: &mut strengths };
+        black_box(detect(left.view().unwrap(), None, &params, scratch, &mut segments));
     });
     print(name, &format!("lines, one image: {} segments", segments.len()), lines, dims);
     let mut engine = Engine::new(&Params { max_disparity, ..Params::default() }, dims).unwrap();

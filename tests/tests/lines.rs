@@ -5,14 +5,15 @@ use linestereo::{Dims, Gray, mark_words};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
-const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: 6 };
+const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: Some(6) };
 
 fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     let mut marks = vec![fill; mark_words(image.dims())];
     let mut chain = vec![fill as u16; 1280];
+    let mut strengths = [0; 640];
     let mut list = heapless::Vec::<Segment, N>::new();
-    let scratch = LineScratch { marks: &mut marks, chain: &mut chain };
-    let dropped = detect(image, &PARAMS, scratch, &mut list);
+    let scratch = LineScratch { marks: &mut marks, chain: &mut chain, strengths: &mut strengths };
+    let dropped = detect(image, None, &PARAMS, scratch, &mut list);
     (list.to_vec(), dropped)
 }
 

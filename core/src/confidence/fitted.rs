@@ -6,167 +6,167 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     steep: Model {
-        bias_q12: 27851,
+        bias_q12: 28727,
         coefficients_q12: [
-            -8820, // this side's window: cost at the disparity / best cost elsewhere
-            -77, // log2(1 + that cost per pixel)
-            929, // log2(1 + how much worse elsewhere is, per pixel)
-            5749, // segment window: best cost / best elsewhere
-            -4702, // log2(1 + its cost per pixel)
-            -1805, // census: best cost / best elsewhere
-            2822, // log2(1 + its cost per point)
-            -6712, // this side's census: cost at the disparity / best elsewhere
-            -5648, // |window - census|, px
-            3638, // |searched back - window|, px
-            834, // searching back: best cost / best elsewhere
-            -20265, // |difference of the halves' disparities| per row or column
-            -419, // log2(1 + rows or columns)
-            245, // the other side's window ratio
-            592, // 1 if the other side prefers another disparity
-            -11492, // 1 if this side alone prefers another disparity
-            -99, // 1 if a right segment's line agrees
-            231, // 1 if no right segment is compatible
-            207, // -1 left of or above the edge, +1 right or below
-            -2340, // slope against its direction, px per px
-            808, // log2(1 + disparities compared)
-            -632, // log2(1 + grey step)
-            1340, // log2(1 + neighbours that agree)
-            -3213, // share of neighbours that contradict
-            205, // the edge itself: cost at the disparity / best elsewhere
-            -944, // distance of the pixel from the edge, px
+            -10334, // this side's window: cost at the disparity / best cost elsewhere
+            101, // log2(1 + that cost per pixel)
+            547, // log2(1 + how much worse elsewhere is, per pixel)
+            4509, // segment window: best cost / best elsewhere
+            -4823, // log2(1 + its cost per pixel)
+            -3479, // census: best cost / best elsewhere
+            2920, // log2(1 + its cost per point)
+            -6684, // this side's census: cost at the disparity / best elsewhere
+            -6396, // |window - census|, px
+            3929, // |searched back - window|, px
+            1471, // searching back: best cost / best elsewhere
+            -15687, // |difference of the halves' disparities| per row or column
+            -422, // log2(1 + rows or columns)
+            639, // the other side's window ratio
+            187, // 1 if the other side prefers another disparity
+            -11126, // 1 if this side alone prefers another disparity
+            220, // 1 if a right segment's line agrees
+            368, // 1 if no right segment is compatible
+            281, // -1 left of or above the edge, +1 right or below
+            -2373, // slope against its direction, px per px
+            765, // log2(1 + disparities compared)
+            -435, // log2(1 + grey step)
+            1134, // log2(1 + neighbours that agree)
+            -4453, // share of neighbours that contradict
+            1614, // the edge itself: cost at the disparity / best elsewhere
+            -870, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            81, 126, 196, 305, 474, 736, 1141, 1761, 2705, 4122, 6208,
-            9191, 13288, 18607, 25035, 32162, 39347, 45928, 51447, 55744, 58178, 60066,
-            62310, 63662, 64205, 64594, 64975, 65203, 65338, 65419, 65467, 65495, 65512,
+            123, 187, 283, 429, 648, 979, 1475, 2213, 3301, 4882, 7135,
+            10252, 14394, 19616, 25778, 32505, 39255, 45476, 50779, 55004, 58112, 60389,
+            62583, 63868, 64066, 64242, 64959, 65280, 65423, 65486, 65514, 65526, 65532,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 262, 140, 130, 125, 90, 49, 36, 31, 26, 21,
-            17, 15, 14, 13, 12, 11, 10, 9, 7, 7, 7,
+            512, 195, 133, 128, 127, 107, 57, 40, 30, 25, 21,
+            17, 15, 14, 13, 12, 11, 10, 9, 6, 6, 6,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 39867,
+        bias_q12: 41005,
         coefficients_q12: [
-            -11877, // this side's window: cost at the disparity / best cost elsewhere
-            423, // log2(1 + that cost per pixel)
-            -2141, // log2(1 + how much worse elsewhere is, per pixel)
+            -12576, // this side's window: cost at the disparity / best cost elsewhere
+            405, // log2(1 + that cost per pixel)
+            -1991, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -11256, // census: best cost / best elsewhere
-            2269, // log2(1 + its cost per point)
+            -10292, // census: best cost / best elsewhere
+            2308, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -5517, // |window - census|, px
-            -689, // |searched back - window|, px
-            -2954, // searching back: best cost / best elsewhere
-            -34948, // |difference of the halves' disparities| per row or column
-            -3265, // log2(1 + rows or columns)
-            1713, // the other side's window ratio
-            -1456, // 1 if the other side prefers another disparity
+            -5226, // |window - census|, px
+            -563, // |searched back - window|, px
+            -2900, // searching back: best cost / best elsewhere
+            -33208, // |difference of the halves' disparities| per row or column
+            -3152, // log2(1 + rows or columns)
+            703, // the other side's window ratio
+            -1210, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            -352, // -1 left of or above the edge, +1 right or below
-            -3132, // slope against its direction, px per px
-            1423, // log2(1 + disparities compared)
-            -1228, // log2(1 + grey step)
-            2186, // log2(1 + neighbours that agree)
-            946, // share of neighbours that contradict
+            -338, // -1 left of or above the edge, +1 right or below
+            -2807, // slope against its direction, px per px
+            996, // log2(1 + disparities compared)
+            -958, // log2(1 + grey step)
+            1684, // log2(1 + neighbours that agree)
+            -206, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
-            -382, // distance of the pixel from the edge, px
+            -403, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            747, 1004, 1348, 1807, 2416, 3220, 4273, 5640, 7391, 9599, 12327,
-            15614, 19456, 23794, 28500, 33393, 38257, 42885, 47106, 50811, 56546, 60279,
-            62257, 63516, 64293, 64774, 65344, 65488, 65524, 65527, 65529, 65531, 65533,
+            2059, 2602, 3280, 4123, 5165, 6443, 7996, 9860, 12067, 14638, 17578,
+            20865, 24454, 28269, 32213, 36174, 40036, 43697, 47074, 50114, 56379, 60362,
+            62238, 63458, 64325, 64834, 65346, 65485, 65522, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 107, 101, 93, 86, 69, 55, 40, 30, 24,
-            20, 16, 15, 13, 12, 11, 11, 10, 10, 10, 10,
+            512, 512, 110, 91, 82, 74, 66, 55, 42, 30, 23,
+            19, 16, 14, 13, 12, 11, 10, 10, 10, 10, 10,
         ],
     },
     steep_edge: Model {
-        bias_q12: 17156,
+        bias_q12: 19053,
         coefficients_q12: [
-            -1035, // this side's window: cost at the disparity / best cost elsewhere
-            -1, // log2(1 + that cost per pixel)
-            558, // log2(1 + how much worse elsewhere is, per pixel)
-            -7380, // segment window: best cost / best elsewhere
-            -3183, // log2(1 + its cost per pixel)
-            -3566, // census: best cost / best elsewhere
-            463, // log2(1 + its cost per point)
-            -866, // this side's census: cost at the disparity / best elsewhere
-            -5186, // |window - census|, px
-            2227, // |searched back - window|, px
-            -7650, // searching back: best cost / best elsewhere
-            -27040, // |difference of the halves' disparities| per row or column
-            -1335, // log2(1 + rows or columns)
-            -1356, // the other side's window ratio
-            -62, // 1 if the other side prefers another disparity
-            -9049, // 1 if this side alone prefers another disparity
-            -757, // 1 if a right segment's line agrees
+            -308, // this side's window: cost at the disparity / best cost elsewhere
+            -53, // log2(1 + that cost per pixel)
+            442, // log2(1 + how much worse elsewhere is, per pixel)
+            -8492, // segment window: best cost / best elsewhere
+            -3128, // log2(1 + its cost per pixel)
+            -3441, // census: best cost / best elsewhere
+            282, // log2(1 + its cost per point)
+            -261, // this side's census: cost at the disparity / best elsewhere
+            -5471, // |window - census|, px
+            3451, // |searched back - window|, px
+            -8854, // searching back: best cost / best elsewhere
+            -20222, // |difference of the halves' disparities| per row or column
+            -1189, // log2(1 + rows or columns)
+            -1210, // the other side's window ratio
+            -89, // 1 if the other side prefers another disparity
+            -9128, // 1 if this side alone prefers another disparity
+            -303, // 1 if a right segment's line agrees
             -3106, // 1 if no right segment is compatible
-            488, // -1 left of or above the edge, +1 right or below
-            -2311, // slope against its direction, px per px
-            3213, // log2(1 + disparities compared)
-            523, // log2(1 + grey step)
-            1825, // log2(1 + neighbours that agree)
-            141, // share of neighbours that contradict
-            5224, // the edge itself: cost at the disparity / best elsewhere
+            489, // -1 left of or above the edge, +1 right or below
+            -2558, // slope against its direction, px per px
+            3002, // log2(1 + disparities compared)
+            207, // log2(1 + grey step)
+            1895, // log2(1 + neighbours that agree)
+            163, // share of neighbours that contradict
+            5371, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            10727, 12060, 13517, 15101, 16811, 18643, 20590, 22642, 24786, 27005, 29280,
-            31590, 33911, 36221, 38497, 40717, 42862, 44916, 46864, 48698, 56466, 60985,
-            62629, 63698, 63965, 64194, 65084, 65385, 65486, 65519, 65529, 65531, 65533,
+            11129, 12462, 13913, 15484, 17173, 18976, 20887, 22896, 24990, 27154, 29369,
+            31616, 33874, 36121, 38337, 40502, 42598, 44608, 46522, 48327, 56724, 61376,
+            62730, 63657, 63951, 64199, 65074, 65378, 65482, 65518, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 512, 512, 512, 512, 44, 32, 26, 23,
-            19, 16, 13, 11, 10, 9, 9, 9, 8, 8, 7,
+            512, 512, 512, 512, 512, 512, 512, 49, 34, 26, 22,
+            19, 16, 13, 11, 10, 9, 9, 9, 9, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 30264,
+        bias_q12: 28098,
         coefficients_q12: [
-            -6198, // this side's window: cost at the disparity / best cost elsewhere
-            -888, // log2(1 + that cost per pixel)
-            -536, // log2(1 + how much worse elsewhere is, per pixel)
+            -7002, // this side's window: cost at the disparity / best cost elsewhere
+            -795, // log2(1 + that cost per pixel)
+            -598, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -7483, // census: best cost / best elsewhere
-            988, // log2(1 + its cost per point)
+            -6309, // census: best cost / best elsewhere
+            732, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -5863, // |window - census|, px
-            -501, // |searched back - window|, px
-            -4497, // searching back: best cost / best elsewhere
-            -20382, // |difference of the halves' disparities| per row or column
-            -1888, // log2(1 + rows or columns)
-            200, // the other side's window ratio
-            -7953, // 1 if the other side prefers another disparity
+            -5968, // |window - census|, px
+            -511, // |searched back - window|, px
+            -4719, // searching back: best cost / best elsewhere
+            -18564, // |difference of the halves' disparities| per row or column
+            -1566, // log2(1 + rows or columns)
+            303, // the other side's window ratio
+            -7982, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if a right segment's line agrees
             0, // 1 if no right segment is compatible
-            -283, // -1 left of or above the edge, +1 right or below
-            5185, // slope against its direction, px per px
-            765, // log2(1 + disparities compared)
-            -38, // log2(1 + grey step)
-            1010, // log2(1 + neighbours that agree)
-            -1705, // share of neighbours that contradict
+            -241, // -1 left of or above the edge, +1 right or below
+            5178, // slope against its direction, px per px
+            781, // log2(1 + disparities compared)
+            30, // log2(1 + grey step)
+            1229, // log2(1 + neighbours that agree)
+            -1294, // share of neighbours that contradict
             0, // the edge itself: cost at the disparity / best elsewhere
             0, // distance of the pixel from the edge, px
         ],
         probability_q16: [
-            756, 1015, 1362, 1823, 2435, 3242, 4298, 5667, 7419, 9625, 12348,
-            15625, 19455, 23776, 28464, 33338, 38187, 42804, 47019, 50724, 55396, 58791,
-            62532, 64244, 64722, 65025, 65254, 65380, 65450, 65489, 65510, 65522, 65528,
+            837, 1119, 1492, 1987, 2639, 3493, 4603, 6032, 7847, 10116, 12894,
+            16211, 20057, 24364, 29007, 33807, 38564, 43081, 47201, 50823, 55395, 58736,
+            62512, 64237, 64731, 65039, 65246, 65367, 65438, 65479, 65503, 65517, 65525,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 512, 102, 98, 88, 67, 52, 38, 32, 25,
-            20, 15, 13, 11, 10, 9, 9, 8, 7, 7, 7,
+            512, 512, 512, 102, 98, 87, 69, 50, 37, 32, 25,
+            19, 15, 13, 11, 10, 9, 8, 8, 7, 7, 7,
         ],
     },
 };

@@ -8,9 +8,10 @@
 //! # Source
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
-use super::{Chain, LineParams};
+use super::{Chain, LineParams, Room};
 use crate::image::{Gray, Span};
 use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
+use crate::objects::Area;
 use crate::units::quotient;
 
 /// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
@@ -42,17 +43,28 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     edge: i32,
     /// Usable columns of each row; none when all are.
     usable: &'a [Span],
+    /// Where edges start; everywhere without.
+    areas: Option<&'a [Area]>,
     /// A bit per position: a row of bits for each step.
     marks: &'a mut [u32],
 }
 
 /// Where the ridge is on one row.
 struct Ridge {
+    /// The pixel.
+    u: i32,
     position_q5: i32,
     /// Across the edge, of the edge's sign.
     gradient: i32,
     /// Along the edge.
     along: i32,
+}
+
+impl Ridge {
+    /// An edge runs at right angles to its gradient: so much across per step, 1/32 px.
+    fn lean_q5(&self, sign: i32) -> i32 {
+        quotient((-self.along * sign * STEP) << 5, self.gradient)
+    }
 }
 
 /// The strongest edge of a stretch.
@@ -63,33 +75,61 @@ struct Anchor {
 }
 
 impl<'a, const DOWN: bool> Edges<'a, DOWN> {
-    pub(crate) fn new(image: Gray<'a>, params: &LineParams, marks: &'a mut [u32]) -> Self {
+    pub(crate) fn new(image: Gray<'a>, areas: Option<&'a [Area]>, params: &LineParams, marks: &'a mut [u32]) -> Self {
         let dims = image.dims();
         let (pixels, stride) = image.as_slice();
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
-        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, usable: image.usable(), marks }
+        let usable = image.usable();
+        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, usable, areas, marks }
     }
 
     /// Draws every edge and hands each chain to `emit`.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, scan: i32, positions: &mut [u16], mut emit: impl FnMut(Chain<'_>)) {
+    pub(crate) fn for_each_chain(&mut self, scan: i32, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
-            while from < self.breadth - BORDER {
+            let mut wanted = self.wanted_stretches(t);
+            while from < self.breadth - BORDER && wanted != 0 {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
-                if let Some((first, last)) = self.usable_part(t, from, to)
+                if wanted & 1 != 0
+                    && let Some((first, last)) = self.usable_part(t, from, to)
                     && let Some(anchor) = self.strongest(t, first, last)
-                    && let Some(chain) = self.draw(t, anchor, positions)
                 {
-                    emit(chain);
+                    if self.areas.is_some()
+                        && let Some((before, first)) = self.first_anchor(t, scan, anchor)
+                        && let Some(chain) = self.draw(before, first, room)
+                    {
+                        emit(chain);
+                    }
+                    if let Some(chain) = self.draw(t, anchor, room) {
+                        emit(chain);
+                    }
                 }
                 from = to;
+                wanted >>= 1;
             }
             t += scan;
         }
+    }
+
+    /// A bit for each stretch of a row that has pixels of the areas.
+    fn wanted_stretches(&self, t: i32) -> u128 {
+        let Some(areas) = self.areas else { return u128::MAX };
+        areas.iter().fold(0, |wanted, area| {
+            let Area { left, top, right, bottom } = *area;
+            let ((t0, t1), (u0, u1)) =
+                if DOWN { ((top, bottom), (left, right)) } else { ((left, right), (top, bottom)) };
+            if !(i32::from(t0)..i32::from(t1)).contains(&t) || u0 >= u1 {
+                return wanted;
+            }
+            // Stretches below 80: images are at most 1280 px wide.
+            let stretch = |u: u16| ((i32::from(u) - BORDER).max(0) / STRETCH).clamp(0, 126) as u32;
+            let (first, last) = (stretch(u0), stretch(u1 - 1));
+            wanted | (((2_u128 << (last - first)) - 1) << first)
+        })
     }
 
     /// The part of a stretch that is usable, if it is in one piece.
@@ -123,14 +163,43 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         (size * 4 >= self.anchor).then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
     }
 
-    /// Follows the ridge from an anchor in both ways; positions end up in `positions[t / STEP]`.
-    fn draw<'p>(&mut self, t: i32, anchor: Anchor, positions: &'p mut [u16]) -> Option<Chain<'p>> {
+    /// The anchor before `t` from which a search over the whole image would have drawn this edge: followed to its start, the first scan on
+    /// which the edge is the strongest of its stretch. Nothing is marked.
+    fn first_anchor(&self, t: i32, scan: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
+        let sign = anchor.sign;
+        let start = self.look(t, anchor.u, sign)?;
+        let mut found = None;
+        let mut drift_q5 = -start.lean_q5(sign);
+        let mut position_q5 = start.position_q5;
+        let (mut at, mut next_scan) = (t - STEP, t - scan);
+        while at >= BORDER {
+            let Some(ridge) = self.look(at, (position_q5 + drift_q5 + 16) >> 5, sign) else { break };
+            drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
+            position_q5 = ridge.position_q5;
+            if at == next_scan {
+                next_scan -= scan;
+                let other = self.anchor_beside(at, ridge.u).filter(|other| other.sign == sign);
+                found = other.map(|other| (at, other)).or(found);
+            }
+            at -= STEP;
+        }
+        found
+    }
+
+    /// The anchor of the stretch around a pixel, if it is at most a search of the ridge away.
+    fn anchor_beside(&self, t: i32, u: i32) -> Option<Anchor> {
+        let from = BORDER + (u - BORDER) / STRETCH * STRETCH;
+        let (first, last) = self.usable_part(t, from, (from + STRETCH).min(self.breadth - BORDER))?;
+        self.strongest(t, first, last).filter(|anchor| (anchor.u - u).abs() <= 1)
+    }
+
+    /// Follows the ridge from an anchor in both ways; they end up at `t / STEP`.
+    fn draw<'r>(&mut self, t: i32, anchor: Anchor, room: &'r mut Room<'_>) -> Option<Chain<'r>> {
         let sign = anchor.sign;
         let start = self.ridge(t, anchor.u, sign)?;
-        keep(positions, t, &start);
-        // An edge runs at right angles to its gradient: so much across per step, 1/32 px.
-        let lean_q5 = quotient((-start.along * sign * STEP) << 5, start.gradient);
-        let (mut sum, mut first, mut last) = (start.gradient, t, t);
+        keep(room, t, &start);
+        let lean_q5 = start.lean_q5(sign);
+        let (mut first, mut last) = (t, t);
         for step in [-STEP, STEP] {
             let mut at = t + step;
             let mut position_q5 = start.position_q5;
@@ -138,8 +207,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             while at >= BORDER && at < self.steps - BORDER {
                 let expected = (position_q5 + drift_q5 + 16) >> 5;
                 let Some(ridge) = self.ridge(at, expected, sign) else { break };
-                keep(positions, at, &ridge);
-                sum += ridge.gradient;
+                keep(room, at, &ridge);
                 drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
                 position_q5 = ridge.position_q5;
                 at += step;
@@ -151,19 +219,25 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             }
         }
         let range = usize::try_from(first / STEP).ok()?..usize::try_from(last / STEP + 1).ok()?;
-        let mean = quotient(sum, (last - first) / STEP + 1);
-        Some(Chain {
-            first,
-            positions: positions.get(range)?,
-            rising: sign > 0,
-            contrast: u8::try_from(mean >> 1).unwrap_or(u8::MAX),
-        })
+        let (positions, strengths) = (room.positions.get(range.clone())?, room.strengths.get(range)?);
+        Some(Chain { first, positions, strengths, rising: sign > 0 })
     }
 
     /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
     /// along the other direction, or was drawn before. Marks it.
     #[inline]
     fn ridge(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
+        let ridge = self.look(t, u, sign)?;
+        let (word, mask) = self.mark(t, ridge.u);
+        if let Some(mark) = self.marks.get_mut(word) {
+            *mark |= mask;
+        }
+        Some(ridge)
+    }
+
+    /// The same without marking it.
+    #[inline]
+    fn look(&self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
         if u < BORDER || u >= self.breadth - BORDER || !self.is_usable(t, u) {
             return None;
         }
@@ -174,17 +248,21 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             return None;
         }
         let u = u + shift;
-        let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
-        let mark = self.marks.get_mut(bit >> 5)?;
-        let mask = 1 << (bit & 31);
-        if *mark & mask != 0 {
+        let (word, mask) = self.mark(t, u);
+        if self.marks.get(word)? & mask != 0 {
             return None;
         }
-        *mark |= mask;
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
-        Some(Ridge { position_q5: (u << 5) + offset_q5, gradient: mid, along })
+        Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid, along })
+    }
+
+    /// Where a position is marked: a word and its bit.
+    #[inline]
+    fn mark(&self, t: i32, u: i32) -> (usize, u32) {
+        let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
+        (bit >> 5, 1 << (bit & 31))
     }
 
     #[inline]
@@ -194,8 +272,11 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     }
 }
 
-fn keep(positions: &mut [u16], t: i32, ridge: &Ridge) {
-    if let Some(slot) = usize::try_from(t / STEP).ok().and_then(|t| positions.get_mut(t)) {
-        *slot = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
+fn keep(room: &mut Room<'_>, t: i32, ridge: &Ridge) {
+    if let Ok(place) = usize::try_from(t / STEP)
+        && let (Some(position), Some(strength)) = (room.positions.get_mut(place), room.strengths.get_mut(place))
+    {
+        *position = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
+        *strength = u8::try_from(ridge.gradient >> 1).unwrap_or(u8::MAX);
     }
 }

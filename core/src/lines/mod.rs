@@ -25,6 +25,7 @@ mod edges;
 mod fit;
 
 use crate::image::{Gray, MAX_HEIGHT, MAX_WIDTH};
+use crate::objects::Area;
 use crate::result::Point;
 use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;
@@ -57,7 +58,7 @@ pub struct Segment {
     pub ends: [Point; 2],
     /// True when the pixels right of the edge (below it, when near-horizontal) are the brighter ones.
     pub rising: bool,
-    /// Mean grey step across the edge, 0 ..= 255.
+    /// Mean grey step across the edge along the segment, 0 ..= 255.
     pub contrast: u8,
     /// True when it runs more along the columns than down the rows: its line says little about disparity.
     pub near_horizontal: bool,
@@ -68,6 +69,23 @@ impl Segment {
     pub(crate) fn ends_q5(&self) -> (i32, i32, i32, i32) {
         let [a, b] = self.ends;
         (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
+    }
+
+    /// Does it, or the box around it, reach into the area?
+    pub(crate) fn touches(&self, area: Area) -> bool {
+        let (x0, y0, x1, y1) = self.ends_q5();
+        x0.min(x1) < i32::from(area.right) << 5
+            && x0.max(x1) >= i32::from(area.left) << 5
+            && y0.min(y1) < i32::from(area.bottom) << 5
+            && y0.max(y1) >= i32::from(area.top) << 5
+    }
+
+    /// The smallest area with every pixel it touches.
+    pub(crate) fn area(&self) -> Area {
+        let (x0, y0, x1, y1) = self.ends_q5();
+        let [left, top] = [x0.min(x1), y0.min(y1)].map(|q5| u16::try_from(q5 >> 5).unwrap_or(0));
+        let [right, bottom] = [x0.max(x1), y0.max(y1)].map(|q5| u16::try_from((q5 >> 5) + 1).unwrap_or(0));
+        Area { left, top, right, bottom }
     }
 
     /// First row, px.
@@ -97,8 +115,8 @@ pub struct LineParams {
     pub edge: i32,
     /// Least extent of a segment, rows or columns.
     pub min_extent: i32,
-    /// Columns between two scans for edges along the columns, even.
-    pub column_scan: i32,
+    /// Columns between two scans for edges along the columns, even; `None` draws no such edges.
+    pub column_scan: Option<i32>,
 }
 
 /// Working memory of the detector.
@@ -108,10 +126,20 @@ pub struct LineScratch<'a> {
     pub marks: &'a mut [u32],
     /// One position per two rows or columns, along the longer side.
     pub chain: &'a mut [u16],
+    /// As many: how strong the edge is there.
+    pub strengths: &'a mut [u8],
 }
 
 /// Lists the segments of `image` in the order in which they are drawn; returns how many did not fit (the shortest are dropped).
-pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, out: &mut VecView<Segment>) -> u16 {
+///
+/// With `areas`, only those edges are drawn that have an anchor in one of them, each as far as it goes.
+pub fn detect(
+    image: Gray<'_>,
+    areas: Option<&[Area]>,
+    params: &LineParams,
+    scratch: LineScratch<'_>,
+    out: &mut VecView<Segment>,
+) -> u16 {
     out.clear();
     let mut list = KeepLongest { out, dropped: 0 };
     let mut runs = |chain: Chain<'_>, direction: Direction| {
@@ -123,10 +151,14 @@ pub fn detect(image: Gray<'_>, params: &LineParams, scratch: LineScratch<'_>, ou
             }
         });
     };
-    let (marks, chain) = (scratch.marks, scratch.chain);
-    Edges::<true>::new(image, params, marks).for_each_chain(SCAN_STEP, chain, |chain| runs(chain, Direction::Down));
-    Edges::<false>::new(image, params, marks)
-        .for_each_chain(params.column_scan, chain, |chain| runs(chain, Direction::Along));
+    let marks = scratch.marks;
+    let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
+    Edges::<true>::new(image, areas, params, marks)
+        .for_each_chain(SCAN_STEP, &mut room, |chain| runs(chain, Direction::Down));
+    if let Some(scan) = params.column_scan {
+        Edges::<false>::new(image, areas, params, marks)
+            .for_each_chain(scan, &mut room, |chain| runs(chain, Direction::Along));
+    }
     list.dropped
 }
 
@@ -189,8 +221,27 @@ fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks
 pub(crate) struct Chain<'a> {
     pub(crate) first: i32,
     pub(crate) positions: &'a [u16],
+    /// Grey steps across the edge.
+    pub(crate) strengths: &'a [u8],
     pub(crate) rising: bool,
-    pub(crate) contrast: u8,
+}
+
+impl Chain<'_> {
+    /// Mean grey step of the positions `first ..= last`.
+    fn contrast(&self, first: i32, last: i32) -> u8 {
+        let Some(piece) = usize::try_from(first).ok().and_then(|first| self.strengths.get(first..=last as usize))
+        else {
+            return 0;
+        };
+        let sum: i32 = piece.iter().map(|&strength| i32::from(strength)).sum();
+        u8::try_from(quotient(sum, last - first + 1)).unwrap_or(u8::MAX)
+    }
+}
+
+/// Memory for a chain.
+pub(crate) struct Room<'a> {
+    pub(crate) positions: &'a mut [u16],
+    pub(crate) strengths: &'a mut [u8],
 }
 
 /// Cuts a straight run into equal pieces of at most [`MAX_ROWS`] rows or [`MAX_COLUMNS`] columns.
@@ -210,7 +261,7 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
         list.push(Segment {
             ends: [end(t0), end(t1)],
             rising: chain.rising,
-            contrast: chain.contrast,
+            contrast: chain.contrast(t0, t1),
             near_horizontal,
         });
     }

@@ -56,6 +56,8 @@ pub(crate) struct Band<'a> {
     width: usize,
     height: i32,
     stride: usize,
+    /// Rows before it were not computed.
+    first_row: i32,
     next_row: i32,
     /// Row of the right image that matches row 0 of the left one.
     row_offset: i32,
@@ -78,6 +80,7 @@ impl<'a> Band<'a> {
             width: dims.width.into(),
             height: dims.height.into(),
             stride,
+            first_row: 0,
             next_row: 0,
             row_offset,
         })
@@ -107,6 +110,11 @@ impl<'a> Band<'a> {
     pub(crate) fn advance_for(&mut self, segment: &Segment) {
         let (_, y0, _, y1) = segment.ends_q5();
         let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
+        // Where segments are sought in parts of the image, there are rows between them that none looks at.
+        let first = (segment.top() - WINDOW_REACH) / ROW_STEP * ROW_STEP;
+        if first > self.next_row {
+            (self.first_row, self.next_row) = (first, first);
+        }
         self.advance(((y0.max(y1) + 31) >> 5) + reach);
     }
 
@@ -196,7 +204,7 @@ impl<'a> Band<'a> {
     }
 
     fn holds(&self, y: i32) -> bool {
-        y >= (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(0) && y < self.next_row
+        y >= (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(self.first_row) && y < self.next_row
     }
 
     fn rows<'s>(&'s self, planes: &'s Planes<'_>, search: Search, y: i32) -> Option<(&'s [u8], &'s [u8])> {

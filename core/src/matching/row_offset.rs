@@ -13,19 +13,21 @@ use crate::units::quotient;
 
 /// Votes per 1/8 px, -2 .. 2 px.
 const BINS: usize = 33;
-const LIMIT_Q5: i32 = 64;
+/// Largest offset, 1/32 px.
+pub(crate) const LIMIT_Q5: i16 = 64;
 /// Least votes in the cluster.
 const MIN_VOTES: u32 = 8;
 
 /// Row offset of the right image against the left, 1/32 px; 0 when the segments do not say.
-pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32)) -> i32 {
+pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32)) -> i16 {
+    let limit_q5 = i32::from(LIMIT_Q5);
     let mut votes = [0_u32; BINS];
     for segment in left.iter().filter(|s| s.near_horizontal) {
         let (x0, y0, x1, y1) = segment.ends_q5();
-        let first = right.partition_point(|s| s.ends_q5().1.min(s.ends_q5().3) < y0.min(y1) - LIMIT_Q5 - 32);
+        let first = right.partition_point(|s| s.ends_q5().1.min(s.ends_q5().3) < y0.min(y1) - limit_q5 - 32);
         for other in right.get(first..).unwrap_or(&[]) {
             let (u0, v0, u1, v1) = other.ends_q5();
-            if v0.min(v1) > y0.min(y1) + LIMIT_Q5 + 32 {
+            if v0.min(v1) > y0.min(y1) + limit_q5 + 32 {
                 break;
             }
             let disparity = (x0 + x1 - u0 - u1) / 2;
@@ -35,13 +37,13 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
                 && ((y1 - y0) - (v1 - v0)).abs() <= 16
                 && ((disparities.0 << 5) - 32..=disparities.1 << 5).contains(&disparity)
                 && other.contrast.abs_diff(segment.contrast) <= segment.contrast / 4;
-            let bin = ((v0 + v1 - y0 - y1) / 2 + LIMIT_Q5 + 2) >> 2;
+            let bin = ((v0 + v1 - y0 - y1) / 2 + limit_q5 + 2) >> 2;
             if same && let Some(count) = usize::try_from(bin).ok().and_then(|b| votes.get_mut(b)) {
                 *count += 1;
             }
         }
     }
-    peak(&votes)
+    super::narrow(peak(&votes))
 }
 
 /// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them threefold.
@@ -52,7 +54,7 @@ fn peak(votes: &[u32; BINS]) -> i32 {
         let weight: u32 = window.iter().sum();
         if weight > best.0 {
             let moment: i32 = window.iter().zip(start..).map(|(&v, bin)| v as i32 * bin).sum();
-            best = (weight, quotient(moment << 2, weight as i32) - LIMIT_Q5);
+            best = (weight, quotient(moment << 2, weight as i32) - i32::from(LIMIT_Q5));
         }
     }
     let (weight, centre_q5) = best;

@@ -1,0 +1,101 @@
+//! Which part of a pair is matched: a detector says where depth is needed, and the rest of the frame costs nothing.
+//!
+//! In: areas of the left image. Out: where edges have to start in both images, and which segments are matched, so that the candidates in and
+//! just around the areas are those of a run over the whole frame.
+//!
+//! ```text
+//! matched   what reaches within REACH px of an area
+//! left      edges that start within a square of selection and a scan of that: every rival for a square is known
+//! right     edges that start on the rows of those segments, to the left by the disparity range: every vote is known
+//! ```
+//!
+//! # Source
+//! The chapter's first idea: other perception rules out the pixels whose depth nobody needs.
+
+use crate::image::Dims;
+use crate::lines::Segment;
+use crate::objects::Area;
+use crate::params::Params;
+use heapless::Vec;
+
+/// Segments so near to an area are matched, px: what an object's depth is made from.
+pub(crate) const REACH: u16 = 8;
+/// Edges start so far around the squares from which a segment is selected, px: most that pass there have an anchor as strong as in the whole frame.
+const ANCHORS: u16 = 16;
+/// How far a right segment may begin beyond what its left one says, px.
+const VOTES: u16 = 32;
+
+/// Which part of a pair is matched ([`Plan::run_on`](crate::Plan::run_on)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Focus<'a> {
+    /// Areas of the left image. Of more than [`Focus::MAX_AREAS`] the last ones are joined to one. `None` is the whole frame; without a pixel
+    /// in any of them nothing is matched.
+    pub areas: Option<&'a [Area]>,
+    /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame found it
+    /// ([`Output::row_offset_q5`](crate::Output::row_offset_q5)); `None` to find it in what is looked at, where too little may tell it.
+    pub row_offset_q5: Option<i16>,
+}
+
+impl Focus<'_> {
+    /// The whole frame.
+    pub const WHOLE: Self = Self { areas: None, row_offset_q5: None };
+    /// Most areas that are told apart.
+    pub const MAX_AREAS: usize = 16;
+}
+
+type Areas = Vec<Area, { Focus::MAX_AREAS }>;
+
+/// Where to look: everywhere, or around these areas.
+pub(crate) struct Sought {
+    near: Option<Areas>,
+    dims: Dims,
+}
+
+impl Sought {
+    pub(crate) fn new(focus: &Focus<'_>, dims: Dims) -> Self {
+        let near = focus.areas.map(|areas| {
+            let mut near = Areas::new();
+            for area in areas.iter().map(|area| area.common(Area::of(dims))).filter(|area| !area.is_empty()) {
+                let area = area.grown(REACH, dims);
+                if let Err(area) = near.push(area)
+                    && let Some(last) = near.last_mut()
+                {
+                    *last = last.joined(area);
+                }
+            }
+            near
+        });
+        Self { near, dims }
+    }
+
+    /// Where edges of the left image start; everywhere without.
+    pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
+        self.each(|area| area.grown(cell.saturating_add(ANCHORS), self.dims))
+    }
+
+    /// Where edges of the right image start that can be those of these left segments; everywhere without.
+    pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
+        self.each(|area| {
+            let steep = left.iter().filter(|segment| !segment.near_horizontal && segment.touches(area));
+            let boxes = steep.map(|segment| segment.area()).fold(Area::default(), Area::joined);
+            let Area { left, top, right, bottom } = boxes.grown(VOTES, self.dims);
+            let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
+            Area { left: left.saturating_sub(params.max_disparity), top, right, bottom }
+        })
+    }
+
+    /// Is this left segment matched?
+    pub(crate) fn is_near(&self, segment: &Segment) -> bool {
+        self.near.as_ref().is_none_or(|near| near.iter().any(|&area| segment.touches(area)))
+    }
+
+    fn each(&self, of: impl Fn(Area) -> Area) -> Option<Areas> {
+        self.near.as_ref().map(|near| {
+            let mut list = Areas::new();
+            for &area in near {
+                let _ = list.push(of(area)); // as many as there are
+            }
+            list
+        })
+    }
+}
