@@ -59,6 +59,7 @@ mod observe;
 mod obstacles;
 mod params;
 mod pipeline;
+mod query;
 mod rectify;
 mod report;
 mod result;
@@ -80,6 +81,7 @@ pub use observe::{Observer, Stage, StageDigests, Step};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
+pub use query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
     RectifyError, RowError, View, fine_mesh_nodes, mesh_nodes,

@@ -1,7 +1,7 @@
 //! One rectified pair -> matches and points: the method, stage by stage.
 
 use crate::claims::Views;
-use crate::confidence::{FITTED, Models};
+use crate::confidence::{FITTED, Model, Models};
 use crate::focus::{Focus, Sought};
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
@@ -11,6 +11,7 @@ use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset};
 use crate::objects::{NoDepth, ObjectDepth, Region, Witnessed};
 use crate::observe::{Observer, Step};
 use crate::params::{ParamError, Params};
+use crate::query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, Query};
 use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim, Rejection};
 use core::fmt;
@@ -62,6 +63,8 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, 
     places: [Place; CANDIDATES],
     order: Vec<Ranked, CANDIDATES>,
     work: Workspace,
+    /// Row of the right image that matched row 0 of the left one in the last run.
+    row_offset: i32,
 }
 
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize>
@@ -85,6 +88,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             places: [Place::EMPTY; CANDIDATES],
             order: Vec::new(),
             work: Workspace::EMPTY,
+            row_offset: 0,
         }
     }
 
@@ -135,13 +139,14 @@ pub struct Plan {
     dims: Dims,
     params: Params,
     models: &'static Models,
+    pixel_model: &'static Model<PIXEL_EVIDENCE>,
 }
 
 impl Params {
     /// Checks everything once, for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
-        Ok(Plan { dims, params: self, models: &FITTED })
+        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL })
     }
 }
 
@@ -157,6 +162,7 @@ struct Memory<'a> {
     places: &'a mut [Place],
     order: &'a mut VecView<Ranked>,
     work: &'a mut Workspace,
+    row_offset: &'a mut i32,
 }
 
 /// The output without its capacities.
@@ -178,6 +184,12 @@ impl Plan {
     #[must_use]
     pub fn with_models(self, models: &'static Models) -> Self {
         Self { models, ..self }
+    }
+
+    /// The same plan with another confidence model for the depth of pixels.
+    #[must_use]
+    pub fn with_pixel_model(self, pixel_model: &'static Model<PIXEL_EVIDENCE>) -> Self {
+        Self { pixel_model, ..self }
     }
 
     /// Matches one rectified pair.
@@ -240,6 +252,7 @@ impl Plan {
             places: &mut scratch.places,
             order: &mut scratch.order,
             work: &mut scratch.work,
+            row_offset: &mut scratch.row_offset,
         };
         let lists = Lists {
             matches: &mut out.matches,
@@ -303,6 +316,51 @@ impl Plan {
             } else {
                 ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0)
             });
+        }
+    }
+
+    /// The depth of one pixel, on a segment or not, after a run with this plan, pair and memory; `region` is what it belongs to, if that is
+    /// known. What the run found is not changed.
+    ///
+    /// # Cost
+    /// At most 60 000 instructions on a Cortex-M7 at 64 disparities.
+    pub fn depth_at<const R: usize, const M: usize, const S: usize, const C: usize>(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        scratch: &mut Scratch<R, M, S, C>,
+        (x, y): (u16, u16),
+        region: Option<&Region<'_>>,
+    ) -> Result<PixelDepth, NotKnown> {
+        self.query([left, right], scratch).answer(x, y, region)
+    }
+
+    /// The disparity that [`Plan::depth_at`] would answer (1/64 px) and its evidence, whatever its probability: what a model is fitted on.
+    pub fn evidence_at<const R: usize, const M: usize, const S: usize, const C: usize>(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        scratch: &mut Scratch<R, M, S, C>,
+        (x, y): (u16, u16),
+        region: Option<&Region<'_>>,
+    ) -> Result<(i32, PixelEvidence), NotKnown> {
+        self.query([left, right], scratch).weigh_up(x, y, region)
+    }
+
+    fn query<'a, const R: usize, const M: usize, const S: usize, const C: usize>(
+        &'a self,
+        images: [Gray<'a>; 2],
+        scratch: &'a mut Scratch<R, M, S, C>,
+    ) -> Query<'a> {
+        Query {
+            params: &self.params,
+            model: self.pixel_model,
+            images,
+            dims: self.dims,
+            candidates: &scratch.candidates,
+            row_offset: scratch.row_offset,
+            rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
+            work: &mut scratch.work,
         }
     }
 
@@ -384,7 +442,8 @@ impl Plan {
         // Three matchings of each, aggregation, ownership.
         m.candidates.clear();
         let context = MatchContext::new(&self.params, self.models, self.dims, m.right, row_offset_q5);
-        let Some(mut band) = Band::new(left, right, (row_offset_q5 + 16) >> 5, m.rows) else { return Ok(()) };
+        *m.row_offset = (row_offset_q5 + 16) >> 5;
+        let Some(mut band) = Band::new(left, right, *m.row_offset, m.rows) else { return Ok(()) };
         for segment in m.left.iter() {
             band.advance_for(segment);
             observer.ended(Step::Rows);

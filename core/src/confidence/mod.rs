@@ -21,18 +21,18 @@ mod fitted;
 
 pub use fitted::FITTED;
 
-use crate::matching::evidence::{EVIDENCE, Evidence, Kind};
+use crate::matching::evidence::{EVIDENCE, Kind};
 
 /// Nodes of the tables: scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
 
-/// The model of one kind of segment.
+/// The model of one kind of claim, over `N` kinds of evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Model {
+pub struct Model<const N: usize = EVIDENCE> {
     /// Log-odds without evidence, Q12.
     pub bias_q12: i32,
     /// Log-odds per unit of evidence, Q12.
-    pub coefficients_q12: [i32; EVIDENCE],
+    pub coefficients_q12: [i32; N],
     /// Probability at each node, Q16.
     pub probability_q16: [u16; NODES],
     /// Standard deviation at each node, 1/64 px.
@@ -65,15 +65,29 @@ impl Models {
     }
 }
 
-impl Model {
+impl<const N: usize> Model<N> {
     /// Log-odds of a claim, Q8, before calibration.
     #[must_use]
-    pub fn score_q8(&self, evidence: &Evidence) -> i32 {
-        let products = self.coefficients_q12.iter().zip(&evidence.0).map(|(&c, &e)| i64::from(c) * i64::from(e));
+    pub fn score_q8(&self, evidence: &[i16; N]) -> i32 {
+        let products = self.coefficients_q12.iter().zip(evidence).map(|(&c, &e)| i64::from(c) * i64::from(e));
         let score = i64::from(self.bias_q12) * 256 + products.sum::<i64>();
         i32::try_from(score >> 12).unwrap_or(0)
     }
 
+    /// Probability of a score, Q16.
+    #[must_use]
+    pub fn probability_q16(&self, score_q8: i32) -> u16 {
+        interpolate(&self.probability_q16, score_q8)
+    }
+
+    /// Standard deviation of a score's disparity, 1/64 px.
+    #[must_use]
+    pub fn sigma_q6(&self, score_q8: i32) -> u16 {
+        interpolate(&self.sigma_q6, score_q8)
+    }
+}
+
+impl Model {
     /// The log-odds with what the neighbours say added, Q8.
     pub(crate) fn with_neighbours_q8(&self, score_q8: i16, support_q8: i16, conflict_q8: i16) -> i32 {
         let product = |kind: Kind, value: i16| {
@@ -88,18 +102,6 @@ impl Model {
     #[must_use]
     pub fn coefficient_q8(&self, kind: Kind) -> i32 {
         self.coefficients_q12.get(kind as usize).map_or(0, |&c| c >> 4)
-    }
-
-    /// Probability of a score, Q16.
-    #[must_use]
-    pub fn probability_q16(&self, score_q8: i32) -> u16 {
-        interpolate(&self.probability_q16, score_q8)
-    }
-
-    /// Standard deviation of a score's disparity, 1/64 px.
-    #[must_use]
-    pub fn sigma_q6(&self, score_q8: i32) -> u16 {
-        interpolate(&self.sigma_q6, score_q8)
     }
 }
 

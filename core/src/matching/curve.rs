@@ -79,6 +79,14 @@ impl Curve {
         sum_curve(a.whole(), b.whole(), self.blocks());
     }
 
+    /// Becomes the entry by entry sum of `a` and `weight` times `b`.
+    pub(crate) fn set_weighted_sum(&mut self, a: &Self, b: &Self, weight: u16) {
+        (self.first, self.len) = (a.first, a.len);
+        for ((cost, &a), &b) in self.blocks().iter_mut().zip(a.whole()).zip(b.whole()) {
+            *cost = a.saturating_add(b.saturating_mul(weight));
+        }
+    }
+
     /// Becomes the entry by entry minimum.
     pub(crate) fn set_lower(&mut self, a: &Self, b: &Self) {
         (self.first, self.len) = (a.first, a.len);

@@ -29,7 +29,7 @@ use evidence::{Evidence, Kind};
 // The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
 
 /// Least disparities that a search must compare: with fewer there is no rival to be better than.
-const MIN_RANGE: i32 = 8;
+pub(crate) const MIN_RANGE: i32 = 8;
 /// Largest best/rival ratio of the segment's window.
 const MAX_WINDOW_RATIO_Q8: i32 = 230;
 /// Largest best/rival ratio of census.
@@ -130,8 +130,8 @@ impl Side {
             support_q8: 0,
             conflict_q8: 0,
             weight_q8: weight.clamp(1, 256) as u16,
-            score_q8: narrow(model.score_q8(evidence)),
-            edge_score_q8: narrow(edge_model.score_q8(evidence)),
+            score_q8: narrow(model.score_q8(&evidence.0)),
+            edge_score_q8: narrow(edge_model.score_q8(&evidence.0)),
             probability_q16: 0,
             edge_probability_q16: 0,
             rejected: false,
@@ -142,7 +142,7 @@ impl Side {
 /// Memory for the matching of one segment.
 #[derive(Debug)]
 pub(crate) struct Workspace {
-    curves: [Curve; CURVES],
+    pub(crate) curves: [Curve; CURVES],
     /// Evidence of the sides of the last candidate.
     pub(crate) evidence: [Evidence; 2],
 }

@@ -1,0 +1,68 @@
+//! The evidence for the disparity of a pixel: plain numbers in Q8 that a linear model weighs.
+//!
+//! In: cost curves of the local match, what features nearby say. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+
+/// What is known about an answer, in the order of the model's coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum PixelKind {
+    /// Census: cost at the disparity / best cost elsewhere.
+    CensusRatio,
+    /// Dislocated windows and census together: cost at the disparity / best cost elsewhere.
+    JointRatio,
+    /// The same, elsewhere being only what features nearby leave possible.
+    GuidedRatio,
+    /// |searched back - answer|, px, at most 4.
+    BackGap,
+    /// Searching back: cost at the disparity / best cost elsewhere.
+    BackRatio,
+    /// log2(1 + mean gradient around the pixel).
+    Texture,
+    /// log2(1 + features nearby that agree).
+    Support,
+    /// Share of features nearby that contradict.
+    Conflict,
+    /// Distance of the nearest feature that agrees, of the distance at which features say nothing.
+    Distance,
+    /// How far the answer lies outside of what features nearby span, px, at most 4.
+    Outside,
+}
+
+impl PixelKind {
+    /// What each entry says, in the model's order.
+    pub const NAMES: [&'static str; PIXEL_EVIDENCE] = [
+        "census: cost at the disparity / best cost elsewhere",
+        "windows and census together: cost at the disparity / best cost elsewhere",
+        "the same, elsewhere being what features nearby leave possible",
+        "|searched back - answer|, px",
+        "searching back: cost at the disparity / best cost elsewhere",
+        "log2(1 + mean gradient around the pixel)",
+        "log2(1 + features nearby that agree)",
+        "share of features nearby that contradict",
+        "distance of the nearest feature that agrees",
+        "outside of what features nearby span, px",
+    ];
+}
+
+/// Number of entries.
+pub const PIXEL_EVIDENCE: usize = PixelKind::Outside as usize + 1;
+
+/// One number per [`PixelKind`], Q8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PixelEvidence(pub [i16; PIXEL_EVIDENCE]);
+
+impl PixelEvidence {
+    pub(super) const fn new() -> Self {
+        Self([0; PIXEL_EVIDENCE])
+    }
+
+    pub(super) fn set(&mut self, kind: PixelKind, value_q8: i32) {
+        if let Some(slot) = self.0.get_mut(kind as usize) {
+            *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
+        }
+    }
+
+    pub(super) fn get(&self, kind: PixelKind) -> i32 {
+        self.0.get(kind as usize).copied().unwrap_or(0).into()
+    }
+}

@@ -1,0 +1,203 @@
+//! The closest features: what the sides of segments near a pixel say of its disparity.
+//!
+//! In: the candidates of a run, a pixel, the region that it belongs to, if any. Out: a [`Guide`]: what each side nearby says, with a weight.
+//!
+//! ```text
+//! a side speaks only for pixels on its side of the edge, and only for pixels of the same region
+//! what it says:  its line of disparity at the place next to the pixel, continued across the edge by its slant
+//! its weight:    credibility (2 p - 1) * (1 - distance / reach)^2
+//! ```
+//!
+//! # Bounds
+//! Credibility is at most 255, nearness 48: 255 * 48^2 is below 2^20; [`WORDS`] weights of at most 255 are below 2^12.
+//!
+//! # Cost
+//! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for each within reach.
+
+use crate::lines::MAX_ROWS;
+use crate::matching::evidence::log2_mean_q8;
+use crate::matching::feature::SteepLine;
+use crate::matching::flat::FlatLine;
+use crate::matching::{Candidate, Side};
+use crate::objects::Region;
+use crate::units::quotient;
+use heapless::Vec;
+
+/// Distance at which a feature says nothing, px.
+const REACH: i32 = 48;
+/// Features that are listened to; the weightiest.
+const WORDS: usize = 16;
+/// Pixels off the edge up to which a side's slant is continued.
+const CONTINUED: i32 = 12;
+/// Pixels off the edge at which a side is asked for its region.
+const OFF_EDGE: i32 = 3;
+/// Weight of all words from which on they limit what is possible: a quarter of a certain feature at hand.
+const ENOUGH_Q8: i32 = 64;
+/// A word agrees when it differs by at most 1 px plus 3/64 px per px of distance: surfaces that slant up to that much.
+const AGREES_Q6: i32 = 64;
+const SLANT_Q6: i32 = 3;
+/// So much may contradict without saying anything.
+const LITTLE_Q8: i32 = 50;
+/// Beyond that, the distance from what features span says no more, 1/64 px.
+const FAR_OUTSIDE_Q6: i32 = 256;
+
+/// What one side says.
+#[derive(Clone, Copy, Debug)]
+struct Word {
+    /// Disparity at the pixel, 1/64 px.
+    d_q6: i32,
+    weight_q8: i32,
+    /// From the pixel, px.
+    distance: i32,
+}
+
+/// What the sides nearby say, in no order.
+#[derive(Debug, Default)]
+pub(super) struct Guide {
+    words: Vec<Word, WORDS>,
+}
+
+/// What a guide makes of an answer, Q8.
+pub(super) struct Verdict {
+    pub(super) support_q8: i32,
+    pub(super) conflict_q8: i32,
+    pub(super) distance_q8: i32,
+    pub(super) outside_q8: i32,
+}
+
+/// The place of a segment next to a pixel.
+struct Foot {
+    x: i32,
+    y: i32,
+    /// From the first end of the segment, and its length, px.
+    along: i32,
+    length: i32,
+}
+
+impl Foot {
+    fn new(candidate: &Candidate, x: i32, y: i32) -> Self {
+        if candidate.segment.near_horizontal {
+            let line = FlatLine::new(&candidate.segment);
+            let (from, to) = line.columns();
+            let column = x.max(from).min(to);
+            Self { x: column, y: line.row(column), along: column - from, length: to - from }
+        } else {
+            let line = SteepLine::new(&candidate.segment);
+            let (from, to) = line.rows();
+            let row = y.max(from).min(to);
+            Self { x: line.column(row), y: row, along: row - from, length: to - from }
+        }
+    }
+}
+
+impl Guide {
+    /// Of the candidates, in the order of their tops.
+    pub(super) fn new(candidates: &[Candidate], (x, y): (i32, i32), region: Option<&Region<'_>>) -> Self {
+        let mut guide = Self::default();
+        let first = candidates.partition_point(|candidate| candidate.segment.top() < y - REACH - MAX_ROWS);
+        for candidate in candidates.get(first..).unwrap_or(&[]) {
+            if candidate.segment.top() >= y + REACH {
+                break;
+            }
+            guide.listen(candidate, (x, y), region);
+        }
+        guide
+    }
+
+    fn listen(&mut self, candidate: &Candidate, (x, y): (i32, i32), region: Option<&Region<'_>>) {
+        let (x0, y0, x1, y1) = candidate.segment.ends_q5();
+        let beside = x <= (x0.min(x1) >> 5) - REACH || x >= (x0.max(x1) >> 5) + REACH;
+        if beside || y >= (y0.max(y1) >> 5) + REACH {
+            return;
+        }
+        let foot = Foot::new(candidate, x, y);
+        let (dx, dy) = (x - foot.x, y - foot.y);
+        let (longer, shorter) = (dx.abs().max(dy.abs()), dx.abs().min(dy.abs()));
+        let distance = longer + ((3 * shorter) >> 3); // within 7 % of the length
+        if distance >= REACH {
+            return;
+        }
+        let flat = candidate.segment.near_horizontal;
+        let off = if flat { dy } else { dx };
+        for (side, sign) in candidate.sides.iter().zip([-1, 1]) {
+            let Some(side) = side else { continue };
+            // A claim that another one of the same place in the right image has beaten is wrong.
+            if off * sign < 0 || (side.rejected && candidate.beaten) {
+                continue;
+            }
+            let beside_edge =
+                if flat { (foot.x, foot.y + sign * OFF_EDGE) } else { (foot.x + sign * OFF_EDGE, foot.y) };
+            if region.is_some_and(|region| !region.contains(beside_edge.0, beside_edge.1)) {
+                continue;
+            }
+            self.hear(Word::new(side, &foot, off.abs(), distance));
+        }
+    }
+
+    /// Keeps the weightiest.
+    fn hear(&mut self, word: Word) {
+        if word.weight_q8 == 0 {
+            return;
+        }
+        let Err(word) = self.words.push(word) else { return };
+        if let Some(least) = self.words.iter_mut().min_by_key(|word| word.weight_q8)
+            && least.weight_q8 < word.weight_q8
+        {
+            *least = word;
+        }
+    }
+
+    fn span_q6(&self) -> (i32, i32) {
+        let each = || self.words.iter().map(|word| word.d_q6);
+        (each().min().unwrap_or(i32::MIN), each().max().unwrap_or(i32::MAX))
+    }
+
+    /// First and last of `range` that the features leave possible: what they span and 1 px more; all, when too few say something.
+    pub(super) fn possible(&self, (first, len): (i32, i32)) -> (i32, i32) {
+        let last = first + len - 1;
+        let weight: i32 = self.words.iter().map(|word| word.weight_q8).sum();
+        if weight < ENOUGH_Q8 {
+            return (first, last);
+        }
+        let (low_q6, high_q6) = self.span_q6();
+        (((low_q6 >> 6) - 1).max(first), ((high_q6 >> 6) + 2).min(last))
+    }
+
+    pub(super) fn verdict(&self, d_q6: i32) -> Verdict {
+        let (mut agreeing, mut against, mut nearest) = (0_i32, 0_i32, REACH);
+        for word in &self.words {
+            if (word.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * word.distance {
+                agreeing += word.weight_q8;
+                nearest = nearest.min(word.distance);
+            } else {
+                against += word.weight_q8;
+            }
+        }
+        let (low_q6, high_q6) = self.span_q6();
+        let outside_q6 = if self.words.is_empty() {
+            FAR_OUTSIDE_Q6 / 2
+        } else {
+            (low_q6 - d_q6).max(d_q6 - high_q6).clamp(0, FAR_OUTSIDE_Q6)
+        };
+        Verdict {
+            support_q8: log2_mean_q8(agreeing.unsigned_abs(), ENOUGH_Q8),
+            conflict_q8: quotient(against << 8, agreeing + against + LITTLE_Q8),
+            distance_q8: quotient(nearest << 8, REACH),
+            outside_q8: outside_q6 << 2,
+        }
+    }
+}
+
+impl Word {
+    fn new(side: &Side, foot: &Foot, off: i32, distance: i32) -> Self {
+        let credible_q8 = (i32::from(side.probability_q16) - (1 << 15)).max(0) >> 7;
+        let nearness = REACH - distance;
+        let [d0, d1] = side.disparity_q6.map(i32::from);
+        let edge_q6 = d0 + quotient((d1 - d0) * foot.along, foot.length);
+        Self {
+            d_q6: edge_q6 + ((i32::from(side.across_q10) * off.min(CONTINUED)) >> 4),
+            weight_q8: quotient(credible_q8 * nearness * nearness, REACH * REACH),
+            distance,
+        }
+    }
+}

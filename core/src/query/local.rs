@@ -1,0 +1,161 @@
+//! The match on demand: dislocated windows and census around one pixel, searched over every disparity and back.
+//!
+//! In: the rows around the pixel, what features nearby say. Out: a disparity with its evidence.
+//!
+//! ```text
+//! windows: four of them, the pixel near a corner of each, so that one of them sees a single surface unless the surface is thin:
+//!          absolute differences of horizontal gradients, the lowest of the four at every disparity
+//! census:  Hamming distances at points around the pixel
+//! joint:   their sum; the minimum, or one nearly as low where features nearby are
+//! back:    the window that matches best, from its place in the right image
+//! ```
+//!
+//! # Bounds
+//! A window has two strips in each of six rows: 12 * 8 * 62 = 5952. Census: 15 points of 8 bits, times 16: 1920. Their sum is below 2^13.
+//!
+//! # Cost
+//! At 64 disparities: 36 and 12 strips (16 000 instructions on Armv7E-M), 15 points (3700), some 15 passes over a curve (6000).
+//!
+//! # Source
+//! Fusiello, Roberto, Trucco 1997 (windows around a pixel, the best of them counts); Hirschmueller, Innocent, Garibaldi 2002.
+
+use super::evidence::{PixelEvidence, PixelKind};
+use super::guide::Guide;
+use super::patch::{Patch, ROWS_REACH};
+use crate::kernel::{Strip, hamming_curve, sad_curve};
+use crate::matching::curve::{CURVES, Curve, Minimum, ratio_q8};
+use heapless::Vec;
+
+/// First columns of the three strips that windows are made of, relative to the pixel.
+const COLUMNS: [i32; 3] = [-10, -4, 2];
+/// Rows of the upper and of the lower windows.
+const HALVES: [(i32, i32); 2] = [(-ROWS_REACH, 1), (-1, ROWS_REACH)];
+const STRIPS: usize = 2 * 6;
+/// Points of census, relative to the pixel.
+const CENSUS_ROWS: [i32; 3] = [-2, 0, 2];
+const CENSUS_COLUMNS: [i32; 5] = [-4, -2, 0, 2, 4];
+const POINTS: usize = CENSUS_ROWS.len() * CENSUS_COLUMNS.len();
+/// A bit of census weighs as much as so many steps of gradient.
+const CENSUS_WEIGHT: u16 = 16;
+/// What features nearby speak for may cost so much more than the lowest cost.
+const GUIDED_Q8: u32 = 256 + 26;
+/// Disparities around the answer that are not its rivals.
+const NEIGHBOURHOOD: i32 = 2;
+/// Beyond that, differences between disparities say no more, 1/64 px.
+const FAR_APART_Q6: i32 = 256;
+
+/// Adds the costs of strips of rows `rows` and first columns `columns`.
+fn add<'p>(
+    (first_row, last_row): (i32, i32),
+    columns: &[i32],
+    strip: impl Fn(i32, i32) -> Option<Strip<'p>>,
+    costs: &mut [u16],
+) {
+    let mut strips: Vec<Strip<'p>, STRIPS> = Vec::new();
+    for row in first_row..=last_row {
+        for &column in columns {
+            if let Some(strip) = strip(row, column) {
+                let _ = strips.push(strip); // at most two columns of six rows
+            }
+        }
+    }
+    sad_curve(&strips, costs);
+}
+
+/// Disparity of the pixel (1/64 px) and its evidence. `range` are the disparities to compare, `range_back` those for the way back from one.
+pub(super) fn place(
+    patch: &mut Patch<'_>,
+    range: (i32, i32),
+    range_back: impl Fn(i32) -> (i32, i32),
+    guide: &Guide,
+    curves: &mut [Curve; CURVES],
+) -> (i32, PixelEvidence) {
+    patch.fill(range, &CENSUS_ROWS);
+    let [a, b, c, d, e, f, corner_a, corner_b, corner_c, corner_d, census, lower] = curves;
+    for (half, columns) in HALVES.into_iter().zip([[&mut *a, &mut *b, &mut *c], [&mut *d, &mut *e, &mut *f]]) {
+        for (curve, column) in columns.into_iter().zip(COLUMNS) {
+            curve.fill(range, |costs| add(half, &[column], |row, at| patch.forward(row, at, range.0), costs));
+        }
+    }
+    corner_a.set_sum(a, b);
+    corner_b.set_sum(b, c);
+    corner_c.set_sum(d, e);
+    corner_d.set_sum(e, f);
+    let (windows, joint, back) = (lower, a, b);
+    c.set_lower(corner_a, corner_b);
+    d.set_lower(corner_c, corner_d);
+    windows.set_lower(c, d);
+    count_census(patch, range, census);
+    joint.set_weighted_sum(windows, census, CENSUS_WEIGHT);
+
+    let possible = guide.possible(range);
+    let best = choose(joint, possible);
+    let at = best.at;
+    let d_q6 = joint.subpixel_q6(at);
+
+    let mut evidence = PixelEvidence::new();
+    let census_cost = census.minimum_near(at, 1).cost;
+    evidence.set(PixelKind::CensusRatio, ratio_q8(census_cost, census.rival(at)));
+    evidence.set(PixelKind::JointRatio, ratio_q8(best.cost, joint.rival(at)));
+    evidence.set(PixelKind::GuidedRatio, ratio_q8(best.cost, rival_within(joint, at, possible)));
+
+    let [above, below] = HALVES;
+    let corners = [(&*corner_a, above, 0), (&*corner_b, above, 1), (&*corner_c, below, 0), (&*corner_d, below, 1)];
+    let mut winner = (Minimum { at, cost: u16::MAX }, above, 0);
+    for (curve, half, column) in corners {
+        let near = curve.minimum_near(at, 1);
+        if near.cost < winner.0.cost {
+            winner = (near, half, column);
+        }
+    }
+    let (Minimum { at: own, .. }, half, column) = winner;
+    let range_back = range_back(own);
+    patch.fill_back(own, range_back, half);
+    let columns = COLUMNS.get(column..column + 2).unwrap_or(&[]);
+    back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, own, range_back.0), costs));
+    let returned = back.minimum().at;
+    evidence.set(PixelKind::BackGap, gap_q8(returned << 6, d_q6));
+    evidence.set(PixelKind::BackRatio, ratio_q8(back.minimum_near(own, 1).cost, back.rival(own)));
+
+    let verdict = guide.verdict(d_q6);
+    evidence.set(PixelKind::Support, verdict.support_q8);
+    evidence.set(PixelKind::Conflict, verdict.conflict_q8);
+    evidence.set(PixelKind::Distance, verdict.distance_q8);
+    evidence.set(PixelKind::Outside, verdict.outside_q8);
+    (d_q6, evidence)
+}
+
+fn count_census(patch: &Patch<'_>, range: (i32, i32), curve: &mut Curve) {
+    let mut points: Vec<(u8, &[u8]), POINTS> = Vec::new();
+    for row in CENSUS_ROWS {
+        for column in CENSUS_COLUMNS {
+            if let Some(point) = patch.census(row, column, range.0) {
+                let _ = points.push(point); // there are POINTS
+            }
+        }
+    }
+    curve.fill(range, |costs| hamming_curve(&points, costs));
+}
+
+/// The lowest cost, or that among the `possible` disparities if it is nearly as low.
+fn choose(joint: &Curve, (low, high): (i32, i32)) -> Minimum {
+    let best = joint.minimum();
+    let mut guided = Minimum { at: best.at, cost: u16::MAX };
+    for d in low..=high {
+        if let Some(cost) = joint.at(d)
+            && cost < guided.cost
+        {
+            guided = Minimum { at: d, cost };
+        }
+    }
+    if u32::from(guided.cost) << 8 <= u32::from(best.cost) * GUIDED_Q8 { guided } else { best }
+}
+
+fn rival_within(joint: &Curve, at: i32, (low, high): (i32, i32)) -> u16 {
+    let rivals = (low..=high).filter(|d| (d - at).abs() > NEIGHBOURHOOD);
+    rivals.filter_map(|d| joint.at(d)).min().unwrap_or(u16::MAX)
+}
+
+fn gap_q8(a_q6: i32, b_q6: i32) -> i32 {
+    (a_q6 - b_q6).abs().min(FAR_APART_Q6) << 2
+}

@@ -1,0 +1,221 @@
+//! Depth at a pixel that lies on no segment: the closest features and a match on demand around it.
+//!
+//! In: a run's candidates and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`], or why it is
+//! [`NotKnown`].
+//!
+//! ```text
+//! guide:  what the sides of segments nearby say of the pixel, those of the same region where it is known          (guide)
+//! patch:  gradients and census codes of the rows around the pixel, in the columns that a search reads              (patch)
+//! local:  windows that the pixel does not lie in the middle of, and census, over every disparity and back          (local)
+//! answer: evidence -> probability of being within 1 px and standard deviation, by one fitted line and its tables  (evidence, fitted)
+//! ```
+//! Guide and match know little of each other: features nearby may be of another surface, a match may have found a look-alike. Where they
+//! agree, both are believed.
+//!
+//! # Cost
+//! The memory of the band and of the curves that the run has finished with. At most 60 000 instructions a pixel on a Cortex-M7 at 64
+//! disparities, see `docs/design.md`.
+//!
+//! # Source
+//! The chapter's future work: a pixel described by the closest features, dislocated kernels.
+
+mod evidence;
+mod fitted;
+mod guide;
+mod local;
+mod patch;
+
+use crate::confidence::Model;
+use crate::image::{Dims, Gray};
+use crate::matching::band::row_bytes;
+use crate::matching::evidence::log2_mean_q8;
+use crate::matching::{Candidate, MIN_RANGE, Workspace, narrow};
+use crate::objects::Region;
+use crate::params::Params;
+use crate::units::{Confidence, Depth, Disparity};
+use core::fmt;
+pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
+pub use fitted::FITTED_PIXEL;
+use guide::Guide;
+use patch::Patch;
+
+/// Mean gradients around a pixel (half a grey level per px) times two, below which there is nothing to match.
+const BLANK: u32 = 1;
+/// Texture below which a low confidence is put down to it, log2(1 + mean gradient) in Q8.
+const LITTLE_TEXTURE_Q8: i32 = 256;
+/// A search back that ends so far away has found another place, px in Q8.
+const ANOTHER_PLACE_Q8: i32 = 384;
+/// A rival that costs less than best / this is a rival, Q8.
+const RIVAL_Q8: i32 = 205;
+
+/// The depth of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PixelDepth {
+    /// Disparity of the surface seen at the pixel.
+    pub disparity: Disparity,
+    /// Its standard deviation in px.
+    pub sigma: Disparity,
+    /// Probability that the disparity is within 1 px.
+    pub confidence: Confidence,
+    /// Depth; `None` without a rig.
+    pub depth: Option<Depth>,
+    /// Standard deviation of depth; `None` without a rig.
+    pub depth_sigma: Option<Depth>,
+}
+
+/// Why the depth of a pixel is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NotKnown {
+    /// The images, or the memory, are not of the planned size.
+    OtherSize,
+    /// The pixel lies outside of the image, or of its usable part.
+    Outside,
+    /// The pixel does not belong to the region given.
+    OutsideRegion,
+    /// Too close to the border to compare enough disparities.
+    NearBorder,
+    /// There is nothing to match around the pixel.
+    NoTexture,
+    /// Searching back from the right image leads elsewhere: most likely the place is hidden there.
+    LeftRight,
+    /// Another disparity matches nearly as well.
+    NotUnique,
+    /// The evidence together does not reach the asked probability.
+    LowConfidence,
+}
+
+impl NotKnown {
+    /// Every reason.
+    pub const ALL: [Self; 8] = [
+        Self::OtherSize,
+        Self::Outside,
+        Self::OutsideRegion,
+        Self::NearBorder,
+        Self::NoTexture,
+        Self::LeftRight,
+        Self::NotUnique,
+        Self::LowConfidence,
+    ];
+
+    /// The reason in snake case, as it stands in JSON and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::OtherSize => "other_size",
+            Self::Outside => "outside",
+            Self::OutsideRegion => "outside_region",
+            Self::NearBorder => "near_border",
+            Self::NoTexture => "no_texture",
+            Self::LeftRight => "left_right",
+            Self::NotUnique => "not_unique",
+            Self::LowConfidence => "low_confidence",
+        }
+    }
+}
+
+impl fmt::Display for NotKnown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OtherSize => "the pair or the memory is not of the planned size",
+            Self::Outside => "the pixel lies outside of the usable image",
+            Self::OutsideRegion => "the pixel does not belong to the region",
+            Self::NearBorder => "too close to the border to compare disparities",
+            Self::NoTexture => "nothing to match around the pixel",
+            Self::LeftRight => "hidden in the right image, most likely",
+            Self::NotUnique => "another disparity matches nearly as well",
+            Self::LowConfidence => "not credible enough",
+        })
+    }
+}
+
+impl core::error::Error for NotKnown {}
+
+/// One question, with all it needs.
+pub(crate) struct Query<'a> {
+    pub(crate) params: &'a Params,
+    pub(crate) model: &'a Model<PIXEL_EVIDENCE>,
+    /// Left and right.
+    pub(crate) images: [Gray<'a>; 2],
+    pub(crate) dims: Dims,
+    pub(crate) candidates: &'a [Candidate],
+    /// Row of the right image that matches row 0 of the left one.
+    pub(crate) row_offset: i32,
+    pub(crate) rows: &'a mut [u8],
+    pub(crate) work: &'a mut Workspace,
+}
+
+impl Query<'_> {
+    #[inline(never)]
+    pub(crate) fn answer(self, x: u16, y: u16, region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+        let (params, model) = (self.params, self.model);
+        let (d_q6, evidence) = self.weigh_up(x, y, region)?;
+        let score_q8 = model.score_q8(&evidence.0);
+        let confidence = Confidence::from_bits(model.probability_q16(score_q8));
+        if confidence < params.min_confidence {
+            return Err(why_not(&evidence));
+        }
+        let disparity = Disparity::from_bits(narrow(d_q6));
+        let sigma = Disparity::from_bits(narrow(model.sigma_q6(score_q8).into()));
+        Ok(PixelDepth {
+            disparity,
+            sigma,
+            confidence,
+            depth: params.rig.map(|rig| rig.depth(disparity)),
+            depth_sigma: params.rig.map(|rig| rig.depth_sigma(disparity, sigma)),
+        })
+    }
+
+    /// Disparity in 1/64 px, and the evidence for it.
+    #[inline(never)]
+    pub(crate) fn weigh_up(
+        self,
+        x: u16,
+        y: u16,
+        region: Option<&Region<'_>>,
+    ) -> Result<(i32, PixelEvidence), NotKnown> {
+        let [left, right] = self.images;
+        if self.images.iter().any(|image| image.dims() != self.dims) {
+            return Err(NotKnown::OtherSize);
+        }
+        let (x, y) = (i32::from(x), i32::from(y));
+        let inside = x < i32::from(self.dims.width) && y < i32::from(self.dims.height);
+        if !inside || !left.usable_columns(y).contains(x) {
+            return Err(NotKnown::Outside);
+        }
+        if region.is_some_and(|region| !region.contains(x, y)) {
+            return Err(NotKnown::OutsideRegion);
+        }
+        let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
+        let seen = right.usable_columns(y + self.row_offset);
+        let first = least.max(x + 1 - i32::from(seen.end));
+        let len = most.min(x + 1 - i32::from(seen.start)) - first;
+        if len < MIN_RANGE {
+            return Err(NotKnown::NearBorder);
+        }
+        let rows = (self.rows, row_bytes(self.dims.width));
+        let mut patch = Patch::new([left, right], (x, y), self.row_offset, rows).ok_or(NotKnown::OtherSize)?;
+        let (sum, count) = patch.look();
+        if sum * 2 < BLANK * count.unsigned_abs() {
+            return Err(NotKnown::NoTexture);
+        }
+        let guide = Guide::new(self.candidates, (x, y), region);
+        let end = i32::from(left.usable_columns(y).end);
+        let range_back = |at: i32| (least, most.min(end - (x - at)) - least);
+        let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &guide, &mut self.work.curves);
+        evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));
+        Ok((d_q6, evidence))
+    }
+}
+
+/// What speaks most against an answer that is not credible.
+fn why_not(evidence: &PixelEvidence) -> NotKnown {
+    if evidence.get(PixelKind::Texture) < LITTLE_TEXTURE_Q8 {
+        NotKnown::NoTexture
+    } else if evidence.get(PixelKind::BackGap) > ANOTHER_PLACE_Q8 {
+        NotKnown::LeftRight
+    } else if evidence.get(PixelKind::GuidedRatio) > RIVAL_Q8 {
+        NotKnown::NotUnique
+    } else {
+        NotKnown::LowConfidence
+    }
+}

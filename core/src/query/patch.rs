@@ -1,0 +1,219 @@
+//! Rows around one pixel: gradients of both images and census codes of the right one, computed for this pixel alone.
+//!
+//! In: the pair, a pixel, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the pixel.
+//!
+//! As in the band of a run, rows of the right image are stored mirrored, so that candidates at rising disparity lie at rising addresses.
+//! Only columns that the search reads are computed. Beyond the image's border its nearest row counts; columns there are flat.
+//!
+//! # Bounds
+//! A row has at most `len + 38` pixels for `len` disparities (whole blocks of 16), which is fewer than a padded row of the band has.
+//!
+//! # Cost
+//! Four planes of nine rows, in the memory of the band, which a run no longer needs. At 64 disparities some 1500 instructions a row.
+
+use crate::image::{Gray, Span};
+use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, census_row, gradient_row, reverse_row};
+
+/// Rows on either side of the pixel's.
+pub(super) const ROWS_REACH: i32 = 4;
+const ROWS: usize = 2 * ROWS_REACH as usize + 1;
+/// Farthest columns of a strip from the pixel's, on both sides.
+const COLUMNS_REACH: i32 = 10;
+/// Pixels computed beyond both ends of a row: gradients and census codes end before them.
+const BORDER: i32 = 2;
+
+/// The columns that a plane's rows hold.
+#[derive(Clone, Copy, Debug, Default)]
+struct Columns {
+    first: i32,
+    length: i32,
+}
+
+/// Gradients and census around a pixel.
+#[derive(Debug)]
+pub(super) struct Patch<'a> {
+    left: Gray<'a>,
+    right: Gray<'a>,
+    x: i32,
+    y: i32,
+    /// Row of the right image that matches row 0 of the left one.
+    row_offset: i32,
+    stride: usize,
+    /// Left gradients around the pixel.
+    near: (&'a mut [u8], Columns),
+    /// Right gradients and census codes in which they are sought, mirrored.
+    sought: (&'a mut [u8], Columns),
+    census: &'a mut [u8],
+    /// Left gradients in which a right window is sought back.
+    back: (&'a mut [u8], Columns),
+}
+
+impl<'a> Patch<'a> {
+    /// In `rows`, memory of four planes whose rows are `stride` bytes long; `None` when that is too little.
+    pub(super) fn new(
+        [left, right]: [Gray<'a>; 2],
+        (x, y): (i32, i32),
+        row_offset: i32,
+        (rows, stride): (&'a mut [u8], usize),
+    ) -> Option<Self> {
+        let plane = stride.checked_mul(ROWS)?;
+        let (near, rest) = rows.split_at_mut_checked(plane)?;
+        let (sought, rest) = rest.split_at_mut_checked(plane)?;
+        let (census, rest) = rest.split_at_mut_checked(plane)?;
+        let back = rest.get_mut(..plane)?;
+        let none = Columns::default();
+        Some(Self {
+            left,
+            right,
+            x,
+            y,
+            row_offset,
+            stride,
+            near: (near, none),
+            sought: (sought, none),
+            census,
+            back: (back, none),
+        })
+    }
+
+    /// Mean gradient around the pixel, as a sum and a count.
+    pub(super) fn look(&mut self) -> (u32, i32) {
+        let (plane, columns) = &mut self.near;
+        let reach = COLUMNS_REACH + BORDER;
+        *columns = Columns { first: self.x - reach, length: 2 * reach };
+        let (mut sum, mut count) = (0, 0);
+        for (row, slot) in (self.y - ROWS_REACH..).zip(plane.chunks_exact_mut(self.stride)) {
+            gradients(self.left, row, *columns, slot);
+            for &gradient in slot.get(BORDER as usize..(2 * reach - BORDER) as usize).unwrap_or(&[]) {
+                sum += u32::from(gradient.abs_diff(FLAT));
+                count += 1;
+            }
+        }
+        (sum, count)
+    }
+
+    /// Computes what a search over the disparities `first .. first + len` reads; census codes of the rows `codes`, relative to the pixel's.
+    pub(super) fn fill(&mut self, (first, len): (i32, i32), codes: &[i32]) {
+        let len = whole_blocks(len);
+        let reach = COLUMNS_REACH + BORDER;
+        let columns = Columns { first: self.x - reach - (first + len - 1), length: 2 * reach + len - 1 };
+        self.sought.1 = columns;
+        let top = self.y - ROWS_REACH + self.row_offset;
+        for (row, slot) in (top..).zip(self.sought.0.chunks_exact_mut(self.stride)) {
+            gradients(self.right, row, columns, slot);
+            mirror(slot, columns);
+        }
+        for (dy, slot) in (-ROWS_REACH..).zip(self.census.chunks_exact_mut(self.stride)) {
+            if codes.contains(&dy) {
+                census(self.right, self.y + dy + self.row_offset, columns, slot);
+                mirror(slot, columns);
+            }
+        }
+    }
+
+    /// Computes the rows `rows`, relative to the pixel's, that the search back from disparity `at` reads.
+    pub(super) fn fill_back(&mut self, at: i32, (first, len): (i32, i32), rows: (i32, i32)) {
+        let len = whole_blocks(len);
+        let reach = COLUMNS_REACH + BORDER;
+        let columns = Columns { first: self.x - at - reach + first, length: 2 * reach + len - 1 };
+        self.back.1 = columns;
+        for (dy, slot) in (-ROWS_REACH..).zip(self.back.0.chunks_exact_mut(self.stride)) {
+            if (rows.0..=rows.1).contains(&dy) {
+                gradients(self.left, self.y + dy, columns, slot);
+            }
+        }
+    }
+
+    fn row<'s>(&'s self, plane: &'s [u8], dy: i32) -> Option<&'s [u8]> {
+        let start = usize::try_from(dy + ROWS_REACH).ok()?.checked_mul(self.stride)?;
+        plane.get(start..)?.get(..self.stride)
+    }
+
+    /// Eight left pixels from `column` on, relative to the pixel, and where they are sought from disparity `first` on.
+    pub(super) fn forward(&self, dy: i32, column: i32, first: i32) -> Option<Strip<'_>> {
+        let at = usize::try_from(self.x + column - self.near.1.first).ok()?;
+        let mut reference = *self.row(self.near.0, dy)?.get(at..)?.first_chunk::<STRIP>()?;
+        reference.reverse();
+        let start = self.mirrored(column, first)?;
+        Some(Strip { reference, other: self.row(self.sought.0, dy)?.get(start..)? })
+    }
+
+    /// Eight right pixels, those of `column` at disparity `at`, and where they are sought back from disparity `first` on.
+    pub(super) fn backward(&self, dy: i32, column: i32, at: i32, first: i32) -> Option<Strip<'_>> {
+        let place = self.mirrored(column, at)?;
+        let mut reference = *self.row(self.sought.0, dy)?.get(place..)?.first_chunk::<STRIP>()?;
+        reference.reverse();
+        let start = usize::try_from(self.x + column - at + first - self.back.1.first).ok()?;
+        Some(Strip { reference, other: self.row(self.back.0, dy)?.get(start..)? })
+    }
+
+    /// The census code of a left pixel, and where it is sought; `None` where there is none.
+    pub(super) fn census(&self, dy: i32, column: i32, first: i32) -> Option<(u8, &[u8])> {
+        let (x, y) = (self.x + column, self.y + dy);
+        let inside = |v: i32, side: u16| v >= 2 && v + 2 < i32::from(side);
+        let dims = self.left.dims();
+        if !inside(x, dims.width) || !inside(y, dims.height) || !self.left.usable_columns(y).contains(x) {
+            return None;
+        }
+        let (pixels, stride) = self.left.as_slice();
+        let corner = (y as usize - 2).wrapping_mul(stride).wrapping_add(x as usize - 2);
+        let code = census_code(pixels, corner, stride)?;
+        let start = self.mirrored(column + 1 - STRIP as i32, first)?;
+        Some((code, self.row(self.census, dy)?.get(start..)?))
+    }
+
+    /// Where the right pixels of the eight from `column` on at a disparity start.
+    fn mirrored(&self, column: i32, disparity: i32) -> Option<usize> {
+        let Columns { first, length } = self.sought.1;
+        usize::try_from(first + length - STRIP as i32 - (self.x + column) + disparity).ok()
+    }
+}
+
+fn whole_blocks(len: i32) -> i32 {
+    (len + LANES as i32 - 1) & !(LANES as i32 - 1)
+}
+
+fn gradients(image: Gray<'_>, y: i32, columns: Columns, out: &mut [u8]) {
+    fill(image, [y - 1, y, y + 1], columns, out, |[above, row, below], out| gradient_row(above, row, below, out));
+}
+
+fn census(image: Gray<'_>, y: i32, columns: Columns, out: &mut [u8]) {
+    fill(image, [y - 2, y, y + 2], columns, out, census_row);
+}
+
+/// Lets `kernel` compute the columns from three rows, as far as the image has them; what is not usable is flat.
+fn fill(image: Gray<'_>, rows: [i32; 3], columns: Columns, out: &mut [u8], kernel: impl FnOnce([&[u8]; 3], &mut [u8])) {
+    let Columns { first, length } = columns;
+    if let Some(held) = usize::try_from(length).ok().and_then(|end| out.get_mut(..end)) {
+        held.fill(FLAT);
+    }
+    let dims = image.dims();
+    let (from, to) = (first.max(0), (first + length).min(dims.width.into()));
+    if from >= to {
+        return;
+    }
+    let last = i32::from(dims.height) - 1;
+    let [above, row, below] = rows.map(|y| {
+        let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
+        row.get(from as usize..to as usize).unwrap_or(&[])
+    });
+    let start = (from - first) as usize;
+    let Some(inner) = out.get_mut(start..).and_then(|out| out.get_mut(..(to - from) as usize)) else { return };
+    kernel([above, row, below], inner);
+    if image.usable().is_empty() {
+        return;
+    }
+    let [_, y, _] = rows;
+    let Span { start, end } = image.usable_columns(y);
+    for (pixel, x) in inner.iter_mut().zip(from..) {
+        if !(i32::from(start)..i32::from(end)).contains(&x) {
+            *pixel = FLAT;
+        }
+    }
+}
+
+fn mirror(slot: &mut [u8], columns: Columns) {
+    if let Some(row) = slot.get_mut(..columns.length as usize) {
+        reverse_row(row);
+    }
+}
