@@ -1,8 +1,9 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, ObjectDepth, Observer, Output, ParamError,
-    Params, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words, row_bytes,
+    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, NotKnown, ObjectDepth, Observer, Output,
+    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words,
+    row_bytes,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -87,6 +88,27 @@ impl Engine {
         let mut found = Vec::with_capacity(regions.len());
         self.plan.for_each_object(&mut self.scratch, regions, fit, |object| found.push(object));
         found
+    }
+
+    /// The depth of one pixel of the pair that was matched last.
+    pub fn depth_at(
+        &mut self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        pixel: (u16, u16),
+        region: Option<&Region<'_>>,
+    ) -> Result<PixelDepth, NotKnown> {
+        self.plan.depth_at(left, right, &mut self.scratch, pixel, region)
+    }
+
+    /// Disparity of one pixel (1/64 px) and its evidence, whatever its probability.
+    pub fn evidence_at(
+        &mut self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+        pixel: (u16, u16),
+    ) -> Result<(i32, PixelEvidence), NotKnown> {
+        self.plan.evidence_at(left, right, &mut self.scratch, pixel, None)
     }
 
     /// Runs the core without copying the result out: for benchmarks and for loops that read it in place.

@@ -6,7 +6,9 @@
 use crate::engine::FrameResult;
 use crate::health;
 use core::fmt::Write;
-use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, Match, NoDepth, ObjectDepth, Owner, Point, Rejection};
+use linestereo::{
+    Depth, Dims, Disparity, INFINITE_DEPTH, Match, NoDepth, NotKnown, ObjectDepth, Owner, PixelDepth, Point, Rejection,
+};
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
 
@@ -35,6 +37,71 @@ pub struct Answers {
     /// Why the list of objects is empty: its file could not be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub objects_error: Option<String>,
+    /// Depth of each pixel that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queries: Option<Vec<Query>>,
+}
+
+/// The depth of a pixel, or why it is not known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Query {
+    /// Column.
+    pub x: u16,
+    /// Row.
+    pub y: u16,
+    /// `None` where it is not known.
+    pub disparity_px: Option<f64>,
+    /// 0 without a disparity.
+    pub sigma_px: f64,
+    /// `None` without a rig or a disparity, and for an infinite depth.
+    pub depth_m: Option<f64>,
+    /// 0 without a depth.
+    pub sigma_m: f64,
+    /// Probability that the disparity is within 1 px; 0 without a disparity.
+    pub confidence: f64,
+    /// Why there is no disparity.
+    pub reason: Option<&'static str>,
+}
+
+impl Query {
+    /// What the core says of a pixel; nothing is known of a pair that was `refused`.
+    #[must_use]
+    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, NotKnown>, refused: bool) -> Self {
+        let none = |reason| Self {
+            x,
+            y,
+            disparity_px: None,
+            sigma_px: 0.0,
+            depth_m: None,
+            sigma_m: 0.0,
+            confidence: 0.0,
+            reason: Some(reason),
+        };
+        match answer {
+            _ if refused => none("unhealthy_pair"),
+            Err(reason) => none(reason.name()),
+            Ok(found) => Self {
+                disparity_px: Some(found.disparity.to_num()),
+                sigma_px: found.sigma.to_num(),
+                depth_m: found.depth.and_then(finite_metres),
+                sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
+                confidence: five_decimals(found.confidence.to_num()),
+                reason: None,
+                ..none("")
+            },
+        }
+    }
+
+    /// In a line.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Self { x, y, sigma_px, sigma_m, confidence, .. } = self;
+        let Some(disparity) = self.disparity_px else {
+            return format!("pixel {x},{y}: not known ({})\n", self.reason.unwrap_or_default());
+        };
+        let metres = self.depth_m.map_or(String::new(), |z| format!(", {z:.3} +- {sigma_m:.3} m"));
+        format!("pixel {x},{y}: {disparity:.2} +- {sigma_px:.2} px{metres}, p {confidence:.2}\n")
+    }
 }
 
 /// The depth of a region, or why it has none.

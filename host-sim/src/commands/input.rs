@@ -13,10 +13,14 @@ use crate::engine::{Engine, FrameResult, GrayImage};
 use crate::frames::{
     SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
 };
+use crate::listing::Query;
 use crate::pinhole::Pinhole;
 use crate::rectify::PairRectifier;
 use anyhow::{Result, anyhow, bail};
-use linestereo::{Dims, Eye, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span, shrink_to_usable};
+use linestereo::{
+    Dims, Eye, Gray, HealthFlags, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span, ViewError,
+    shrink_to_usable,
+};
 use linestereo_wire::{RigImage, RigUpdate};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -278,13 +282,26 @@ impl Matcher {
             None => images,
         };
         let start = Instant::now();
-        let view = |eye: usize| {
-            let view = images[eye].view()?;
-            if self.usable[eye].is_empty() { Ok(view) } else { view.with_usable(&self.usable[eye]) }
-        };
+        let views = views(&images, &self.usable)?;
         let limits = &HealthLimits::DEFAULT;
-        let result =
-            self.engine.run_watched_observed((view(0)?, view(1)?), &mut self.monitor, limits, times_us, observer)?;
+        let result = self.engine.run_watched_observed(views, &mut self.monitor, limits, times_us, observer)?;
         Ok(Matched { images, result, seconds: start.elapsed().as_secs_f64() })
     }
+
+    /// The depth of pixels of the pair that was matched last.
+    pub(super) fn ask(&mut self, matched: &Matched, pixels: &[(u16, u16)]) -> Result<Vec<Query>> {
+        let (left, right) = views(&matched.images, &self.usable)?;
+        let refused = matched.result.health.of_pair().contains(HealthFlags::SKEW);
+        let mut answer = |&pixel| Query::new(pixel, self.engine.depth_at(left, right, pixel, None), refused);
+        Ok(pixels.iter().map(&mut answer).collect())
+    }
+}
+
+/// Both images with what is usable of them.
+fn views<'a>(images: &'a [GrayImage; 2], usable: &'a [Vec<Span>; 2]) -> Result<(Gray<'a>, Gray<'a>), ViewError> {
+    let view = |eye: usize| {
+        let view = images[eye].view()?;
+        if usable[eye].is_empty() { Ok(view) } else { view.with_usable(&usable[eye]) }
+    };
+    Ok((view(0)?, view(1)?))
 }

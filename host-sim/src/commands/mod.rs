@@ -9,6 +9,7 @@ pub mod convert_rig;
 pub mod demo;
 pub mod eval;
 mod eval_objects;
+pub mod eval_pixels;
 pub mod fit_confidence;
 pub mod flash_image;
 mod input;
@@ -48,6 +49,7 @@ enum Command {
     Demo(demo::Args),
     Run(Box<run::Args>),
     Eval(eval::Args),
+    EvalPixels(eval_pixels::Args),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
     Rectify(rectify::Args),
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
         Some(Command::Demo(args)) => demo::run(args),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
+        Some(Command::EvalPixels(args)) => eval_pixels::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Rectify(args)) => rectify::run(args),

@@ -8,7 +8,7 @@ use crate::draw::{self, ColourRange};
 use crate::engine::{FrameResult, GrayImage};
 use crate::export;
 use crate::health;
-use crate::listing;
+use crate::listing::{self, Answers, Query};
 use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
@@ -28,6 +28,8 @@ Examples:
       for other programs: geometry, disparity maps of the images as matched
   linestereo run left.png right.png --scene scene.json --objects detections.json --json -
       the depth of every object that a detector found
+  linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
+      the depth of two pixels, on a segment or not
   linestereo run left.png right.png --width 320 --on mps2-an500
       the same on an emulated Cortex-M7, with its instructions counted
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
@@ -49,7 +51,9 @@ JSON:
    \"health\":{\"flags\":[\"...\"],
              \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
              \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"witnesses\":n},
-             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d}}
+             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d},
+   \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
+               \"confidence\":c, \"reason\":null|\"...\"}]}
   confidence  probability of being within 1 px
   owner       side whose surface has this depth; left is above on a near-horizontal segment
   depth_m     null without a rig; a z of null is infinite
@@ -62,7 +66,9 @@ JSON:
               detail: mean grey step between samples; view: share of the usable pixels
   skew_us     between the captures: null here, files have no capture times
   rows        row in the right image minus row in the left one, by the matches: its median, spread and
-              the number of matches that could say; row_offset_px smooths it over pairs";
+              the number of matches that could say; row_offset_px smooths it over pairs
+  queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
+              no_texture, left_right, not_unique, low_confidence, unhealthy_pair)";
 
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
@@ -97,25 +103,40 @@ pub struct Args {
     objects_csv: Option<PathBuf>,
     #[command(flatten)]
     objects: ObjectArgs,
+    /// Say the depth of this pixel of the left image as matched; repeat it for more.
+    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "on")]
+    query: Vec<(u16, u16)>,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
     #[arg(long, value_name = "BOARD", conflicts_with = "objects")]
     on: Option<String>,
 }
+
+/// A column and a row.
+fn pixel(text: &str) -> Result<(u16, u16), String> {
+    let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
+    match numbers {
+        Some((Ok(x), Ok(y))) => Ok((x, y)),
+        _ => Err("give a column and a row, such as 160,120".to_owned()),
+    }
+}
+
+/// The left image as it was matched, the result, the time in words, objects and pixels that were asked for.
+type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let pair = args.input.load(&args.left, &args.right)?;
     let setup = args.input.setup(&pair)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
-    let (left, result, cost, objects) = match &args.on {
+    let (left, result, cost, objects, queries) = match &args.on {
         Some(board) => {
             let (left, result, cost) = on_board(&setup, &pair, board)?;
-            (left, result, cost, None)
+            (left, result, cost, None, None)
         }
         None => here(&setup, &pair, args)?,
     };
 
-    let answers = Asked::answers(objects.as_ref());
+    let answers = Answers { queries, ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
     let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
@@ -137,6 +158,7 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         print(&summary(left.dims, max_disparity, &result, &cost))?;
         print(&objects.as_ref().map_or(String::new(), Asked::summary))?;
+        answers.queries.iter().flatten().try_for_each(|query| print(&query.summary()))?;
         print(&notes)?;
         let written =
             [&args.json, &args.csv, &args.objects_csv, &args.ply, &args.disparity_png, &args.pfm, &args.overlay];
@@ -171,13 +193,14 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     Ok(notes)
 }
 
-/// The left image as it was matched, the result, the time in words, and the objects' depths.
-fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<(GrayImage, FrameResult, String, Option<Asked>)> {
+/// The left image as it was matched, the result, the time in words, and the depths of objects and pixels that were asked for.
+fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     let matched = matcher.run(setup, pair, None)?;
     let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
+    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(&matched, &args.query)?) };
     let [left, _] = matched.images;
-    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects))
+    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
 }
 
 /// The left image as it was matched, the result of a board, and its instructions in words.

@@ -1,7 +1,6 @@
 //! Penalised logistic regression by Newton's method.
 
 use super::sample::Sample;
-use linestereo::EVIDENCE;
 use nalgebra::{DMatrix, DVector};
 
 /// Penalty on standardised coefficients. Neighbouring pixels and distances of one side are no independent witnesses: a hundred of them
@@ -36,24 +35,22 @@ impl Line {
     }
 
     fn standardised(samples: &[&Sample]) -> Self {
-        let (mut mean, mut scale) = (vec![0.0; EVIDENCE], vec![1.0; EVIDENCE]);
+        let kinds = samples.first().map_or(0, |sample| sample.evidence.len());
+        let (mut mean, mut scale) = (vec![0.0; kinds], vec![1.0; kinds]);
         let count = samples.len().max(1) as f64;
-        for i in 0..EVIDENCE {
+        for i in 0..kinds {
             mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
             let variance = samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
             // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
             scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
         }
-        Self { mean, scale, weights: DVector::zeros(EVIDENCE + 1) }
+        Self { mean, scale, weights: DVector::zeros(kinds + 1) }
     }
 
-    fn standardise(&self, evidence: &[f64; EVIDENCE]) -> DVector<f64> {
-        DVector::from_fn(
-            EVIDENCE + 1,
-            |i, _| {
-                if i < EVIDENCE { (evidence[i] - self.mean[i]) / self.scale[i] } else { 1.0 }
-            },
-        )
+    fn standardise(&self, evidence: &[f64]) -> DVector<f64> {
+        let standard = evidence.iter().zip(self.mean.iter().zip(&self.scale));
+        let inputs = standard.map(|(value, (mean, scale))| (value - mean) / scale).chain([1.0]);
+        DVector::from_vec(inputs.collect())
     }
 
     /// Log-odds of a sample.
@@ -63,9 +60,10 @@ impl Line {
 
     /// Bias and coefficients of the raw evidence.
     pub(super) fn raw(&self) -> (f64, Vec<f64>) {
-        let coefficients: Vec<f64> = (0..EVIDENCE).map(|i| self.weights[i] / self.scale[i]).collect();
+        let coefficients: Vec<f64> =
+            self.weights.iter().zip(&self.scale).map(|(weight, scale)| weight / scale).collect();
         let moved: f64 = coefficients.iter().zip(&self.mean).map(|(c, mean)| c * mean).sum();
-        (self.weights[EVIDENCE] - moved, coefficients)
+        (self.weights[coefficients.len()] - moved, coefficients)
     }
 }
 

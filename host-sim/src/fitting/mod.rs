@@ -8,9 +8,11 @@
 
 mod calibration;
 mod logistic;
+mod pixels;
 mod sample;
 mod source;
 
+pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::source_text;
 
@@ -30,20 +32,26 @@ pub fn fit(scenes: &[&SceneSamples]) -> Models {
 }
 
 fn fit_kind(scenes: &[&SceneSamples], kind: SampleKind) -> Model {
+    let all: Vec<Vec<&Sample>> = scenes.iter().map(|scene| scene.of_kind(kind).collect()).collect();
+    fit_scenes(&all)
+}
+
+/// The model of these samples, those of each scene together.
+fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>]) -> Model<N> {
     let of = |skip: Option<usize>| -> Vec<&Sample> {
         let kept = scenes.iter().enumerate().filter(|(i, _)| Some(*i) != skip);
-        kept.flat_map(|(_, scene)| scene.of_kind(kind)).collect()
+        kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
     };
     let line = Line::fit(&of(None), None);
     let mut held_out = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         // With one scene there is nothing to hold out: its own scores are all there is.
         let other = if scenes.len() > 1 { Line::fit(&of(Some(i)), Some(&line)) } else { line.clone() };
-        held_out.extend(scene.of_kind(kind).map(|sample| (other.score(sample), sample)));
+        held_out.extend(scene.iter().map(|sample| (other.score(sample), *sample)));
     }
     let tables = calibration::tables(&held_out);
     let (bias, coefficients) = line.raw();
-    let mut coefficients_q12 = [0; EVIDENCE];
+    let mut coefficients_q12 = [0; N];
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {
         *q12 = q(coefficient);
     }

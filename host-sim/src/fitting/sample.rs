@@ -1,7 +1,7 @@
 //! Claims with evidence and truth.
 
 use crate::frames::Truth;
-use linestereo::{Candidate, Dims, EVIDENCE, Evidence, Kind, Observer, Params, Step, Views};
+use linestereo::{Candidate, Dims, Evidence, Kind, Observer, Params, PixelEvidence, Step, Views};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
@@ -13,18 +13,25 @@ pub(super) enum SampleKind {
     FlatSide,
     SteepEdge,
     FlatEdge,
+    Pixel,
 }
 
-/// The pixels that one side of one candidate claims at one distance.
+/// The pixels that one side of one candidate claims at one distance, or one pixel that was asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     kind: SampleKind,
-    pub(super) evidence: [f64; EVIDENCE],
+    pub(super) evidence: Vec<f64>,
     /// `|claimed - true|` of the pixels with truth, px.
     pub(super) errors: Vec<f32>,
 }
 
 impl Sample {
+    /// A pixel that was asked for; `error` is `|answer - true|`, px.
+    pub(super) fn pixel(evidence: &PixelEvidence, error: f32) -> Self {
+        let evidence = evidence.0.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Self { kind: SampleKind::Pixel, evidence, errors: vec![error] }
+    }
+
     /// Pixels within 1 px, and the others.
     pub(super) fn outcome(&self) -> (f64, f64) {
         let right = self.errors.iter().filter(|&&error| error <= 1.0).count();
@@ -98,7 +105,7 @@ pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth,
                 if errors.is_empty() {
                     continue;
                 }
-                let mut evidence = known.0.map(|value| f64::from(value) / 256.0);
+                let mut evidence = known.0.map(|value| f64::from(value) / 256.0).to_vec();
                 evidence[Kind::Distance as usize] = distance.into();
                 let kind = if distance == 0 { edge_kind } else { side_kind };
                 samples.push(Sample { kind, evidence, errors });

@@ -23,18 +23,24 @@ pub fn source_text(models: &Models, origin: &str) -> String {
 }
 
 fn model(text: &mut String, name: &str, model: &Model) {
-    let _ = writeln!(text, "    {name}: Model {{\n        bias_q12: {},\n        coefficients_q12: [", model.bias_q12);
-    for (coefficient, name) in model.coefficients_q12.iter().zip(names()) {
-        let _ = writeln!(text, "            {coefficient}, // {name}");
+    let _ = writeln!(text, "    {name}: Model {{");
+    fields(text, "        ", model, &names());
+    text.push_str("    },\n");
+}
+
+/// The fields of a model, each line indented.
+pub(super) fn fields<const N: usize>(text: &mut String, indent: &str, model: &Model<N>, names: &[&str; N]) {
+    let _ = writeln!(text, "{indent}bias_q12: {},\n{indent}coefficients_q12: [", model.bias_q12);
+    for (coefficient, name) in model.coefficients_q12.iter().zip(names) {
+        let _ = writeln!(text, "{indent}    {coefficient}, // {name}");
     }
-    text.push_str("        ],\n");
+    let _ = writeln!(text, "{indent}],");
     for (name, table) in [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)] {
-        let _ = writeln!(text, "        {name}: [");
+        let _ = writeln!(text, "{indent}{name}: [");
         for row in table.chunks(11) {
             let row: Vec<String> = row.iter().map(u16::to_string).collect();
-            let _ = writeln!(text, "            {},", row.join(", "));
+            let _ = writeln!(text, "{indent}    {},", row.join(", "));
         }
-        text.push_str("        ],\n");
+        let _ = writeln!(text, "{indent}],");
     }
-    text.push_str("    },\n");
 }

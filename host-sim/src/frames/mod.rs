@@ -10,6 +10,7 @@ mod truth;
 pub(crate) use decode::load_values;
 pub use decode::{check_size, check_usable, load_gray};
 pub use perturb::Perturbation;
+pub(crate) use perturb::SplitMix64;
 pub use resample::{area_average, resampled_height};
 pub use scene::{Scene, SceneInfo, find_pairs, find_scenes, has_truth, load_scene, scaled_max_disparity};
 pub use sequence::{PairFiles, Sequence, SequencePair};

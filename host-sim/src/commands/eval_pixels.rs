@@ -1,0 +1,168 @@
+//! `linestereo eval-pixels`: depth at random pixels against ground truth, and the constants of its confidence model.
+
+use super::method::MethodArgs;
+use super::{engine_with, print};
+use crate::engine::Engine;
+use crate::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
+use crate::frames::{Scene, find_scenes, has_truth, load_scene};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use linestereo::{FITTED_PIXEL, Models};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo eval-pixels frames/qvga                                    how many are answered, how many of them wrong
+  linestereo eval-pixels frames/full --width 320                        images reduced to 320 px first
+  linestereo eval-pixels frames/qvga --leave-one-out                    each scene by models fitted on the others
+  linestereo eval-pixels frames/qvga --out core/src/query/fitted.rs     write the constants that the core uses
+  linestereo eval-pixels frames/qvga --check core/src/query/fitted.rs   fail if they are not what the frames give
+
+Words:
+  visible      pixels whose true match is visible in the right image: so many % of them are answered
+  hidden       the others with truth: whatever is answered for them is wrong more often than not
+  bad1/bad2    % of answers more than 1 / 2 px off the truth; vis: of visible pixels, all: of both
+  sigma        standard deviation as stated with the answer";
+
+/// Ask for the depth of random pixels of every scene with ground truth.
+///
+/// Scenes that the confidence model was fitted on flatter it: --leave-one-out rates each by models that have not seen it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Folders to search for scenes with truth, at any depth.
+    #[arg(required = true, value_name = "FOLDER")]
+    folders: Vec<PathBuf>,
+    /// Visible pixels asked for in each scene.
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    queries: u32,
+    /// Seed of their choice.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Reduce images to this width by area averaging; truth, range and rig follow.
+    #[arg(long, value_name = "PX")]
+    width: Option<u16>,
+    /// Rate every scene by models fitted on the other scenes.
+    #[arg(long)]
+    leave_one_out: bool,
+    /// Fit the model on these pixels and write its constants as Rust source.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Compare the constants with this file and fail when they differ.
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    check: Option<PathBuf>,
+    #[command(flatten)]
+    method: MethodArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let scenes = load(args)?;
+    let bar = ProgressBar::new(scenes.len() as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
+    let mut asked = Vec::new();
+    for scene in &scenes {
+        bar.set_message(scene.name.clone());
+        asked.push(ask(args, scene, None)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let rated = scenes.iter().zip(&asked);
+    let scores: Vec<_> = if args.leave_one_out {
+        leave_one_out(args, &scenes, &asked)?
+    } else {
+        rated.map(|(scene, asked)| PixelScore::new(&scene.name, asked, &FITTED_PIXEL)).collect()
+    };
+    let least = args.method.params(scenes[0].max_disparity, None)?.min_confidence;
+    print(&pixel_report(&scores, least))?;
+    write_constants(args, &scenes, &asked)
+}
+
+fn load(args: &Args) -> Result<Vec<Scene>> {
+    let mut scenes = Vec::new();
+    for root in &args.folders {
+        for folder in find_scenes(root)? {
+            if has_truth(&folder)? {
+                let mut scene = load_scene(&folder, args.width)?;
+                // Sets hold scenes of the same name: the path below the given folder tells them apart.
+                let below_root = folder.strip_prefix(root).unwrap_or(&folder).display().to_string();
+                scene.name = if below_root.is_empty() { scene.name } else { below_root };
+                scenes.push(scene);
+            }
+        }
+    }
+    let least = if args.leave_one_out { 2 } else { 1 };
+    if scenes.len() < least {
+        let roots: Vec<_> = args.folders.iter().map(|root| root.display().to_string()).collect();
+        bail!("fewer than {least} scenes with truth below {}; give others", roots.join(", "));
+    }
+    Ok(scenes)
+}
+
+fn engine(args: &Args, scene: &Scene) -> Result<Engine> {
+    engine_with(&args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+        .with_context(|| scene.folder.display().to_string())
+}
+
+/// Matches a scene, by these models of segments if any, and asks for its pixels.
+fn ask(args: &Args, scene: &Scene, models: Option<Models>) -> Result<Vec<AskedPixel>> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let mut engine = engine(args, scene)?;
+    if let Some(models) = models {
+        engine = engine.with_models(models);
+    }
+    let (left, right) = (scene.left.view()?, scene.right.view()?);
+    engine.run_in_place(left, right)?;
+    Ok(ask_pixels(&mut engine, (left, right), truth, (args.queries as usize, args.seed)))
+}
+
+/// Each scene by models of segments and of pixels that were fitted without it.
+fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<Vec<PixelScore>> {
+    let samples = scenes.iter().map(|scene| sample(args, scene)).collect::<Result<Vec<_>>>()?;
+    let bar = ProgressBar::new(scenes.len() as u64);
+    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} leaving out {msg}")?);
+    let mut scores = Vec::new();
+    for (held, scene) in scenes.iter().enumerate() {
+        bar.set_message(scene.name.clone());
+        let others: Vec<&SceneSamples> =
+            samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, samples)| samples).collect();
+        let pixels: Vec<&[AskedPixel]> =
+            asked.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
+        let asked = ask(args, scene, Some(fit(&others)))?;
+        scores.push(PixelScore::new(&scene.name, &asked, &fit_pixels(&pixels)));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    print("Leave one scene out: each scene by models fitted on the others\n\n")?;
+    Ok(scores)
+}
+
+/// The claims of one scene, whatever their confidence.
+fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let mut engine = engine(args, scene)?;
+    let mut log = EvidenceLog::default();
+    engine.run_observed(scene.left.view()?, scene.right.view()?, &mut log)?;
+    Ok(scene_samples(engine.candidates(), &log, truth, scene.left.dims))
+}
+
+fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<()> {
+    let Some(path) = args.out.as_ref().or(args.check.as_ref()) else { return Ok(()) };
+    let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let origin = format!("{} pixels each of {} scenes ({})", args.queries, names.len(), names.join(", "));
+    let pixels: Vec<&[AskedPixel]> = asked.iter().map(Vec::as_slice).collect();
+    let text = pixel_source_text(&fit_pixels(&pixels), &origin);
+    if args.check.is_some() {
+        let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        if there != text {
+            bail!("{} is not what these frames give; write it again with --out", path.display());
+        }
+        return print(&format!("{} is what these frames give\n", path.display()));
+    }
+    let mut files = OutputFiles::default();
+    files.add(path, text.as_bytes())?;
+    files.commit()?;
+    print(&format!("wrote {}\n", path.display()))
+}
