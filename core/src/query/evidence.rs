@@ -24,6 +24,8 @@ pub enum PixelKind {
     Conflict,
     /// Distance of the nearest feature that agrees, of the distance at which features say nothing.
     Distance,
+    /// log2(1 + surfaces that end at an edge next to the pixel, which lies beyond, and have this disparity).
+    Across,
     /// How far the answer lies outside of what features nearby span, px, at most 4.
     Outside,
 }
@@ -40,6 +42,7 @@ impl PixelKind {
         "log2(1 + features nearby that agree)",
         "share of features nearby that contradict",
         "distance of the nearest feature that agrees",
+        "log2(1 + surfaces that end at an edge before the pixel and agree)",
         "outside of what features nearby span, px",
     ];
 }

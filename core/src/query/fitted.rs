@@ -17,6 +17,7 @@ pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {
         792, // log2(1 + features nearby that agree)
         -5184, // share of features nearby that contradict
         601, // distance of the nearest feature that agrees
+        0,
         -1196, // outside of what features nearby span, px
     ],
     probability_q16: [

@@ -7,6 +7,8 @@
 //! what it says:  its line of disparity at the place next to the pixel, continued across the edge by its slant
 //! its weight:    credibility (2 p - 1) * (1 - distance / reach)^2
 //! ```
+//! A side that owns its edge alone, next to the pixel and turned away from it, is a surface that ends there: an answer that agrees with it is
+//! most likely what a window saw of that surface, and the pixel's own is behind.
 //!
 //! # Bounds
 //! Credibility is at most 255, nearness 48: 255 * 48^2 is below 2^20; [`WORDS`] weights of at most 255 are below 2^12.
@@ -29,6 +31,13 @@ const REACH: i32 = 48;
 const WORDS: usize = 16;
 /// Pixels off the edge up to which a side's slant is continued.
 const CONTINUED: i32 = 12;
+/// Distance up to which a surface that ends before the pixel counts, px, and how many are remembered.
+const ACROSS_REACH: i32 = 12;
+const ENDS: usize = 8;
+/// Two sides (sum of both ends, 1/64 px) further apart than this are two surfaces.
+const TWO_SURFACES_Q6: i32 = 2 * 64;
+/// A surface that ends before the pixel agrees when it differs by at most this, 1/64 px.
+const SAME_SURFACE_Q6: i32 = 96;
 /// Pixels off the edge at which a side is asked for its region.
 const OFF_EDGE: i32 = 3;
 /// Weight of all words from which on they limit what is possible: a quarter of a certain feature at hand.
@@ -55,6 +64,8 @@ struct Word {
 #[derive(Debug, Default)]
 pub(super) struct Guide {
     words: Vec<Word, WORDS>,
+    /// Of surfaces that end before the pixel.
+    ends: Vec<Word, ENDS>,
 }
 
 /// What a guide makes of an answer, Q8.
@@ -62,6 +73,7 @@ pub(super) struct Verdict {
     pub(super) support_q8: i32,
     pub(super) conflict_q8: i32,
     pub(super) distance_q8: i32,
+    pub(super) across_q8: i32,
     pub(super) outside_q8: i32,
 }
 
@@ -119,18 +131,23 @@ impl Guide {
         }
         let flat = candidate.segment.near_horizontal;
         let off = if flat { dy } else { dx };
+        let two_surfaces = has_two_surfaces(candidate);
         for (side, sign) in candidate.sides.iter().zip([-1, 1]) {
             let Some(side) = side else { continue };
             // A claim that another one of the same place in the right image has beaten is wrong.
-            if off * sign < 0 || (side.rejected && candidate.beaten) {
+            if side.rejected && candidate.beaten {
                 continue;
             }
-            let beside_edge =
-                if flat { (foot.x, foot.y + sign * OFF_EDGE) } else { (foot.x + sign * OFF_EDGE, foot.y) };
-            if region.is_some_and(|region| !region.contains(beside_edge.0, beside_edge.1)) {
+            if off * sign < 0 {
+                if two_surfaces && distance <= ACROSS_REACH {
+                    let _ = self.ends.push(Word::new(side, &foot, 0, distance)); // a few are enough
+                }
                 continue;
             }
-            self.hear(Word::new(side, &foot, off.abs(), distance));
+            let (u, v) = if flat { (foot.x, foot.y + sign * OFF_EDGE) } else { (foot.x + sign * OFF_EDGE, foot.y) };
+            if region.is_none_or(|region| region.contains(u, v)) {
+                self.hear(Word::new(side, &foot, off.abs(), distance));
+            }
         }
     }
 
@@ -173,6 +190,8 @@ impl Guide {
                 against += word.weight_q8;
             }
         }
+        let ends = self.ends.iter().filter(|word| (word.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
+        let across: i32 = ends.map(|word| word.weight_q8).sum();
         let (low_q6, high_q6) = self.span_q6();
         let outside_q6 = if self.words.is_empty() {
             FAR_OUTSIDE_Q6 / 2
@@ -183,8 +202,18 @@ impl Guide {
             support_q8: log2_mean_q8(agreeing.unsigned_abs(), ENOUGH_Q8),
             conflict_q8: quotient(against << 8, agreeing + against + LITTLE_Q8),
             distance_q8: quotient(nearest << 8, REACH),
+            across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
             outside_q8: outside_q6 << 2,
         }
+    }
+}
+
+/// Does another surface begin at the edge, as far as is known?
+fn has_two_surfaces(candidate: &Candidate) -> bool {
+    let sum = |side: &Side| side.disparity_q6.iter().map(|&d| i32::from(d)).sum::<i32>();
+    match &candidate.sides {
+        [Some(a), Some(b)] => (sum(a) - sum(b)).abs() > TWO_SURFACES_Q6,
+        _ => true,
     }
 }
 

@@ -121,6 +121,7 @@ pub(super) fn place(
     evidence.set(PixelKind::Support, verdict.support_q8);
     evidence.set(PixelKind::Conflict, verdict.conflict_q8);
     evidence.set(PixelKind::Distance, verdict.distance_q8);
+    evidence.set(PixelKind::Across, verdict.across_q8);
     evidence.set(PixelKind::Outside, verdict.outside_q8);
     (d_q6, evidence)
 }
