@@ -2,9 +2,11 @@
 
 use core::time::Duration;
 use linestereo::{Calibration, Camera, Confidence, Dims, Eye, Lens, Params, Span, View};
-use linestereo_firmware::boards::Board;
+use linestereo_firmware::boards::{Board, mps2_an500};
 use linestereo_firmware::cases::Case;
+use linestereo_firmware::ports::Clock;
 use linestereo_firmware::programs::kernels::Kernels;
+use linestereo_firmware::programs::pixels;
 use linestereo_firmware::startup::Exit;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::{TARGET, Toolchain};
@@ -50,6 +52,50 @@ fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
         let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
         assert_eq!(ended.log.len(), Case::all(&board).count(), "{:?}", ended.log);
+    }
+}
+
+/// The most instructions of one pixel, and of the mean of a pair's: what `Plan::depth_at` promises for 64 disparities.
+const DEAREST_PIXEL: u64 = 66_000;
+const MEAN_PIXEL: u64 = 56_000;
+
+#[test]
+fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
+    struct NoClock;
+    impl Clock for NoClock {
+        const UNIT: &'static str = "nothing";
+
+        fn now(&self) -> u32 {
+            0
+        }
+
+        fn elapsed(&self, _: u32, _: u32) -> u64 {
+            0
+        }
+
+        fn microseconds(&self, _: u32, _: u32) -> u64 {
+            0
+        }
+    }
+
+    let board = mps2_an500::BOARD;
+    let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
+    let elf = firmware::build(&toolchain, &board, "pixels", Logs::None).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let Some(ended) = or_skip(qemu::run(&board, &elf, &["table"], folder.path(), LIMIT)) else { return };
+    ended.success("pixels", &board).unwrap();
+    let table = std::fs::read_to_string(folder.path().join("table")).unwrap();
+    let mut memory = Box::new(mps2_an500::Workspace::new());
+    assert_eq!(table.lines().count(), Case::all(&board).count(), "{table}");
+    for (line, case) in table.lines().zip(Case::all(&board)) {
+        let expected = pixels::measure(&mut *memory, &NoClock, &case).unwrap();
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [_, name, asked, answered, mean, dearest, digest] = fields[..] else { panic!("{line}") };
+        let found = (name.to_owned(), asked.parse(), answered.parse(), digest.to_owned());
+        let digest = format!("{:08x}", expected.digest);
+        assert_eq!(found, (case.to_string(), Ok(expected.asked), Ok(expected.answered), digest));
+        let costs: [u64; 2] = [mean, dearest].map(|cost| cost.parse().unwrap());
+        assert!(costs[0] <= MEAN_PIXEL && costs[1] <= DEAREST_PIXEL, "{line}");
     }
 }
 

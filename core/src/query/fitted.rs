@@ -6,28 +6,28 @@ use crate::confidence::Model;
 /// The model that plans use unless they are given another.
 #[rustfmt::skip]
 pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {
-    bias_q12: 27462,
+    bias_q12: 26790,
     coefficients_q12: [
-        -4718, // census: cost at the disparity / best cost elsewhere
-        -9247, // windows and census together: cost at the disparity / best cost elsewhere
-        -5125, // the same, elsewhere being what features nearby leave possible
-        -1503, // |searched back - answer|, px
-        -2880, // searching back: cost at the disparity / best cost elsewhere
-        -2127, // log2(1 + mean gradient around the pixel)
-        792, // log2(1 + features nearby that agree)
-        -5184, // share of features nearby that contradict
-        601, // distance of the nearest feature that agrees
-        0,
-        -1196, // outside of what features nearby span, px
+        -4084, // census: cost at the disparity / best cost elsewhere
+        -8469, // windows and census together: cost at the disparity / best cost elsewhere
+        -5907, // the same, elsewhere being what features nearby leave possible
+        -1375, // |searched back - answer|, px
+        -2871, // searching back: cost at the disparity / best cost elsewhere
+        -1794, // log2(1 + mean gradient around the pixel)
+        854, // log2(1 + features nearby that agree)
+        -5869, // share of features nearby that contradict
+        642, // distance of the nearest feature that agrees
+        -2416, // log2(1 + surfaces that end at an edge before the pixel and agree)
+        -1037, // outside of what features nearby span, px
     ],
     probability_q16: [
-        29, 47, 76, 124, 201, 325, 525, 848, 1364, 2185, 3472,
-        5452, 8408, 12630, 18293, 25283, 33073, 40829, 47730, 53282, 56503, 58982,
-        62001, 63674, 64930, 65341, 65475, 65517, 65526, 65527, 65529, 65531, 65533,
+        31, 50, 81, 131, 211, 340, 548, 880, 1410, 2248, 3555,
+        5556, 8529, 12754, 18397, 25338, 33061, 40751, 47608, 53145, 56513, 59077,
+        62047, 63693, 64779, 65228, 65456, 65515, 65526, 65527, 65529, 65531, 65533,
     ],
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 512, 339, 183, 82, 52, 36, 27, 20,
-        17, 14, 13, 12, 11, 11, 11, 11, 11, 11, 11,
+        512, 512, 512, 512, 339, 181, 89, 48, 36, 28, 22,
+        18, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
     ],
 };

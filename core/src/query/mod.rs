@@ -37,7 +37,7 @@ use core::fmt;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
 pub use fitted::FITTED_PIXEL;
 use guide::Guide;
-use patch::Patch;
+use patch::{COLUMNS_REACH, Patch};
 
 /// Mean gradients around a pixel (half a grey level per px) times two, below which there is nothing to match.
 const BLANK: u32 = 1;
@@ -186,21 +186,25 @@ impl Query<'_> {
             return Err(NotKnown::OutsideRegion);
         }
         let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
-        let seen = right.usable_columns(y + self.row_offset);
+        let (usable, seen) = (left.usable_columns(y), right.usable_columns(y + self.row_offset));
+        let (start, end) = (i32::from(usable.start), i32::from(usable.end));
+        // Windows stay within the image: its border would match the other image's border, wherever the surface is.
+        let middle = x.min(end - 1 - COLUMNS_REACH).max(start + 1 + COLUMNS_REACH);
         let first = least.max(x + 1 - i32::from(seen.end));
         let len = most.min(x + 1 - i32::from(seen.start)) - first;
-        if len < MIN_RANGE {
+        // A rival counts where its whole window lies in the right image.
+        let whole = middle - COLUMNS_REACH - i32::from(seen.start) - first;
+        if len.min(whole) < MIN_RANGE {
             return Err(NotKnown::NearBorder);
         }
         let rows = (self.rows, row_bytes(self.dims.width));
-        let mut patch = Patch::new([left, right], (x, y), self.row_offset, rows).ok_or(NotKnown::OtherSize)?;
+        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, rows).ok_or(NotKnown::OtherSize)?;
         let (sum, count) = patch.look();
         if sum * 2 < BLANK * count.unsigned_abs() {
             return Err(NotKnown::NoTexture);
         }
         let guide = Guide::new(self.candidates, (x, y), region);
-        let end = i32::from(left.usable_columns(y).end);
-        let range_back = |at: i32| (least, most.min(end - (x - at)) - least);
+        let range_back = |at: i32| (least, most.min(end - (middle - at)) - least);
         let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &guide, &mut self.work.curves);
         evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));
         Ok((d_q6, evidence))

@@ -1,6 +1,6 @@
 //! Rows around one pixel: gradients of both images and census codes of the right one, computed for this pixel alone.
 //!
-//! In: the pair, a pixel, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the pixel.
+//! In: the pair, a place, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the place.
 //!
 //! As in the band of a run, rows of the right image are stored mirrored, so that candidates at rising disparity lie at rising addresses.
 //! Only columns that the search reads are computed. Beyond the image's border its nearest row counts; columns there are flat.
@@ -17,8 +17,8 @@ use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, census_row, gradient
 /// Rows on either side of the pixel's.
 pub(super) const ROWS_REACH: i32 = 4;
 const ROWS: usize = 2 * ROWS_REACH as usize + 1;
-/// Farthest columns of a strip from the pixel's, on both sides.
-const COLUMNS_REACH: i32 = 10;
+/// Farthest columns of a strip from the middle one, on both sides.
+pub(super) const COLUMNS_REACH: i32 = 10;
 /// Pixels computed beyond both ends of a row: gradients and census codes end before them.
 const BORDER: i32 = 2;
 

@@ -1,7 +1,10 @@
 //! What the core works in and writes to, whatever its capacities are.
 
 use crate::ports::Results;
-use linestereo::{Dims, Gray, Observer, Output, Plan, PointClaim, Scratch, SizeMismatch, Views, mark_words, row_bytes};
+use linestereo::{
+    Dims, Gray, NotKnown, Observer, Output, PixelDepth, Plan, PointClaim, Scratch, SizeMismatch, Views, mark_words,
+    row_bytes,
+};
 
 /// [`Scratch`] and [`Output`] without their capacities.
 pub trait Lists {
@@ -22,6 +25,9 @@ pub trait Lists {
 
     /// Every point of the last pair.
     fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim));
+
+    /// The depth of a pixel of the last pair.
+    fn depth_at(&mut self, plan: &Plan, pair: [Gray<'_>; 2], pixel: (u16, u16)) -> Result<PixelDepth, NotKnown>;
 
     /// What the last pair gave.
     fn results(&self) -> Results<'_>;
@@ -68,6 +74,15 @@ impl<
 
     fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim)) {
         plan.for_each_point(views, &mut self.scratch, claim);
+    }
+
+    fn depth_at(
+        &mut self,
+        plan: &Plan,
+        [left, right]: [Gray<'_>; 2],
+        pixel: (u16, u16),
+    ) -> Result<PixelDepth, NotKnown> {
+        plan.depth_at(left, right, &mut self.scratch, pixel, None)
     }
 
     fn results(&self) -> Results<'_> {

@@ -13,7 +13,8 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use crate::ports::Results;
 use linestereo::{
-    Dims, Eye, Gray, Observer, Plan, PointClaim, Rectification, RowError, SizeMismatch, Span, ViewError, Views,
+    Dims, Eye, Gray, NotKnown, Observer, PixelDepth, Plan, PointClaim, Rectification, RowError, SizeMismatch, Span,
+    ViewError, Views,
 };
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -49,6 +50,9 @@ pub trait Memory {
 
     /// Every point of the last run, which had this plan.
     fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim));
+
+    /// The depth of a pixel of the pair that the last run, with this plan, matched; it still lies in the frames.
+    fn depth_at(&mut self, plan: &Plan, pixel: (u16, u16)) -> Result<PixelDepth, NotKnown>;
 
     /// Makes ready to rectify raw pairs. After an error no raw row is taken.
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom>;
@@ -143,6 +147,12 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         if let Ok([left, right]) = views([&self.left, &self.right], usable, plan.dims()) {
             self.lists.for_each_point(plan, Views::of(left, right), claim);
         }
+    }
+
+    fn depth_at(&mut self, plan: &Plan, pixel: (u16, u16)) -> Result<PixelDepth, NotKnown> {
+        let usable = usable(&self.rectifiers, self.is_raw);
+        let pair = views([&self.left, &self.right], usable, plan.dims()).map_err(|_| NotKnown::OtherSize)?;
+        self.lists.depth_at(plan, pair, pixel)
     }
 
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod expected;
 pub mod kernels;
 pub mod live;
+pub mod pixels;
 pub mod rectify;
 pub mod replay;
 pub mod selftest;

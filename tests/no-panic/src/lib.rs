@@ -10,8 +10,8 @@ use linestereo::{
 };
 use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, Output, PairHealth, ParamError, Params, Plan,
-    Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, row_bytes,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError, Params, PixelDepth, Plan,
+    Region, Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, row_bytes,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -76,6 +76,17 @@ pub fn proof_run(
     output: &mut BoardOutput,
 ) -> Result<(), SizeMismatch> {
     plan.run(left, right, scratch, output)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_depth_at(
+    plan: &Plan,
+    pair: [Gray<'_>; 2],
+    scratch: &mut BoardScratch,
+    pixel: (u16, u16),
+    region: Option<&Region<'_>>,
+) -> Result<PixelDepth, NotKnown> {
+    plan.depth_at(pair[0], pair[1], scratch, pixel, region)
 }
 
 #[unsafe(no_mangle)]

@@ -1,0 +1,25 @@
+//! What the depth of a pixel costs on the built-in pairs, and which bytes it gives. Argument: the file for the table.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn pixels() -> linestereo_firmware::startup::Exit {
+    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::cases::Case;
+    use linestereo_firmware::memory;
+    use linestereo_firmware::programs::pixels;
+    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::startup::Exit;
+
+    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let Some(memory) = memory::take() else { return Exit::Usage };
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    for case in Case::all(&SELECTED) {
+        match pixels::measure(memory, &clock, &case) {
+            Ok(measured) => pixels::line(&mut table, &case, &measured),
+            Err(_) => return Exit::Difference,
+        }
+    }
+    Exit::Success
+}
+
+linestereo_firmware::program!(pixels);

@@ -1,0 +1,384 @@
+//! Depth at a pixel: on images with exact truth, and on captured frames.
+
+use linestereo::{
+    Area, Dims, Disparity, FITTED_PIXEL, Gray, Match, NotKnown, Output, Params, PixelDepth, Region, Rig, Scratch, Span,
+    mark_words, most_candidates, row_bytes,
+};
+use linestereo_sim::engine::{Engine, GrayImage};
+use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
+use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
+use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_scene};
+use linestereo_tests::drawn::{Random, painted};
+use std::path::PathBuf;
+
+const DIMS: Dims = Dims { width: 200, height: 120 };
+const RANGE: u16 = 48;
+
+/// A smooth random pattern with details of some 3 px.
+fn texture(seed: u64, u: f64, v: f64) -> f64 {
+    let lattice = |i: f64, j: f64| {
+        let key = seed ^ (i as i64 as u64).wrapping_mul(0x9e37_79b9) ^ (j as i64 as u64).wrapping_mul(0x85eb_ca6b_0000);
+        (Random(key).bits() >> 40) as f64 / f64::from(1 << 24)
+    };
+    let octave = |size: f64| {
+        let (u, v) = (u / size, v / size);
+        let (i, j) = (u.floor(), v.floor());
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (s, t) = (smooth(u - i), smooth(v - j));
+        let top = lattice(i, j) * (1.0 - s) + lattice(i + 1.0, j) * s;
+        let bottom = lattice(i, j + 1.0) * (1.0 - s) + lattice(i + 1.0, j + 1.0) * s;
+        top * (1.0 - t) + bottom * t
+    };
+    40.0 + 110.0 * octave(3.0) + 60.0 * octave(11.0)
+}
+
+/// Disparity `at + across * x + down * y`.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    at: f64,
+    across: f64,
+    down: f64,
+}
+
+impl Plane {
+    fn disparity(self, x: f64, y: f64) -> f64 {
+        self.at + self.across * x + self.down * y
+    }
+
+    /// The left column that the right column sees.
+    fn left_column(self, x: f64, y: f64) -> f64 {
+        (x + self.at + self.down * y) / (1.0 - self.across)
+    }
+}
+
+fn pair_of(plane: Plane, seed: u64) -> (GrayImage, GrayImage) {
+    let grey = |x: f64, y: f64| texture(seed, x, y).round() as u8;
+    let left = painted(DIMS.width, DIMS.height, |x, y| grey(x.into(), y.into()));
+    let right = painted(DIMS.width, DIMS.height, |x, y| grey(plane.left_column(f64::from(x), y.into()), f64::from(y)));
+    (left, right)
+}
+
+/// Every `step`-th pixel of every `step`-th row.
+fn grid(dims: Dims, step: usize) -> impl Iterator<Item = (u16, u16)> {
+    (0..dims.height).step_by(step).flat_map(move |y| (0..dims.width).step_by(step).map(move |x| (x, y)))
+}
+
+/// Answers on a grid.
+fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Result<PixelDepth, NotKnown>)> {
+    let params = Params { max_disparity: RANGE, ..Params::default() };
+    let mut engine = Engine::new(&params, left.dims).unwrap();
+    let (left, right) = (left.view().unwrap(), right.view().unwrap());
+    engine.run(left, right).unwrap();
+    grid(left.dims(), step).map(|pixel| (pixel, engine.depth_at(left, right, pixel, None))).collect()
+}
+
+#[test]
+fn planes_are_answered_to_a_fraction_of_a_pixel() {
+    let flat = [3.0, 7.25, 12.5, 20.75, 33.4].map(|at| Plane { at, across: 0.0, down: 0.0 });
+    let slanted =
+        [(0.05, 0.0), (-0.05, 0.0), (0.0, 0.05), (0.0, -0.05)].map(|(across, down)| Plane { at: 20.0, across, down });
+    for (plane, seed) in flat.into_iter().chain(slanted).zip(1..) {
+        let (left, right) = pair_of(plane, seed);
+        let (mut asked, mut errors) = (0, Vec::new());
+        for ((x, y), answer) in ask(&left, &right, 5) {
+            let truth = plane.disparity(x.into(), y.into());
+            // The windows' own place in the right image has to exist.
+            if f64::from(x) < truth + 20.0 || x + 12 > DIMS.width {
+                continue;
+            }
+            asked += 1;
+            errors.extend(answer.ok().map(|found| (found.disparity.to_num::<f64>() - truth).abs()));
+        }
+        errors.sort_by(f64::total_cmp);
+        let (median, high) = (errors[errors.len() / 2], errors[errors.len() * 99 / 100]);
+        println!("{plane:?}: {} of {asked}, median {median:.3}, 99 % {high:.3}", errors.len());
+        assert!(errors.len() * 10 >= asked * 9, "{plane:?}: {} of {asked} answered", errors.len());
+        assert!(median <= 0.1 && high <= 0.5, "{plane:?}: median {median}, 99 % within {high}");
+    }
+}
+
+#[test]
+fn a_blank_wall_is_not_known() {
+    let blank = painted(DIMS.width, DIMS.height, |_, _| 90);
+    for ((x, y), answer) in ask(&blank, &blank, 9) {
+        let reason = if x < 19 { NotKnown::NearBorder } else { NotKnown::NoTexture };
+        assert_eq!(answer, Err(reason), "{x},{y}");
+    }
+    for noise in [1.0, 3.0, 6.0] {
+        let (left, right) = Perturbation { noise, ..Perturbation::default() }.apply(&blank, &blank);
+        let answers = ask(&left, &right, 5);
+        let answered = answers.iter().filter(|(_, answer)| answer.is_ok()).count();
+        // What is answered claims 0.9: noise may be credible once in a hundred times, not more.
+        assert!(answered * 100 <= answers.len(), "noise {noise}: {answered} of {}", answers.len());
+    }
+}
+
+#[test]
+fn repeated_structure_is_not_known() {
+    for period in [3_u16, 4, 6, 8, 12] {
+        let columns = painted(DIMS.width, DIMS.height, |x, _| if (x / period) % 2 == 0 { 40 } else { 210 });
+        let board = painted(DIMS.width, DIMS.height, |x, y| if (x / period + y / period) % 2 == 0 { 40 } else { 210 });
+        for (name, image) in [("columns", columns), ("checkerboard", board)] {
+            for ((x, y), answer) in ask(&image, &image, 3) {
+                // The images are the same: next to the left border 0 is alone, the next repetition lies outside the right image.
+                let alone = answer.is_ok_and(|found| x <= 2 * period + 16 && found.disparity.abs() <= 1);
+                assert!(answer.is_err() || alone, "{name} of {period} px at {x},{y}: {answer:?}");
+            }
+        }
+    }
+}
+
+/// A textured square of disparity 24 in front of a textured wall of disparity 6.
+struct Square;
+
+impl Square {
+    const NEAR: f64 = 24.0;
+    const FAR: f64 = 6.0;
+    const AREA: Area = Area { left: 80, top: 30, right: 140, bottom: 90 };
+
+    fn pair() -> (GrayImage, GrayImage) {
+        let grey = |x: f64, y: f64, near: bool| texture(if near { 77 } else { 5 }, x, y).round() as u8;
+        let left =
+            painted(DIMS.width, DIMS.height, |x, y| grey(x.into(), y.into(), Self::AREA.contains(x.into(), y.into())));
+        let right = painted(DIMS.width, DIMS.height, |x, y| {
+            let near = f64::from(x) + Self::NEAR;
+            if Self::AREA.contains(near as i32, y.into()) {
+                grey(near, y.into(), true)
+            } else {
+                grey(f64::from(x) + Self::FAR, y.into(), false)
+            }
+        });
+        (left, right)
+    }
+
+    /// Disparity, and whether the right image sees it.
+    fn truth(x: u16, y: u16) -> (f64, bool) {
+        let inside = |x: i32| Self::AREA.contains(x, y.into());
+        if inside(x.into()) {
+            return (Self::NEAR, true);
+        }
+        (Self::FAR, !inside(i32::from(x) + (Self::NEAR - Self::FAR) as i32))
+    }
+}
+
+#[test]
+fn a_hidden_strip_has_no_wrong_depth() {
+    let (left, right) = Square::pair();
+    let (mut hidden, mut seen) = ((0, 0), (0, 0, 0));
+    for ((x, y), answer) in ask(&left, &right, 2) {
+        let (truth, visible) = Square::truth(x, y);
+        let wrong = answer.is_ok_and(|found| (found.disparity.to_num::<f64>() - truth).abs() > 2.0);
+        if visible {
+            seen = (seen.0 + 1, seen.1 + usize::from(answer.is_ok()), seen.2 + usize::from(wrong));
+        } else {
+            hidden = (hidden.0 + 1, hidden.1 + usize::from(wrong));
+        }
+    }
+    println!("hidden: {hidden:?} (all, wrong), seen: {seen:?} (all, answered, wrong)");
+    assert!(hidden.0 > 200 && hidden.1 * 20 <= hidden.0, "hidden: {hidden:?}");
+    assert!(seen.1 * 10 >= seen.0 * 7 && seen.2 * 50 <= seen.1, "seen: {seen:?}");
+}
+
+/// The core with memory for a small pair.
+struct Small {
+    scratch: Box<Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, { most_candidates(DIMS, 16) }>>,
+    output: Box<Output<512, 4096>>,
+}
+
+impl Small {
+    fn new() -> Self {
+        Self { scratch: Box::new(Scratch::new()), output: Box::new(Output::new()) }
+    }
+}
+
+#[test]
+fn what_cannot_be_answered_is_named() {
+    let (left, right) = pair_of(Plane { at: 10.0, across: 0.0, down: 0.0 }, 3);
+    let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
+    let mut small = Small::new();
+    let (l, r) = (left.view().unwrap(), right.view().unwrap());
+    plan.run(l, r, &mut small.scratch, &mut small.output).unwrap();
+    let mut at = |pixel, region: Option<&Region<'_>>| plan.depth_at(l, r, &mut small.scratch, pixel, region);
+    assert_eq!(at((DIMS.width, 5), None), Err(NotKnown::Outside));
+    assert_eq!(at((5, DIMS.height), None), Err(NotKnown::Outside));
+    assert_eq!(at((u16::MAX, u16::MAX), None), Err(NotKnown::Outside));
+    assert_eq!(at((3, 60), None), Err(NotKnown::NearBorder));
+    let region = Region::boxed(1, Area { left: 90, top: 40, right: 120, bottom: 70 }, DIMS).unwrap();
+    assert_eq!(at((80, 50), Some(&region)), Err(NotKnown::OutsideRegion));
+    assert!(at((100, 50), Some(&region)).is_ok());
+
+    // Spans that leave out the pixel, or all right columns it could match.
+    let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
+    let cut = l.with_usable(&spans).unwrap();
+    assert_eq!(plan.depth_at(cut, r, &mut small.scratch, (50, 50), None), Err(NotKnown::Outside));
+    let cut = r.with_usable(&spans).unwrap();
+    assert_eq!(plan.depth_at(l, cut, &mut small.scratch, (62, 50), None), Err(NotKnown::NearBorder));
+
+    let other = painted(64, 48, |x, y| (x * y) as u8);
+    let other = other.view().unwrap();
+    assert_eq!(plan.depth_at(other, r, &mut small.scratch, (50, 20), None), Err(NotKnown::OtherSize));
+    let large = Params::default().plan(Dims { width: 640, height: 480 }).unwrap();
+    let wide = painted(640, 480, |x, y| (x ^ y) as u8);
+    let wide = wide.view().unwrap();
+    assert_eq!(large.depth_at(wide, wide, &mut small.scratch, (300, 200), None), Err(NotKnown::OtherSize));
+    for reason in NotKnown::ALL {
+        assert!(!reason.to_string().is_empty() && !reason.name().contains(' '));
+    }
+}
+
+#[test]
+fn metres_come_from_the_rig_and_the_least_probability_from_the_parameters() {
+    let (left, right) = pair_of(Plane { at: 12.5, across: 0.0, down: 0.0 }, 3);
+    let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
+    let params = Params { max_disparity: RANGE, rig: Some(rig), ..Params::default() };
+    let mut engine = Engine::new(&params, DIMS).unwrap();
+    let (l, r) = (left.view().unwrap(), right.view().unwrap());
+    engine.run(l, r).unwrap();
+    let mut answered = 0;
+    for pixel in grid(DIMS, 7) {
+        let Ok(found) = engine.depth_at(l, r, pixel, None) else { continue };
+        answered += 1;
+        assert_eq!(found.depth, Some(rig.depth(found.disparity)));
+        assert_eq!(found.depth_sigma, Some(rig.depth_sigma(found.disparity, found.sigma)));
+        assert!(found.confidence >= params.min_confidence && found.sigma > Disparity::ZERO);
+    }
+    assert!(answered > 100);
+}
+
+#[test]
+fn memory_and_order_do_not_matter() {
+    let (left, right) = Square::pair();
+    let (l, r) = (left.view().unwrap(), right.view().unwrap());
+    let noise = painted(DIMS.width, DIMS.height, |x, y| Random(u64::from(x) << 16 | u64::from(y)).bits() as u8);
+    let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
+    let (mut fresh, mut used) = (Small::new(), Small::new());
+    let n = noise.view().unwrap();
+    plan.run(n, n, &mut used.scratch, &mut used.output).unwrap();
+    let _ = plan.depth_at(n, n, &mut used.scratch, (100, 60), None);
+    for small in [&mut fresh, &mut used] {
+        plan.run(l, r, &mut small.scratch, &mut small.output).unwrap();
+    }
+    let matches: Vec<Match> = fresh.output.matches.to_vec();
+    let pixels: Vec<_> = grid(DIMS, 6).collect();
+    let forward: Vec<_> = pixels.iter().map(|&p| plan.depth_at(l, r, &mut fresh.scratch, p, None)).collect();
+    let mut backward: Vec<_> = pixels.iter().rev().map(|&p| plan.depth_at(l, r, &mut used.scratch, p, None)).collect();
+    backward.reverse();
+    assert_eq!(forward, backward);
+    // Points of the run are still what they were.
+    let mut points = Vec::new();
+    plan.for_each_point(linestereo::Views::of(l, r), &mut fresh.scratch, |point| points.push(point));
+    assert_eq!((matches.as_slice(), points.as_slice()), (&*used.output.matches, &*used.output.points));
+}
+
+#[test]
+fn a_region_leaves_out_features_of_others() {
+    // Whatever the region is, what is answered inside the square is the square's.
+    let (left, right) = Square::pair();
+    let params = Params { max_disparity: RANGE, ..Params::default() };
+    let mut engine = Engine::new(&params, DIMS).unwrap();
+    let (l, r) = (left.view().unwrap(), right.view().unwrap());
+    engine.run(l, r).unwrap();
+    let region = Region::boxed(1, Square::AREA, DIMS).unwrap();
+    let answers = |engine: &mut Engine, region: Option<&Region<'_>>| -> (usize, usize) {
+        let inside = grid(DIMS, 3).filter(|&(x, y)| Square::AREA.contains(x.into(), y.into()));
+        let found: Vec<_> = inside.filter_map(|pixel| engine.depth_at(l, r, pixel, region).ok()).collect();
+        let wrong = found.iter().filter(|f| (f.disparity.to_num::<f64>() - Square::NEAR).abs() > 1.0).count();
+        (found.len(), wrong)
+    };
+    let (without, with) = (answers(&mut engine, None), answers(&mut engine, Some(&region)));
+    println!("answered and wrong: {without:?}, with the region {with:?}");
+    assert_eq!((without.1, with.1), (0, 0));
+    assert!(with.0 >= without.0, "{with:?} of {without:?}");
+}
+
+#[test]
+fn any_size_range_and_content_gives_an_answer_or_a_reason() {
+    let mut random = Random(9);
+    for (width, height) in [(16, 16), (17, 40), (33, 16), (64, 48), (300, 18)] {
+        for (min_disparity, range) in [(0, 8), (-32, 8), (-5, 60), (0, 250), (0, 15)] {
+            let Some(max_disparity) = Some(range).filter(|&range| range < width) else { continue };
+            let dims = Dims { width, height };
+            let params = Params { min_disparity, max_disparity, ..Params::default() };
+            let mut engine = Engine::new(&params, dims).unwrap();
+            for content in 0..4 {
+                let mut image = || match content {
+                    0 => painted(width, height, |_, _| random.bits() as u8),
+                    1 => painted(width, height, |_, _| if random.bits() & 1 == 0 { 0 } else { 255 }),
+                    2 => painted(width, height, |x, _| (x % 7 * 36) as u8),
+                    _ => painted(width, height, |x, y| ((x + y) * 5) as u8),
+                };
+                let (left, right) = (image(), image());
+                let (l, r) = (left.view().unwrap(), right.view().unwrap());
+                engine.run(l, r).unwrap();
+                for pixel in grid(dims, 3).chain([(width - 1, height - 1), (width - 1, 0), (0, height - 1)]) {
+                    if let Ok(found) = engine.depth_at(l, r, pixel, None) {
+                        let d = found.disparity.to_num::<f64>();
+                        let (low, high) = (f64::from(min_disparity) - 0.5, f64::from(max_disparity) - 0.5);
+                        assert!((low..=high).contains(&d), "{dims} {pixel:?}: {d}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn scenes() -> Option<Vec<Scene>> {
+    let root = std::env::var_os("LINESTEREO_FRAMES")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
+    let folder = root.join("qvga");
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
+        return None;
+    }
+    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
+}
+
+fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
+    let (left, right) = perturbation.apply(&scene.left, &scene.right);
+    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
+    let mut engine = Engine::new(&params, left.dims).unwrap();
+    let pair: (Gray<'_>, Gray<'_>) = (left.view().unwrap(), right.view().unwrap());
+    engine.run_in_place(pair.0, pair.1).unwrap();
+    ask_pixels(&mut engine, pair, scene.truth.as_ref().unwrap(), (2000, 1))
+}
+
+#[test]
+fn captured_frames_that_the_model_has_not_seen() {
+    let Some(scenes) = scenes() else { return };
+    let pixels: Vec<Vec<AskedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
+    let scores: Vec<PixelScore> = (0..scenes.len())
+        .map(|held| {
+            let others: Vec<&[AskedPixel]> =
+                pixels.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
+            PixelScore::new(&scenes[held].name, &pixels[held], &fit_pixels(&others))
+        })
+        .collect();
+    println!("{}", pixel_report(&scores, Params::DEFAULT.min_confidence));
+    let (answered, [_, bad2]) = PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
+    assert!(answered >= 60.0 && bad2 <= 1.5, "{answered:.1} % answered, {bad2:.2} % of them off by more than 2 px");
+
+    if scenes.len() == 14 {
+        let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+        let origin = format!("2000 pixels each of {} scenes ({})", names.len(), names.join(", "));
+        let text = pixel_source_text(&fit_pixels(&pixels.iter().map(Vec::as_slice).collect::<Vec<_>>()), &origin);
+        let committed = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../core/src/query/fitted.rs");
+        assert_eq!(text, std::fs::read_to_string(committed).unwrap());
+    }
+}
+
+#[test]
+fn faults_of_captured_frames_cost_answers_and_not_truth() {
+    let Some(scenes) = scenes() else { return };
+    let faults = [
+        ("noise", Perturbation { noise: 5.0, ..Perturbation::default() }),
+        ("darker right image", Perturbation { gain: 0.8, bias: 8.0, ..Perturbation::default() }),
+        ("right image 1 px low", Perturbation { row_offset: 1.0, ..Perturbation::default() }),
+    ];
+    for (name, fault) in faults {
+        let score = |scene: &Scene| PixelScore::new(&scene.name, &asked(scene, &fault), &FITTED_PIXEL);
+        let scores: Vec<PixelScore> = scenes.iter().map(score).collect();
+        let (answered, [bad1, bad2]) = PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
+        println!("{name}: {answered:.1} % answered, bad1/bad2 {bad1:.2}/{bad2:.2} %");
+        assert!(answered >= 10.0 && bad2 <= 2.0, "{name}: {answered:.1} % answered, bad2 {bad2:.2} %");
+    }
+}
