@@ -101,7 +101,7 @@ fn planes_are_answered_to_a_fraction_of_a_pixel() {
 fn a_blank_wall_is_not_known() {
     let blank = painted(DIMS.width, DIMS.height, |_, _| 90);
     for ((x, y), answer) in ask(&blank, &blank, 9) {
-        let reason = if x < 19 { NotKnown::NearBorder } else { NotKnown::NoTexture };
+        let reason = if x < 18 { NotKnown::NearBorder } else { NotKnown::NoTexture };
         assert_eq!(answer, Err(reason), "{x},{y}");
     }
     for noise in [1.0, 3.0, 6.0] {
@@ -264,10 +264,11 @@ fn memory_and_order_do_not_matter() {
     let mut backward: Vec<_> = pixels.iter().rev().map(|&p| plan.depth_at(l, r, &mut used.scratch, p, None)).collect();
     backward.reverse();
     assert_eq!(forward, backward);
-    // Points of the run are still what they were.
+    // The run's results are still what they were; the list ends when it is full.
     let mut points = Vec::new();
     plan.for_each_point(linestereo::Views::of(l, r), &mut fresh.scratch, |point| points.push(point));
-    assert_eq!((matches.as_slice(), points.as_slice()), (&*used.output.matches, &*used.output.points));
+    points.truncate(used.output.points.capacity());
+    assert!(matches == *used.output.matches && points == *used.output.points);
 }
 
 #[test]

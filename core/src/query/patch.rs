@@ -82,7 +82,7 @@ impl<'a> Patch<'a> {
         let reach = COLUMNS_REACH + BORDER;
         *columns = Columns { first: self.x - reach, length: 2 * reach };
         let (mut sum, mut count) = (0, 0);
-        for (row, slot) in (self.y - ROWS_REACH..).zip(plane.chunks_exact_mut(self.stride)) {
+        for (row, slot) in (self.y - ROWS_REACH..).zip(plane.chunks_exact_mut(self.stride.max(1))) {
             gradients(self.left, row, *columns, slot);
             for &gradient in slot.get(BORDER as usize..(2 * reach - BORDER) as usize).unwrap_or(&[]) {
                 sum += u32::from(gradient.abs_diff(FLAT));
@@ -99,11 +99,11 @@ impl<'a> Patch<'a> {
         let columns = Columns { first: self.x - reach - (first + len - 1), length: 2 * reach + len - 1 };
         self.sought.1 = columns;
         let top = self.y - ROWS_REACH + self.row_offset;
-        for (row, slot) in (top..).zip(self.sought.0.chunks_exact_mut(self.stride)) {
+        for (row, slot) in (top..).zip(self.sought.0.chunks_exact_mut(self.stride.max(1))) {
             gradients(self.right, row, columns, slot);
             mirror(slot, columns);
         }
-        for (dy, slot) in (-ROWS_REACH..).zip(self.census.chunks_exact_mut(self.stride)) {
+        for (dy, slot) in (-ROWS_REACH..).zip(self.census.chunks_exact_mut(self.stride.max(1))) {
             if codes.contains(&dy) {
                 census(self.right, self.y + dy + self.row_offset, columns, slot);
                 mirror(slot, columns);
@@ -117,7 +117,7 @@ impl<'a> Patch<'a> {
         let reach = COLUMNS_REACH + BORDER;
         let columns = Columns { first: self.x - at - reach + first, length: 2 * reach + len - 1 };
         self.back.1 = columns;
-        for (dy, slot) in (-ROWS_REACH..).zip(self.back.0.chunks_exact_mut(self.stride)) {
+        for (dy, slot) in (-ROWS_REACH..).zip(self.back.0.chunks_exact_mut(self.stride.max(1))) {
             if (rows.0..=rows.1).contains(&dy) {
                 gradients(self.left, self.y + dy, columns, slot);
             }
