@@ -323,7 +323,7 @@ impl Plan {
     /// known. What the run found is not changed.
     ///
     /// # Cost
-    /// At most 60 000 instructions on a Cortex-M7 at 64 disparities.
+    /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 65 000 where segments are dense.
     pub fn depth_at<const R: usize, const M: usize, const S: usize, const C: usize>(
         &self,
         left: Gray<'_>,
