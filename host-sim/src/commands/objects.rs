@@ -83,6 +83,7 @@ impl Asked {
         Answers {
             objects: asked.map(|asked| asked.list.iter().map(|(_, depth)| depth.clone()).collect()),
             objects_error: asked.and_then(|asked| asked.error.clone()),
+            ..Answers::default()
         }
     }
 
