@@ -49,7 +49,7 @@ fn boxes_are_the_same_in_every_form() {
     let files = [
         (
             "annotations.json",
-            r#"{"images": [{"id": 7, "file_name": "x/left.png"}, {"id": 8, "file_name": "other.png"}],
+            r#"{"images": [{"id": 7, "file_name": "x/left.png", "width": 40, "height": 20}, {"id": 8, "file_name": "other.png"}],
                 "categories": [{"id": 1, "name": "cup"}, {"id": 2, "name": "book"}],
                 "annotations": [{"image_id": 7, "category_id": 1, "bbox": [4, 5, 10, 10]},
                                 {"image_id": 8, "category_id": 1, "bbox": [0, 0, 5, 5]},
@@ -199,6 +199,11 @@ fn what_is_wrong_with_the_file_is_said() {
         ("a.json", "3", "no list of annotations"),
         ("a.json", r#"{"annotations": [], "categories": [{"id": "x"}]}"#, "categories"),
         ("a.json", r#"[{"image_id": 1, "bbox": [1,1,2,2]}, {"image_id": 2, "bbox": [1,1,2,2]}]"#, "2 images"),
+        (
+            "a.json",
+            r#"{"images": [{"id": 1, "width": 80, "height": 40}], "annotations": [{"image_id": 1, "bbox": [1,1,2,2]}]}"#,
+            "80x40",
+        ),
         ("a.csv", "a,b\n1,2\n", "no column x0"),
         ("a.csv", "", "no column x0"),
         ("a.xml", "<a/>", "no known kind"),

@@ -15,6 +15,8 @@ use std::path::Path;
 struct Image {
     id: u64,
     file_name: Option<String>,
+    width: Option<u64>,
+    height: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -75,6 +77,12 @@ fn wanted_image(
         let name = image.file_name.as_deref().and_then(stem);
         name.is_some() && name == wanted
     });
+    if let Some(image) = named.or(images.first().filter(|_| images.len() == 1))
+        && let (Some(width), Some(height)) = (image.width, image.height)
+        && (width, height) != (frame.given.width.into(), frame.given.height.into())
+    {
+        return Err(ObjectsError::ImageSize { path: path.to_path_buf(), size: [width, height], image: frame.given });
+    }
     if let Some(image) = named {
         return Ok(Some(image.id.into()));
     }

@@ -53,6 +53,15 @@ pub enum ObjectsError {
         /// That of the left image as given.
         image: Dims,
     },
+    /// A COCO file of an image of another size than the left image.
+    ImageSize {
+        /// The COCO file.
+        path: PathBuf,
+        /// Width and height that it states.
+        size: [u64; 2],
+        /// That of the left image as given.
+        image: Dims,
+    },
     /// A COCO file of several images, none of which is called like the left one.
     NoSuchImage {
         /// The COCO file.
@@ -90,6 +99,11 @@ impl fmt::Display for ObjectsError {
             Self::MaskSize { path, mask, image } => write!(
                 f,
                 "{} is {mask}, the left image {image}; give a mask of the image as it is before --width",
+                path.display()
+            ),
+            Self::ImageSize { path, size: [width, height], image } => write!(
+                f,
+                "{} is about an image of {width}x{height}, the left one is {image}; give objects of the image as it is before --width",
                 path.display()
             ),
             Self::NoSuchImage { path, image, images } => write!(
