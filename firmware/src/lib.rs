@@ -4,6 +4,7 @@
 //! bin/            one line each: a program on the chosen board
 //! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
+//! autopilot       obstacles as MAVLink, on a port of their own
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
@@ -16,6 +17,7 @@
 #![cfg_attr(not(test), no_std)]
 #![deny(missing_debug_implementations)]
 
+pub mod autopilot;
 pub mod boards;
 pub mod cases;
 pub mod log;

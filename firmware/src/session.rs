@@ -4,7 +4,7 @@ use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::watch::Watch;
-use linestereo::{Counts, Dims, MIN_SIDE, Params, Plan};
+use linestereo::{Counts, Dims, MIN_SIDE, ObstacleParams, ObstaclePlan, Params, Plan};
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, Outcome, PairHead, Refusal, Request, RigFault, RigImage, RigInUse,
     RigReport,
@@ -17,6 +17,10 @@ pub struct Session<'a> {
     params: Params,
     /// Of the parameters, for the size of the last pair.
     plan: Option<Plan>,
+    /// Focal length of the rectified images, px, and their principal point if it is known: with the rig of the parameters.
+    pinhole: Option<(f64, Option<[f64; 2]>)>,
+    /// Directions, for the size of the last pair.
+    directions: Option<(Dims, ObstaclePlan)>,
     /// Limits of a pair's health, and the monitor.
     pub watch: Watch,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
@@ -54,6 +58,8 @@ impl<'a> Session<'a> {
             board,
             params: Params::DEFAULT,
             plan: None,
+            pinhole: None,
+            directions: None,
             watch: Watch::new(),
             rig: None,
             report: RigReport::NONE,
@@ -102,7 +108,10 @@ impl<'a> Session<'a> {
             Request::Stop => self.running = false,
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
-                Ok((params, _)) => self.set_params(params),
+                Ok((params, _)) => {
+                    self.pinhole = update.rig.map(|rig| (rig.focal_px, None)).or(self.pinhole);
+                    self.set_params(params);
+                }
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
             Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
@@ -115,6 +124,7 @@ impl<'a> Session<'a> {
     fn set_params(&mut self, params: Params) {
         self.params = params;
         self.plan = None;
+        self.directions = None;
     }
 
     /// Uses a rig from now on, and keeps it.
@@ -146,6 +156,8 @@ impl<'a> Session<'a> {
 
     /// The memory is ready for this rig, and it lies in this slot.
     fn use_rig(&mut self, image: &RigImage, params: Params, slot: Option<Slot>) {
+        let view = image.rectification();
+        self.pinhole = Some((view.focal(), Some(view.centre())));
         self.set_params(params);
         self.report.in_use = Some(RigInUse::new(image, slot.map(|slot| slot as u8)));
         self.rig = Some(image.encode(0));
@@ -168,6 +180,30 @@ impl<'a> Session<'a> {
         let plan = self.params.plan(dims)?;
         self.plan = Some(plan);
         Ok(plan)
+    }
+
+    /// How pairs of this size are cut into directions; `None` without a rig.
+    #[inline(never)] // floats on the stack only while it works
+    pub fn directions(&mut self, dims: Dims) -> Option<ObstaclePlan> {
+        if let Some((_, plan)) = self.directions.filter(|&(of, _)| of == dims) {
+            return Some(plan);
+        }
+        let (focal_px, centre) = self.pinhole?;
+        let plan = ObstacleParams { centre, ..ObstacleParams::new(focal_px) }.plan(&self.params, dims).ok()?;
+        self.directions = Some((dims, plan));
+        Some(plan)
+    }
+
+    /// The size that the rig in use rectifies to.
+    #[must_use]
+    pub fn rig_dims(&self) -> Option<Dims> {
+        self.report.in_use.map(|RigInUse { rectified: [width, height], .. }| Dims { width, height })
+    }
+
+    /// Is there a rig, so that distances are known?
+    #[must_use]
+    pub fn has_rig(&self) -> bool {
+        self.pinhole.is_some()
     }
 
     /// The size that raw pairs of this size are rectified to.

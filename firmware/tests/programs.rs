@@ -491,3 +491,103 @@ fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
     let (good, skew) = (HealthFlags::GOOD, HealthFlags::SKEW);
     assert_eq!(heads, [(0, None, good), (2, Some(1000), skew), (3, Some(0), skew), (4, Some(7), good)]);
 }
+
+/// Id and payload of each MAVLink frame.
+fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
+    let mut frames = Vec::new();
+    while let [0xfd, length, _, _, _, 1, 196, id0, id1, id2, rest @ ..] = bytes {
+        let (payload, after) = rest.split_at((*length).into());
+        frames.push((u32::from_le_bytes([*id0, *id1, *id2, 0]), payload.to_vec()));
+        bytes = &after[2..];
+    }
+    assert!(bytes.is_empty(), "{bytes:?}");
+    frames
+}
+
+#[test]
+fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() {
+    let (incoming, outgoing) = (RefCell::new(VecDeque::new()), RefCell::new(Vec::new()));
+    let autopilot = RefCell::new(Vec::new());
+    let nothing = RefCell::new(VecDeque::new());
+    let send = |id, request| {
+        let mut bytes = Vec::new();
+        push(&mut bytes, id, request);
+        *incoming.borrow_mut() = bytes.into();
+    };
+    let told = || mavlink_frames(&core::mem::take(&mut *autopilot.borrow_mut()));
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = LooseCamera(0, Painter::new(DIMS));
+    let line = Line { incoming: &incoming, outgoing: &outgoing };
+    // A look at the clock takes 17 ms, a turn two looks: 60 turns are two seconds.
+    let mut live = Live::start(Session::new(BOARD), Slow(Microseconds::default()), line)
+        .with_autopilot(Line { incoming: &nothing, outgoing: &autopilot });
+    for _ in 0..5 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    assert_eq!(told(), [], "without a rig nothing has a distance");
+    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+    send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    outgoing.borrow_mut().clear();
+
+    // No pair, a pair of a wrong size and a skewed one come first: no view is known yet.
+    for _ in 0..3 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    assert_eq!(told(), []);
+    for _ in 0..60 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    let answers = messages(&outgoing.borrow());
+    assert!(matches!(answers[..], [Message::Answer(_)]), "no host asked for results: {answers:?}");
+    let frames = told();
+    let (beats, distances): (Vec<_>, Vec<_>) = frames.iter().partition(|(id, _)| *id == 0);
+    assert!(beats.len() == 2 || beats.len() == 3, "{} heartbeats in 2 s", beats.len());
+    assert!((20..=31).contains(&distances.len()), "{} messages in 2 s at 15 Hz", distances.len());
+    let sectors = |payload: &[u8]| -> Vec<u16> {
+        payload[8..152].chunks(2).map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]])).collect()
+    };
+    let known = distances.iter().any(|(id, payload)| {
+        assert_eq!(*id, 330);
+        let list = sectors(payload);
+        assert!(list[10..62].iter().all(|&cm| cm == u16::MAX), "outside of the view: {list:?}");
+        assert!(list.iter().all(|&cm| cm > 0));
+        list.iter().any(|&cm| cm != u16::MAX)
+    });
+    assert!(known, "the painted scenes have something at a distance");
+
+    // The camera falls silent: every sector in view is blocked at the near limit, 11 m px / 64 px.
+    let mut silent = Silent;
+    for _ in 0..8 {
+        live.turn(&mut *memory, &mut silent);
+    }
+    let list = sectors(&told().iter().rfind(|(id, _)| *id == 330).unwrap().1);
+    assert_eq!((list[0], list[5], list[67], list[36]), (17, 17, 17, u16::MAX));
+}
+
+/// A clock that takes its time.
+struct Slow(Microseconds);
+
+impl Clock for Slow {
+    const UNIT: &'static str = "microseconds";
+
+    fn now(&self) -> u32 {
+        self.0.now() * 17_000
+    }
+
+    fn elapsed(&self, from: u32, to: u32) -> u64 {
+        self.0.elapsed(from, to)
+    }
+
+    fn microseconds(&self, from: u32, to: u32) -> u64 {
+        self.0.microseconds(from, to)
+    }
+}
+
+/// A camera without a cable.
+struct Silent;
+
+impl PairSource for Silent {
+    fn next_pair(&mut self, _: [&mut [u8]; 2]) -> Option<CapturedPair> {
+        None
+    }
+}

@@ -12,10 +12,35 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// What it costs to see a pair's obstacles, and to tell an autopilot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Autopilot {
+    /// Instructions from matches to sectors.
+    pub(crate) obstacles: u64,
+    /// Instructions to write a heartbeat and the distances.
+    pub(crate) mavlink: u64,
+    /// Bytes of both.
+    pub(crate) bytes: u64,
+}
+
+impl Autopilot {
+    /// The largest of each.
+    pub(crate) fn largest(of: &[(String, Self)]) -> Self {
+        let largest = |number: fn(&Self) -> u64| of.iter().map(|(_, one)| number(one)).max().unwrap_or(0);
+        Self {
+            obstacles: largest(|one| one.obstacles),
+            mavlink: largest(|one| one.mavlink),
+            bytes: largest(|one| one.bytes),
+        }
+    }
+}
+
 /// What the program `bench` found.
 pub(crate) struct Builtin {
     /// Name and instructions by stage of every pair.
     pub(crate) pairs: Vec<(String, Costs)>,
+    /// What an autopilot costs, by pair.
+    pub(crate) autopilot: Vec<(String, Autopilot)>,
     /// Largest depth of the stack in bytes.
     pub(crate) stack: u64,
 }
@@ -27,7 +52,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
     let table = std::fs::read_to_string(folder.path().join("table"))?;
-    let (mut pairs, mut stack) = (Vec::new(), 0);
+    let (mut pairs, mut autopilot, mut stack) = (Vec::new(), Vec::new(), 0);
     for line in table.lines() {
         let line_of = || format!("the table of bench has an unknown line: {line}");
         match line.split('\t').collect::<Vec<_>>()[..] {
@@ -35,11 +60,15 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
                 let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 pairs.push((name.to_owned(), costs.try_into().ok().with_context(line_of)?));
             }
+            ["autopilot", name, obstacles, mavlink, bytes] => {
+                let [obstacles, mavlink, bytes] = [obstacles.parse()?, mavlink.parse()?, bytes.parse()?];
+                autopilot.push((name.to_owned(), Autopilot { obstacles, mavlink, bytes }));
+            }
             ["stack", bytes] => stack = bytes.parse()?,
             _ => anyhow::bail!(line_of()),
         }
     }
-    Ok(Builtin { pairs, stack })
+    Ok(Builtin { pairs, autopilot, stack })
 }
 
 /// What rectifying a pair with a built-in rig costs.
@@ -97,7 +126,12 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
                 "{name:30} set-up {set_up:>7} both images {rows:>6} dearest row {dearest_row:>4} band {band_bytes:>6}"
             );
         }
-        for (size, pairs) in by_size(board, builtin(board)?.pairs)? {
+        let Builtin { pairs, autopilot, .. } = builtin(board)?;
+        println!("{}, an autopilot, instructions and bytes", board.name);
+        for (name, Autopilot { obstacles, mavlink, bytes }) in autopilot {
+            println!("{name:30} obstacles {obstacles:>6} MAVLink {mavlink:>6} bytes {bytes:>4}");
+        }
+        for (size, pairs) in by_size(board, pairs)? {
             println!("{}, built-in pairs of {size}, thousands of instructions\n{}", board.name, table(&pairs));
         }
         for &dims in board.sizes.iter().filter(|_| frames.is_some()) {

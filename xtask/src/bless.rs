@@ -11,9 +11,9 @@ use std::path::Path;
 /// Writes `firmware/src/programs/expected.rs`.
 pub(crate) fn run(top: &Path) -> Result<()> {
     let mut text = String::from(
-        "//! Digests of the built-in frames, one per stage. Generated on a PC by `cargo xtask bless`.\n\n\
+        "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
          use linestereo::Stage;\n\n\
-         /// One digest per stage.\npub type Digests = [u32; Stage::ALL.len()];\n",
+         /// One digest per stage, and one of what an autopilot is told.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     write(&mut text, &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
     write(&mut text, &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
@@ -28,7 +28,10 @@ fn write(text: &mut String, board: &Board, memory: &mut impl Memory) -> Result<(
     let constant = board.name.to_uppercase().replace('-', "_");
     let cases: Vec<Case> = Case::all(board).collect();
     let (name, count) = (board.name, cases.len());
-    writeln!(text, "\n/// Of the cases of {name}, in their order.\npub const {constant}: [Digests; {count}] = [")?;
+    writeln!(
+        text,
+        "\n/// Of the cases of {name}, in their order.\n#[rustfmt::skip]\npub const {constant}: [Digests; {count}] = ["
+    )?;
     for case in cases {
         let digests = selftest::digests(memory, &case).with_context(|| format!("{case} does not run on {name}"))?;
         let digests: Vec<String> =

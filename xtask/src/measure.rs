@@ -2,7 +2,7 @@
 //!
 //! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for reading.
 
-use crate::bench::{self, Builtin, Rectified};
+use crate::bench::{self, Autopilot, Builtin, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
@@ -29,6 +29,7 @@ const HEAD: &str = "\
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
+# autopilot: the dearest of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
 # raw: a rendered raw pair rectified row by row (75 degrees of view, cameras turned by a degree) to the lists; band: the bytes of raw rows
@@ -46,6 +47,8 @@ struct Numbers {
 struct BoardNumbers {
     bytes: BTreeMap<String, u64>,
     built_in: BTreeMap<String, Instructions>,
+    #[serde(default)]
+    autopilot: Option<Autopilot>,
     #[serde(default)]
     captured: BTreeMap<String, Instructions>,
     #[serde(default)]
@@ -171,7 +174,8 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
 }
 
 fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
-    let Builtin { pairs, .. } = bench::builtin(board)?;
+    let Builtin { pairs, autopilot, .. } = bench::builtin(board)?;
+    let autopilot = Some(Autopilot::largest(&autopilot));
     let (raw, stack) = raw_pairs(board)?;
     let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
     let bytes = [
@@ -192,7 +196,7 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
         }
     }
     let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(BoardNumbers { bytes, built_in, captured, rectify: bench::rectified(board)?, raw })
+    Ok(BoardNumbers { bytes, built_in, autopilot, captured, rectify: bench::rectified(board)?, raw })
 }
 
 /// The numbers that are compared, by name.
@@ -201,6 +205,11 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
     for (name, board) in &numbers.boards {
         for (what, &bytes) in &board.bytes {
             list.insert(format!("{name} {what}"), bytes);
+        }
+        if let Some(autopilot) = board.autopilot {
+            list.insert(format!("{name} autopilot obstacles"), autopilot.obstacles);
+            list.insert(format!("{name} autopilot mavlink"), autopilot.mavlink);
+            list.insert(format!("{name} autopilot bytes"), autopilot.bytes);
         }
         for (rig, of) in &board.rectify {
             list.insert(format!("{name} rectify {rig} set_up"), of.set_up);

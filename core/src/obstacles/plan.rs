@@ -101,12 +101,17 @@ impl ObstacleParams {
             baseline_q16: nearest(rig.focal_baseline_q16() as f64 / self.focal_px),
             heights_q16: [nearest(65536.0 * low), nearest(65536.0 * high)],
             range_cm: nearest(100.0 * self.range_m) as u16,
+            near_cm: 0,
             keep_ms: self.keep_ms.into(),
             doubt_q16: nearest(65536.0 * self.doubt) as u16,
             unfit: self.unfit,
         };
         // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
         plan.far_q6 = nearest(rig.focal_baseline_q16() as f64 / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32;
+        let most = f64::from(params.max_disparity) + rig.offset_q6() as f64 / 64.0;
+        let near =
+            if most > 0.0 { nearest(100.0 / 65536.0 * rig.focal_baseline_q16() as f64 / most) } else { i64::MAX };
+        plan.near_cm = near.min(i64::from(plan.range_cm) - 1).max(1) as u16;
         for (cosine_q15, part) in plan.cosines_q15.iter_mut().zip(0_u8..) {
             let column = width * f64::from(part) / PARTS as f64;
             *cosine_q15 = nearest(32768.0 * libm::cos(libm::atan((column - cx) / self.focal_px))) as u16;
@@ -170,6 +175,7 @@ pub struct ObstaclePlan {
     /// m
     pub(super) heights_q16: [i64; 2],
     pub(super) range_cm: u16,
+    pub(super) near_cm: u16,
     pub(super) keep_ms: u32,
     pub(super) doubt_q16: u16,
     pub(super) unfit: HealthFlags,
@@ -186,6 +192,12 @@ impl ObstaclePlan {
     #[must_use]
     pub fn range_cm(&self) -> u16 {
         self.range_cm
+    }
+
+    /// The near limit: what is nearer than this along the optical axis is not measured, cm; 1 or more, below the range.
+    #[must_use]
+    pub fn near_cm(&self) -> u16 {
+        self.near_cm
     }
 
     /// The place of a sector among those in view.

@@ -6,7 +6,7 @@ fn bench() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
-    use linestereo_firmware::programs::bench;
+    use linestereo_firmware::programs::{bench, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::{stack, startup::Exit, watch::Watch};
 
@@ -19,6 +19,10 @@ fn bench() -> linestereo_firmware::startup::Exit {
         let Ok(plan) = case.params().plan(case.dims) else { continue };
         if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None) {
             bench::line(&mut table, case, &costs, memory.results());
+            let Some(view) = selftest::view(&case) else { continue };
+            let [see, tell, bytes] = bench::measure_autopilot(memory, &clock, &view);
+            let _ =
+                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
         }
     }
     let _ = core::fmt::Write::write_fmt(&mut table, format_args!("stack\t{}\n", stack::depth()));

@@ -1,4 +1,4 @@
-//! A board at work: results and commands on UART 0, frames painted in place of a camera. Argument, if any: a file in place of flash.
+//! A board at work: results and commands on UART 0, MAVLink for an autopilot on UART 1, frames painted in place of a camera. Argument, if any: a file in place of flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -17,7 +17,8 @@ fn live() -> linestereo_firmware::startup::Exit {
         None => Session::new(SELECTED),
     };
     let mut camera = Painter::new(SELECTED.largest);
-    let mut live = Live::start(session, mps2::InstructionClock::start(), mps2::Uart::start());
+    let mut live = Live::start(session, mps2::InstructionClock::start(), mps2::Uart::start())
+        .with_autopilot(mps2::Uart::start_for_autopilot());
     loop {
         live.turn(memory, &mut camera);
     }

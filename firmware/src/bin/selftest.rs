@@ -15,7 +15,7 @@ fn selftest() -> linestereo_firmware::startup::Exit {
         match outcome.differs_in() {
             None => info!("{=str} {=u16}x{=u16}{=str}: equal", scene, width, height, kind),
             Some(stage) => {
-                error!("{=str} {=u16}x{=u16}{=str}: {=str} differs", scene, width, height, kind, stage.name())
+                error!("{=str} {=u16}x{=u16}{=str}: {=str} differs", scene, width, height, kind, stage)
             }
         }
     });

@@ -1,4 +1,5 @@
-//! Peripherals that QEMU's mps2 machines have in common, all of Arm's CMSDK: APB timer 0 as the clock, UART 0 as the port.
+//! Peripherals that QEMU's mps2 machines have in common, all of Arm's CMSDK: APB timer 0 as the clock, UART 0 as the
+//! host's port, UART 1 as the autopilot's.
 
 use crate::ports::{ByteSink, ByteSource, Clock};
 
@@ -46,8 +47,12 @@ impl Clock for InstructionClock {
     }
 }
 
-/// CMSDK APB UART 0 (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.
+/// CMSDK APB UART 0 and 1 (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.
 const UART0: *mut u32 = 0x4000_4000 as *mut u32;
+const UART1: *mut u32 = 0x4000_5000 as *mut u32;
+/// The fastest it can do, and 57600 baud of the bus's 25 MHz.
+const FASTEST: u32 = 16;
+const BAUD_57600: u32 = 434;
 const STATE: usize = 1;
 const CTRL: usize = 2;
 const BAUDDIV: usize = 4;
@@ -56,23 +61,33 @@ const RECEIVE_FULL: u32 = 2;
 
 /// A polled serial port. It keeps one received byte: on hardware a host has to wait for answers, QEMU holds further bytes back.
 #[derive(Debug)]
-pub struct Uart(());
+pub struct Uart(*mut u32);
 
 impl Uart {
-    /// Switches it on, both ways.
+    /// The host's port.
     #[must_use]
     pub fn start() -> Self {
-        // SAFETY: the registers of a UART that nothing else uses; the address is the same on every mps2 machine.
-        unsafe {
-            UART0.add(BAUDDIV).write_volatile(16); // the fastest it can do
-            UART0.add(CTRL).write_volatile(0b11);
-        }
-        Self(())
+        Self::switch_on(UART0, FASTEST)
     }
 
-    fn state() -> u32 {
+    /// The autopilot's port.
+    #[must_use]
+    pub fn start_for_autopilot() -> Self {
+        Self::switch_on(UART1, BAUD_57600)
+    }
+
+    fn switch_on(registers: *mut u32, divider: u32) -> Self {
+        // SAFETY: the registers of a UART that nothing else uses; their addresses are the same on every mps2 machine.
+        unsafe {
+            registers.add(BAUDDIV).write_volatile(divider);
+            registers.add(CTRL).write_volatile(0b11);
+        }
+        Self(registers)
+    }
+
+    fn state(&self) -> u32 {
         // SAFETY: reading the state changes nothing.
-        unsafe { UART0.add(STATE).read_volatile() }
+        unsafe { self.0.add(STATE).read_volatile() }
     }
 }
 
@@ -80,11 +95,11 @@ impl ByteSource for Uart {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         let mut count = 0;
         for place in bytes {
-            if Self::state() & RECEIVE_FULL == 0 {
+            if self.state() & RECEIVE_FULL == 0 {
                 break;
             }
             // SAFETY: there is a byte, and this port is the only one that takes it.
-            *place = unsafe { UART0.read_volatile() } as u8;
+            *place = unsafe { self.0.read_volatile() } as u8;
             count += 1;
         }
         count
@@ -94,9 +109,9 @@ impl ByteSource for Uart {
 impl ByteSink for Uart {
     fn write(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            while Self::state() & TRANSMIT_FULL != 0 {}
+            while self.state() & TRANSMIT_FULL != 0 {}
             // SAFETY: there is room for a byte.
-            unsafe { UART0.write_volatile(byte.into()) };
+            unsafe { self.0.write_volatile(byte.into()) };
         }
     }
 }

@@ -1,9 +1,10 @@
 //! What a pair costs, by stage.
 
+use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
-use crate::ports::{Clock, Results};
+use crate::ports::{ByteSink, Clock, Results};
 use crate::watch::Watch;
-use linestereo::{Observer, PairHealth, Plan, Stage, Step};
+use linestereo::{HealthFlags, Observer, ObstaclePlan, PairHealth, Plan, Stage, Step};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -35,6 +36,28 @@ impl<C: Clock> Observer for StageClock<'_, C> {
             *cost += self.clock.elapsed(self.last, now);
         }
         self.last = self.clock.now();
+    }
+}
+
+/// What the obstacles of the last pair cost, as those of a good one, and telling an autopilot of them; and the bytes of the latter.
+pub fn measure_autopilot(memory: &impl Memory, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
+    let mut autopilot = Autopilot::new();
+    autopilot.set_view(Some(*view));
+    let mut count = Count(0);
+    let start = clock.now();
+    autopilot.see(memory.results().matches, HealthFlags::GOOD, 0);
+    let seen = clock.now();
+    autopilot.turn(0, &mut count);
+    let told = clock.now();
+    [clock.elapsed(start, seen), clock.elapsed(seen, told), count.0]
+}
+
+/// Counts what is written.
+struct Count(u64);
+
+impl ByteSink for Count {
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 += bytes.len() as u64;
     }
 }
 

@@ -1,15 +1,16 @@
-//! A board at work: pairs from a camera, results to a port, commands from it.
+//! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
+use crate::autopilot::Autopilot;
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
-use linestereo::Dims;
+use linestereo::{Dims, Match};
 use linestereo_wire::{Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, send, send_frame};
 
-/// A program that takes turns: commands that have come, then a pair if the host wants results.
+/// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot can be told of obstacles.
 #[derive(Debug)]
-pub struct Live<'a, C, P> {
+pub struct Live<'a, C, P, A = NoAutopilot> {
     session: Session<'a>,
     clock: C,
     port: P,
@@ -17,24 +18,56 @@ pub struct Live<'a, C, P> {
     /// The clock when it was last looked at, and microseconds since the start.
     last: u32,
     time_us: u64,
+    autopilot: Autopilot,
+    autopilot_port: Option<A>,
+}
+
+/// Nobody at the second port.
+#[derive(Debug)]
+pub enum NoAutopilot {}
+
+impl ByteSink for NoAutopilot {
+    fn write(&mut self, _: &[u8]) {}
 }
 
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Says hello.
     pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
         let last = clock.now();
-        let mut live = Self { session, clock, port, decoder: Decoder::new(), last, time_us: 0 };
+        let mut live = Self {
+            session,
+            clock,
+            port,
+            decoder: Decoder::new(),
+            last,
+            time_us: 0,
+            autopilot: Autopilot::new(),
+            autopilot_port: None,
+        };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
         live.write(&Message::Hello(hello));
         live
     }
 
+    /// With an autopilot at this port: as soon as there is a rig it is told of obstacles, whether a host asks for results or not.
+    pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
+        let Self { session, clock, port: host, decoder, last, time_us, autopilot, .. } = self;
+        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port: Some(port) }
+    }
+}
+
+impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     /// Takes one turn.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
         self.serve_commands(memory);
-        if self.session.running {
+        let is_told = self.autopilot_port.is_some() && self.session.has_rig();
+        if self.session.running || is_told {
             self.match_pair(memory, camera);
+        }
+        let now_us = self.time();
+        if let Some(port) = &mut self.autopilot_port {
+            self.autopilot.turn(now_us, port);
         }
     }
 
@@ -66,28 +99,38 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     }
 
     fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
-        let sequence = self.session.next_sequence();
         let captured = camera.next_pair(memory.frames());
         let now_us = self.time();
         let time_us = captured.and_then(|pair| pair.times_us).map_or(now_us, |[left, _]| left);
-        let Some(pair) = captured else {
-            let none = Dims { width: 0, height: 0 };
-            return self.write(&Message::Frame(failed_frame(sequence, time_us, none, Health::PAIR_MISSING)));
-        };
-        let dims = pair.dims;
-        let Ok(plan) = self.session.plan(dims) else {
-            return self.write(&Message::Frame(failed_frame(sequence, time_us, dims, Health::SIZE_MISMATCH)));
-        };
+        self.autopilot.miss(); // until its matches say otherwise
+        if let (false, Some(dims)) = (self.autopilot.has_view(), self.session.rig_dims()) {
+            self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is told of as well
+        }
+        let dims = captured.map_or(Dims { width: 0, height: 0 }, |pair| pair.dims);
+        let failed = |health| failed_frame(0, time_us, dims, health);
+        let Some(pair) = captured else { return self.write_frame(failed(Health::PAIR_MISSING), None) };
+        let Ok(plan) = self.session.plan(dims) else { return self.write_frame(failed(Health::SIZE_MISMATCH), None) };
         let Ok(health) = self.session.watch.run(memory, &plan, pair.times_us, &mut ()) else {
-            return self.write(&Message::Frame(failed_frame(sequence, time_us, dims, Health::SIZE_MISMATCH)));
+            return self.write_frame(failed(Health::SIZE_MISMATCH), None);
         };
         if health.is_refused() {
-            let refused = failed_frame(sequence, time_us, dims, Health::GOOD).with_pair(&health);
-            return self.write(&Message::Frame(refused));
+            return self.write_frame(failed(Health::GOOD).with_pair(&health), None);
         }
         let results = memory.results();
-        let head = FrameHead::new(sequence, time_us, dims, Health::GOOD, results.counts).with_pair(&health);
-        let _ = send_frame(&head, results.matches, &mut |packet| {
+        self.autopilot.set_view(self.session.directions(dims));
+        self.autopilot.see(results.matches, health.flags, now_us); // of the clock of its turns
+        let head = FrameHead::new(0, time_us, dims, Health::GOOD, results.counts).with_pair(&health);
+        self.write_frame(head, Some(results.matches));
+    }
+
+    /// Numbers a frame and sends it, if the host wants results.
+    fn write_frame(&mut self, head: FrameHead, matches: Option<&[Match]>) {
+        if !self.session.running {
+            return;
+        }
+        let head = FrameHead { sequence: self.session.next_sequence(), ..head };
+        let Some(matches) = matches else { return self.write(&Message::Frame(head)) };
+        let _ = send_frame(&head, matches, &mut |packet| {
             self.port.write(packet);
             Ok::<(), Infallible>(())
         });

@@ -1,11 +1,17 @@
-//! Does this machine compute what the PC computed? Built-in frames, one digest per stage, against those of [`super::expected`].
+//! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of what an autopilot is told, against those of
+//! [`super::expected`].
 
 use super::expected::Digests;
+use crate::autopilot::Autopilot;
 use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
+use crate::ports::ByteSink;
 use crate::watch::Watch;
-use linestereo::{Stage, StageDigests};
+use linestereo::{HealthFlags, Match, ObstacleParams, ObstaclePlan, Params, Rig, Stage, StageDigests};
+
+/// The digest behind those of the stages: sectors and the bytes of MAVLink.
+pub const AUTOPILOT: &str = "autopilot";
 
 /// What a case gave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,12 +25,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The first stage that differs.
+    /// The name of the first stage that differs, or [`AUTOPILOT`].
     #[must_use]
-    pub fn differs_in(&self) -> Option<Stage> {
-        let (Some(found), Some(expected)) = (self.found, self.expected) else { return Some(Stage::LinesLeft) };
-        let mut pairs = Stage::ALL.into_iter().zip(found.iter().zip(&expected));
-        pairs.find(|(_, (found, expected))| found != expected).map(|(stage, _)| stage)
+    pub fn differs_in(&self) -> Option<&'static str> {
+        let names = Stage::ALL.into_iter().map(Stage::name).chain([AUTOPILOT]);
+        let (Some(found), Some(expected)) = (self.found, self.expected) else { return Some(Stage::LinesLeft.name()) };
+        let mut pairs = names.zip(found.iter().zip(&expected));
+        pairs.find(|(_, (found, expected))| found != expected).map(|(name, _)| name)
     }
 }
 
@@ -45,8 +52,42 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
     let plan = case.params().plan(case.dims).ok()?;
-    Watch::new().run(memory, &plan, None, &mut digests).ok()?;
-    Some(Stage::ALL.map(|stage| digests.of(stage)))
+    let health = Watch::new().run(memory, &plan, None, &mut digests).ok()?;
+    let mut all = [0; Stage::ALL.len() + 1];
+    for (place, stage) in all.iter_mut().zip(Stage::ALL) {
+        *place = digests.of(stage);
+    }
+    *all.last_mut()? = autopilot(&view(case)?, memory.results().matches, health.flags);
+    Some(all)
+}
+
+/// As if a camera of 300 px had seen the case.
+pub fn view(case: &Case) -> Option<ObstaclePlan> {
+    let params = Params { rig: Rig::new(300.0, 0.1, 0.0).ok(), ..case.params() };
+    ObstacleParams::new(300.0).plan(&params, case.dims).ok()
+}
+
+/// Digest of what an autopilot is told: of the matches as those of a good pair, then of the pair as it is.
+fn autopilot(view: &ObstaclePlan, matches: &[Match], flags: HealthFlags) -> u32 {
+    let mut autopilot = Autopilot::new();
+    autopilot.set_view(Some(*view));
+    let mut digest = Fnv(0x811c_9dc5);
+    for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
+        autopilot.see(matches, health, time_us);
+        autopilot.turn(time_us, &mut digest);
+    }
+    digest.0
+}
+
+/// FNV-1a over what is written.
+struct Fnv(u32);
+
+impl ByteSink for Fnv {
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -73,6 +114,6 @@ mod tests {
         let mut wrong = Vec::new();
         let tell = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
         assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, tell));
-        assert_eq!(wrong, [(crate::painter::Scene::ALL[3], Stage::Matching)]);
+        assert_eq!(wrong, [(crate::painter::Scene::ALL[3], Stage::Matching.name())]);
     }
 }

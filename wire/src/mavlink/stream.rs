@@ -78,6 +78,14 @@ impl AutopilotParams {
     };
 }
 
+impl AutopilotParams {
+    /// The defaults with the near limit of this plan as the shortest and the blocking distance.
+    #[must_use]
+    pub fn of(plan: &ObstaclePlan) -> Self {
+        Self { min_distance_cm: plan.near_cm(), block_cm: plan.near_cm(), ..Self::DEFAULT }
+    }
+}
+
 impl Default for AutopilotParams {
     fn default() -> Self {
         Self::DEFAULT

@@ -1,0 +1,64 @@
+//! What an autopilot is told: the obstacles of every pair, as MAVLink on a port of its own.
+//!
+//! In: the view of the rig, and of every pair its matches and health. Out: frames on a port, paced by [`AutopilotStream`].
+//!
+//! # Cost
+//! 0.6 KB; instructions in `docs/board-numbers.toml`.
+
+use crate::ports::ByteSink;
+use core::convert::Infallible;
+use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles};
+use linestereo_wire::mavlink::{AutopilotParams, AutopilotStream};
+
+/// What is known of each direction, and who is told. Silent until there is a rig.
+#[derive(Clone, Debug, Default)]
+pub struct Autopilot {
+    obstacles: Obstacles,
+    view: Option<(ObstaclePlan, AutopilotStream)>,
+}
+
+impl Autopilot {
+    /// Nothing seen, no rig.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { obstacles: Obstacles::new(), view: None }
+    }
+
+    /// Pairs are seen so from now on; if it is another view than before, nothing is known any more.
+    pub fn set_view(&mut self, plan: Option<ObstaclePlan>) {
+        if plan == self.view.as_ref().map(|(plan, _)| *plan) {
+            return;
+        }
+        self.obstacles = Obstacles::new();
+        self.view = plan.and_then(|plan| Some((plan, AutopilotStream::new(AutopilotParams::of(&plan), &plan).ok()?)));
+    }
+
+    /// Is it known how pairs are seen?
+    #[must_use]
+    pub fn has_view(&self) -> bool {
+        self.view.is_some()
+    }
+
+    /// Takes the result of a pair.
+    pub fn see(&mut self, matches: &[Match], health: HealthFlags, time_us: u64) {
+        match &self.view {
+            Some((plan, _)) => self.obstacles.see(plan, matches, health, time_us),
+            None => self.obstacles.miss(),
+        }
+    }
+
+    /// There was no pair, or it could not be matched.
+    pub fn miss(&mut self) {
+        self.obstacles.miss();
+    }
+
+    /// Writes what is due.
+    pub fn turn(&mut self, time_us: u64, port: &mut impl ByteSink) {
+        if let Some((plan, stream)) = &mut self.view {
+            let Ok(()) = stream.turn(&self.obstacles, plan, time_us, &mut |frame| {
+                port.write(frame);
+                Ok::<(), Infallible>(())
+            });
+        }
+    }
+}
