@@ -3,6 +3,7 @@
 pub mod board;
 pub mod calibration;
 pub mod commands;
+pub mod directions;
 pub mod draw;
 pub mod engine;
 pub mod evaluate;

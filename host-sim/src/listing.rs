@@ -3,6 +3,7 @@
 //! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
 //! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
 
+use crate::directions::Direction;
 use crate::engine::FrameResult;
 use crate::health;
 use core::fmt::Write;
@@ -40,6 +41,9 @@ pub struct Answers {
     /// Depth of each pixel that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub queries: Option<Vec<Query>>,
+    /// Every direction of the turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sectors: Option<Vec<Direction>>,
 }
 
 /// The depth of a pixel, or why it is not known.

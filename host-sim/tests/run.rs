@@ -138,3 +138,49 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     assert_eq!(output.status.code(), Some(2));
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
 }
+
+#[test]
+fn sectors_are_listed_drawn_and_told() {
+    let folder = cards();
+    let extra = ["--sectors", "--fan", "fan.png", "--mavlink", "told.bin"];
+    let text = succeed(folder.path(), &[&PAIR[..], &extra].concat());
+    assert!(text.contains("sectors of 5 degrees, up to 10 m\n") && text.contains("wrote told.bin\n"), "{text}");
+    let listed = succeed(folder.path(), &[&PAIR[..], &["--sectors", "--json", "-"]].concat());
+    let json: Value = serde_json::from_str(&listed).unwrap();
+    let sectors = json["sectors"].as_array().unwrap();
+    assert_eq!(sectors.len(), 72);
+    let state = |index: usize| sectors[index]["state"].as_str().unwrap();
+    assert!((10..63).all(|index| state(index) == "outside"));
+    assert!((0..72).any(|index| state(index) == "obstacle"), "{listed}");
+    let told = fs::read(folder.path().join("told.bin")).unwrap();
+    // HEARTBEAT, then OBSTACLE_DISTANCE with the same distances.
+    assert_eq!((told.len(), told[0], told[7], told[21], told[28]), (21 + 179, 0xfd, 0, 0xfd, 330_u16.to_le_bytes()[0]));
+    for (index, sector) in sectors.iter().enumerate() {
+        let at = 21 + 10 + 8 + 2 * index;
+        let cm = u16::from_le_bytes([told[at], told[at + 1]]);
+        if let Some(metres) = sector["distance_m"].as_f64() {
+            assert!(f64::from(cm) <= (100.0 * metres).round(), "{sector}: {cm} cm"); // widened: a neighbour may be nearer
+        }
+        assert!(cm != u16::MAX || state(index) != "obstacle", "{sector}");
+        assert!(state(index) != "outside" || cm == u16::MAX);
+    }
+    assert!(fs::metadata(folder.path().join("fan.png")).unwrap().len() > 1000);
+}
+
+#[test]
+fn sectors_without_sense_are_refused() {
+    let folder = cards();
+    let fails = |args: &[&str]| {
+        let output = linestereo(folder.path(), args);
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let no_rig = fails(&["run", "cards/left.png", "cards/right.png", "--sectors"]);
+    assert!(no_rig.contains("--focal-px and --baseline-m"), "{no_rig}");
+    let range = fails(&[&PAIR[..], &["--sectors", "--sector-range", "1000"]].concat());
+    assert_eq!(range, "linestereo: range (m) is 1000, allowed are 0.1 to 600; change --sector-range\n");
+    let heights = fails(&[&PAIR[..], &["--sectors", "--sector-heights", "2", "1"]].concat());
+    assert!(heights.ends_with("change --sector-heights\n"), "{heights}");
+    let policy = fails(&[&PAIR[..], &["--policy", "silent"]].concat());
+    assert!(policy.contains("--mavlink"), "{policy}");
+}

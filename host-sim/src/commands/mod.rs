@@ -21,6 +21,7 @@ pub mod rectify;
 pub mod report;
 pub mod run;
 pub mod scene;
+mod sector_options;
 pub mod sequence;
 mod view;
 

@@ -2,8 +2,10 @@
 
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
+use super::sector_options::SectorArgs;
 use super::{engine_with, machine_for, print};
 use crate::board;
+use crate::directions::Directions;
 use crate::draw::{self, ColourRange};
 use crate::engine::{FrameResult, GrayImage};
 use crate::export;
@@ -30,6 +32,8 @@ Examples:
       the depth of every object that a detector found
   linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
       the depth of two pixels, on a segment or not
+  linestereo run left.png right.png --focal-px 300 --baseline-m 0.1 --sectors --fan fan.png --mavlink told.bin
+      the nearest obstacle of each direction, and what an autopilot is told of them (docs/autopilots.md)
   linestereo run left.png right.png --width 320 --on mps2-an500
       the same on an emulated Cortex-M7, with its instructions counted
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
@@ -53,7 +57,9 @@ JSON:
              \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"witnesses\":n},
              \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d},
    \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
-               \"confidence\":c, \"reason\":null|\"...\"}]}
+               \"confidence\":c, \"reason\":null|\"...\"}],
+   \"sectors\":[{\"index\":0, \"direction_deg\":a, \"state\":\"obstacle|free|unknown|outside\",
+               \"distance_m\":z, \"confidence\":c, \"age_ms\":t}]}
   confidence  probability of being within 1 px
   owner       side whose surface has this depth; left is above on a near-horizontal segment
   depth_m     null without a rig; a z of null is infinite
@@ -68,7 +74,9 @@ JSON:
   rows        row in the right image minus row in the left one, by the matches: its median, spread and
               the number of matches that could say; row_offset_px smooths it over pairs
   queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
-              no_texture, left_right, not_unique, low_confidence, unhealthy_pair)";
+              no_texture, left_right, not_unique, low_confidence, unhealthy_pair)
+  sectors     with --sectors: 0 is ahead, then clockwise; distance along the ground; free means that credible
+              segments lie behind the range and none within it, not that nothing is there";
 
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
@@ -109,6 +117,8 @@ pub struct Args {
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
     #[arg(long, value_name = "BOARD", conflicts_with = "objects")]
     on: Option<String>,
+    #[command(flatten)]
+    sectors: SectorArgs,
 }
 
 /// A column and a row.
@@ -136,7 +146,9 @@ pub fn run(args: &Args) -> Result<()> {
         None => here(&setup, &pair, args)?,
     };
 
-    let answers = Answers { queries, ..Asked::answers(objects.as_ref()) };
+    let directions = args.sectors.directions(&setup, &result)?;
+    let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
+    let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
     let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
@@ -151,6 +163,12 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(path), Some(list)) = (&args.objects_csv, &answers.objects) {
         output.add(path, listing::objects_csv(list).as_bytes())?;
     }
+    if let (Some(path), Some(directions)) = (&args.sectors.fan, &directions) {
+        output.add(path, &draw::png(&draw::fan(directions))?)?;
+    }
+    if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
+        output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
+    }
     let notes = export_files(args, &setup, &result, &mut output)?;
     output.commit()?;
     if json_to_stdout {
@@ -160,8 +178,10 @@ pub fn run(args: &Args) -> Result<()> {
         print(&objects.as_ref().map_or(String::new(), Asked::summary))?;
         answers.queries.iter().flatten().try_for_each(|query| print(&query.summary()))?;
         print(&notes)?;
-        let written =
-            [&args.json, &args.csv, &args.objects_csv, &args.ply, &args.disparity_png, &args.pfm, &args.overlay];
+        print(&sectors.map(Directions::table).unwrap_or_default())?;
+        let Args { json, csv, objects_csv, ply, disparity_png, pfm, overlay, .. } = args;
+        let SectorArgs { fan, mavlink, .. } = &args.sectors;
+        let written = [json, csv, objects_csv, ply, disparity_png, pfm, overlay, fan, mavlink];
         written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))?;
     }
     // What else was found is written by now.

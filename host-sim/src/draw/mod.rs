@@ -6,6 +6,7 @@
 
 mod calibration;
 mod colour;
+mod fan;
 mod legend;
 mod nearest;
 mod plan;
@@ -15,6 +16,7 @@ mod text;
 
 pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
+pub use fan::fan;
 pub use nearest::nearest;
 pub use plan::plan;
 

@@ -1,0 +1,91 @@
+//! Options of distance per direction.
+
+use super::input::Setup;
+use crate::directions::Directions;
+use crate::engine::FrameResult;
+use anyhow::{Result, anyhow, bail};
+use clap::ValueEnum;
+use linestereo::{ObstacleError, ObstacleParams};
+use linestereo_wire::mavlink::Policy;
+use std::path::PathBuf;
+
+/// What an autopilot would be told.
+#[derive(Debug, Default, clap::Args)]
+#[command(next_help_heading = "Distance per direction")]
+pub(super) struct SectorArgs {
+    /// List the nearest obstacle of each direction, 72 sectors of 5 degrees; needs a rig.
+    #[arg(long)]
+    pub(super) sectors: bool,
+    /// Obstacles at this distance or further do not matter [default: 10].
+    #[arg(long, value_name = "M")]
+    sector_range: Option<f64>,
+    /// Heights that matter, above the camera [default: all].
+    #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
+    sector_heights: Option<Vec<f64>>,
+    /// Where the camera looks, degrees clockwise from ahead [default: 0].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    camera_yaw: Option<f64>,
+    /// Draw the sectors from above, as PNG.
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) fan: Option<PathBuf>,
+    /// Write what an autopilot is told: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
+    #[arg(long, value_name = "FILE")]
+    pub(super) mavlink: Option<PathBuf>,
+    /// What it is told of a pair that is not fit to be used: docs/autopilots.md.
+    #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
+    pub(super) policy: PolicyName,
+}
+
+/// [`Policy`] by name.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(super) enum PolicyName {
+    /// Nothing but heartbeats.
+    Silent,
+    /// An obstacle at the near limit everywhere in view.
+    #[default]
+    Block,
+    /// Unknown.
+    Unknown,
+}
+
+impl From<PolicyName> for Policy {
+    fn from(name: PolicyName) -> Self {
+        match name {
+            PolicyName::Silent => Self::Silent,
+            PolicyName::Block => Self::Block,
+            PolicyName::Unknown => Self::Unknown,
+        }
+    }
+}
+
+impl SectorArgs {
+    /// What is known of each direction; `None` when nobody asked.
+    pub(super) fn directions(&self, setup: &Setup<'_>, result: &FrameResult) -> Result<Option<Directions>> {
+        if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
+            return Ok(None);
+        }
+        let Some(pinhole) = setup.pinhole else {
+            bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
+        };
+        let mut wanted = ObstacleParams { centre: Some(pinhole.centre), ..ObstacleParams::new(pinhole.focal) };
+        wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
+        wanted.yaw_deg = self.camera_yaw.unwrap_or(wanted.yaw_deg);
+        if let Some([low, high]) = self.sector_heights.as_deref() {
+            wanted.heights_m = [*low, *high];
+        }
+        let plan = wanted.plan(&setup.params, setup.dims()).map_err(|error| match error {
+            ObstacleError::NoRig => anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig"),
+            ObstacleError::OutOfRange { name, .. } => anyhow!("{error}; change {}", option_behind(name)),
+        })?;
+        Ok(Some(Directions::new(plan, &result.matches, result.health.of_pair())))
+    }
+}
+
+fn option_behind(name: &str) -> &'static str {
+    match name.split(' ').next() {
+        Some("range") => "--sector-range",
+        Some("yaw") => "--camera-yaw",
+        Some("lowest" | "highest") => "--sector-heights",
+        _ => "the rig",
+    }
+}
