@@ -15,6 +15,8 @@ const UNKNOWN: [u8; 3] = [110, 110, 118];
 const TEXT: f32 = 15.0;
 /// Directions of a wedge's outline, per sector.
 const STEPS: u8 = 8;
+/// Where distances are written, as a share of the range: there they do not overlap.
+const LABELS: f64 = 0.94;
 
 /// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it stand, grey is unknown.
 #[must_use]
@@ -56,7 +58,7 @@ pub fn fan(directions: &Directions) -> RgbImage {
                 wedge(0.0, metres / range, UNKNOWN, 0.25);
                 wedge(metres / range, 1.0, OBSTACLE, 0.3);
                 wedge(metres / range, (metres / range + 0.012).min(1.0), OBSTACLE, 1.0);
-                labels.push((place(direction_deg, (metres / range + 0.03).min(0.97)), format!("{metres:.2}")));
+                labels.push((place(direction_deg, LABELS), format!("{metres:.2}")));
             }
             None if state == "free" => wedge(0.0, 1.0, CLEAR, 0.4),
             None => wedge(0.0, 1.0, UNKNOWN, 0.25),
