@@ -14,6 +14,7 @@ pub mod health;
 pub mod interchange;
 pub mod listing;
 pub mod monitor;
+pub mod outline;
 pub mod output;
 pub mod pinhole;
 pub mod planning;

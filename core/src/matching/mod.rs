@@ -21,6 +21,7 @@ use crate::image::Dims;
 use crate::lines::Segment;
 use crate::params::Params;
 use crate::result::Rejection;
+use crate::units::Confidence;
 use aggregate::Agreement;
 use band::Band;
 use curve::{CURVES, Curve};
@@ -59,7 +60,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    fn new(
+    pub(crate) fn new(
         segment: Segment,
         sides: [Option<Side>; 2],
         window_q6: i32,
@@ -121,7 +122,7 @@ pub struct Side {
 }
 
 impl Side {
-    fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
+    pub(crate) fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
         // A side whose rival costs 0.8 times as much or less says nothing to its neighbours.
         let weight = 256 - evidence.get(Kind::SideRatio) * 5 / 4;
         Self {
@@ -136,6 +137,14 @@ impl Side {
             edge_probability_q16: 0,
             rejected: false,
         }
+    }
+}
+
+impl Side {
+    /// Probability that the pixels next to the edge are within 1 px, neighbours included; 0 before a run has ended.
+    #[must_use]
+    pub fn confidence(&self) -> Confidence {
+        Confidence::from_bits(self.probability_q16)
     }
 }
 

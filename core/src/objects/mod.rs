@@ -13,7 +13,7 @@
 //! Surfaces bend: away from its claims a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
 //! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region and on segments within [`OBJECT_REACH`] of it alone: not on other regions, neighbours elsewhere, or the
+//! The answer depends on the region and on segments within [`witness::OBJECT_REACH`] of it alone: not on other regions, neighbours elsewhere, or the
 //! order and capacity of lists.
 //!
 //! # Cost
@@ -23,7 +23,7 @@ mod cover;
 mod region;
 mod rows;
 mod surface;
-mod witness;
+pub(crate) mod witness;
 
 use crate::confidence::Models;
 use crate::image::Dims;
@@ -38,8 +38,6 @@ use heapless::vec::VecView;
 pub use region::{Area, Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
 use surface::Surface;
-#[expect(unused_imports, reason = "for runs that are restricted to regions")]
-pub(crate) use witness::OBJECT_REACH;
 
 /// Why an object has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -215,5 +213,155 @@ impl ObjectDepth {
             support,
             confidence: Confidence::ZERO,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::confidence::FITTED;
+    use crate::image::Span;
+    use crate::lines::Segment;
+    use crate::matching::Side;
+    use crate::matching::evidence::Evidence;
+    use crate::result::Point;
+    use crate::units::Position;
+    use heapless::Vec;
+    use witness::OBJECT_REACH;
+
+    const DIMS: Dims = Dims { width: 320, height: 240 };
+    const MOST: usize = 64;
+
+    /// Numbers below `of` in a fixed order (Knuth's multiplier).
+    struct Random(u32);
+
+    impl Random {
+        fn below(&mut self, of: u32) -> u16 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            ((u64::from(self.0) * u64::from(of)) >> 32) as u16
+        }
+    }
+
+    fn side(d_q6: i32, score_q8: i16) -> Side {
+        let evidence = Evidence::new();
+        Side { score_q8, ..Side::new([d_q6; 2], &evidence, FITTED.of(false)) }
+    }
+
+    fn candidate([x0, y0, x1, y1]: [u16; 4], sides: [Option<Side>; 2]) -> Candidate {
+        let end = |x: u16, y: u16| Point { x: Position::from_num(x), y: Position::from_num(y) };
+        let near_horizontal = x0.abs_diff(x1) > y0.abs_diff(y1);
+        let segment = Segment { ends: [end(x0, y0), end(x1, y1)], rising: true, contrast: 40, near_horizontal };
+        Candidate::new(segment, sides, 0, 0, None)
+    }
+
+    /// Claims of every kind, all over the image.
+    fn scattered(seed: u32, count: usize, least_x: u16, most_x: u16) -> Vec<Candidate, MOST> {
+        let mut random = Random(seed);
+        let mut list = Vec::new();
+        for _ in 0..count {
+            let (x, y) = (least_x + random.below(u32::from(most_x - least_x - 24)), 10 + random.below(200));
+            let (dx, dy) = if random.below(2) == 0 { (random.below(4), 20) } else { (20, random.below(4)) };
+            let d_q6 = 64 * (8 + 2 * i32::from(random.below(4))) + i32::from(random.below(40));
+            let mut one = |d_q6: i32| (random.below(4) > 0).then(|| side(d_q6, random.below(2000) as i16 - 400));
+            let sides = [one(d_q6), one(d_q6 + 20)];
+            list.push(candidate([x, y, x + dx, y + dy], sides)).unwrap();
+        }
+        list
+    }
+
+    fn ask(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
+        let (mut places, mut order, mut marks) = ([Place::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
+        let (places, order, marks) = (&mut places[..], &mut order, &mut marks[..]);
+        Witnessed { candidates, models: &FITTED, dims: DIMS, rig: None, places, order, marks }.depth_of(region)
+    }
+
+    /// A disc as runs.
+    fn disc(runs: &mut [Run; 60]) -> Region<'_> {
+        for (run, y) in runs.iter_mut().zip(70..) {
+            let half = 10 + (y - 70_u16).min(129 - y) / 2;
+            *run = Run { label: 4, y, span: Span { start: 80 - half, end: 80 + half } };
+        }
+        Region::masked(4, runs, DIMS).unwrap()
+    }
+
+    #[test]
+    fn the_order_of_the_candidates_does_not_matter() {
+        let mut runs = [Run { label: 0, y: 0, span: Span { start: 0, end: 1 } }; 60];
+        let mask = disc(&mut runs);
+        let area = Area { left: 30, top: 40, right: 160, bottom: 190 };
+        let boxed = Region::boxed(1, area, DIMS).unwrap();
+        let mut answers = 0;
+        for seed in 0..40 {
+            let mut list = scattered(seed, 60, 0, 200);
+            for region in [&mask, &boxed] {
+                let first = ask(&list, region);
+                answers += u32::from(first.disparity.is_ok());
+                for turn in [7, 23, 41] {
+                    list.rotate_left(turn);
+                    list.reverse();
+                    assert_eq!(ask(&list, region), first, "seed {seed}");
+                }
+            }
+        }
+        assert!(answers > 40, "{answers} answers prove little");
+    }
+
+    #[test]
+    fn claims_elsewhere_change_no_bit() {
+        let mut runs = [Run { label: 0, y: 0, span: Span { start: 0, end: 1 } }; 60];
+        let region = disc(&mut runs);
+        let reach = region.area().right + OBJECT_REACH;
+        for seed in 0..40 {
+            let near = scattered(seed, 20, 40, 130);
+            let first = ask(&near, &region);
+            let mut all = scattered(seed + 100, 40, reach, 320);
+            for candidate in &near {
+                all.push(candidate.clone()).unwrap();
+            }
+            assert_eq!(ask(&all, &region), first, "seed {seed}");
+            // What the report made of the candidates with the help of others.
+            for candidate in &mut all {
+                candidate.beaten = true;
+                candidate.listed = Some(3);
+                for side in candidate.sides.iter_mut().flatten() {
+                    (side.support_q8, side.conflict_q8, side.weight_q8) = (700, 256, 1);
+                    (side.probability_q16, side.edge_probability_q16, side.rejected) = (9, 9, true);
+                }
+            }
+            assert_eq!(ask(&all, &region), first, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn masks_are_painted_and_counted_as_drawn() {
+        let mut runs = [Run { label: 0, y: 0, span: Span { start: 0, end: 1 } }; 60];
+        let region = disc(&mut runs);
+        let mut marks = [u32::MAX; 2400];
+        let cover = Cover::new(&region, DIMS.width, &mut marks);
+        for y in 0..240 {
+            for x in 0..320 {
+                assert_eq!(cover.contains(x, y), region.contains(x, y), "{x}, {y}");
+            }
+        }
+        assert_eq!(cover.centre, [79, 99]); // columns 80 - half ..= 79 + half, rows 70 ..= 129, both means rounded down
+    }
+
+    #[test]
+    fn a_slanted_plane_is_followed_to_the_centre() {
+        // d = 20 px at the centre (100, 100), 0.02 px per px to the right, -0.01 downwards; claims on the left half only.
+        let mut list = Vec::<Candidate, MOST>::new();
+        for y in [60, 80, 100, 120] {
+            for x in [60_u16, 75, 90] {
+                let d_q6 = 20.0 * 64.0 + 64.0 * (0.02 * (f64::from(x) - 99.0) - 0.01 * (f64::from(y + 5) - 99.0));
+                list.push(candidate([x, y, x, y + 10], [Some(side(d_q6 as i32, 1200)), None])).unwrap();
+            }
+        }
+        let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
+        let found = ask(&list, &Region::boxed(1, area, DIMS).unwrap());
+        let d = found.disparity.unwrap().to_num::<f64>();
+        assert!((d - 20.0).abs() < 0.3, "{found:?}");
+        let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);
+        assert!((0.01..0.021).contains(&across) && (-0.0105..-0.006).contains(&down), "{across} {down}");
+        assert_eq!(found.support, 12);
     }
 }

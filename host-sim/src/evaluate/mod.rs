@@ -22,7 +22,7 @@ mod table;
 
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
-pub use objects::{Mask, ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use pixels::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{report, scene_table};

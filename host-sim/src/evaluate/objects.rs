@@ -7,10 +7,12 @@
 use super::frame::median;
 use crate::engine::Engine;
 use crate::frames::{FrameError, Scene, load_values};
+use crate::outline::{Mask, RefinedOutline, refine};
 use core::fmt::Write;
-use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region, Run, Span};
+use linestereo::{Area, Candidate, Confidence, Dims, Disparity, NoDepth, ObjectDepth, Region, Run};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Pixels by which masks are made too large or too small.
 const SLOPPY_PX: usize = 2;
@@ -47,72 +49,6 @@ impl Outline {
     }
 }
 
-/// What belongs to an object, row-major.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mask {
-    dims: Dims,
-    pixels: Vec<bool>,
-}
-
-impl Mask {
-    /// From a flag per pixel.
-    ///
-    /// # Panics
-    /// When there are not `width * height` of them.
-    #[must_use]
-    pub fn new(dims: Dims, pixels: Vec<bool>) -> Self {
-        assert_eq!(pixels.len(), usize::from(dims.width) * usize::from(dims.height));
-        Self { dims, pixels }
-    }
-
-    fn at(&self, x: usize, y: usize) -> bool {
-        self.pixels[y * usize::from(self.dims.width) + x]
-    }
-
-    /// Every pixel that `keep` makes of its own and its four neighbours' flags; there are none beyond the border.
-    fn step(&self, keep: impl Fn(bool, [bool; 4]) -> bool) -> Self {
-        let (width, height) = (usize::from(self.dims.width), usize::from(self.dims.height));
-        let pixels = (0..width * height).map(|i| {
-            let (x, y) = (i % width, i / width);
-            let near = [
-                x > 0 && self.at(x - 1, y),
-                x + 1 < width && self.at(x + 1, y),
-                y > 0 && self.at(x, y - 1),
-                y + 1 < height && self.at(x, y + 1),
-            ];
-            keep(self.at(x, y), near)
-        });
-        Self { dims: self.dims, pixels: pixels.collect() }
-    }
-
-    /// Larger by so many steps to the four neighbours.
-    #[must_use]
-    pub fn grown(&self, steps: usize) -> Self {
-        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own || near.contains(&true)))
-    }
-
-    /// Smaller by so many steps; the image's border erodes too.
-    #[must_use]
-    pub fn eroded(&self, steps: usize) -> Self {
-        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
-    }
-
-    /// Its runs, all with this label.
-    #[must_use]
-    pub fn runs(&self, label: u16) -> Vec<Run> {
-        let mut runs: Vec<Run> = Vec::new();
-        for (row, y) in self.pixels.chunks(self.dims.width.into()).zip(0..) {
-            for (_, x) in row.iter().zip(0_u16..).filter(|(is_own, _)| **is_own) {
-                match runs.last_mut() {
-                    Some(run) if run.y == y && run.span.end == x => run.span.end = x + 1,
-                    _ => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
-                }
-            }
-        }
-        runs
-    }
-}
-
 /// One object with its truth and what the core is told of it.
 #[derive(Clone, Debug)]
 pub struct ObjectCase {
@@ -127,6 +63,8 @@ pub struct ObjectCase {
     range: (f32, f32),
     /// Their median.
     median: f32,
+    /// Its true pixels.
+    mask: Arc<Mask>,
 }
 
 #[derive(Clone, Debug)]
@@ -145,9 +83,24 @@ impl ObjectCase {
         }
     }
 
-    /// Scores what the core says of it.
+    /// How well what is told, and what it is refined to, overlap with the true pixels (with their box): 1 is the same.
+    fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
+        let Some(region) = self.region() else { return [0.0; 2] };
+        let as_mask = |area: Area| Region::boxed(0, area, self.dims).map(|region| Mask::of(&region, self.dims));
+        let told = Mask::of(&region, self.dims);
+        match refine(&region, found, candidates, self.dims).outline {
+            RefinedOutline::Mask(refined) => [self.mask.overlap(&told), self.mask.overlap(&refined)],
+            RefinedOutline::Box(refined) => {
+                let true_box = Region::masked(0, &self.mask.runs(0), self.dims).map_or(region.area(), |r| r.area());
+                let overlap = |mask: &Mask| as_mask(true_box).map_or(0.0, |box_mask| box_mask.overlap(mask));
+                [overlap(&told), as_mask(refined).map_or(0.0, |refined| overlap(&refined))]
+            }
+        }
+    }
+
+    /// Scores what the core says of it, by these candidates.
     #[must_use]
-    pub fn score(&self, found: &ObjectDepth) -> ObjectScore {
+    pub fn score(&self, found: &ObjectDepth, candidates: &[Candidate]) -> ObjectScore {
         let (low, high) = self.range;
         let disparity = found.disparity.map(|d| d.to_num::<f32>());
         ObjectScore {
@@ -162,6 +115,7 @@ impl ObjectCase {
             sigma: found.sigma.to_num(),
             confidence: found.confidence.to_num(),
             support: found.support,
+            overlap: self.overlap(found, candidates),
         }
     }
 }
@@ -191,6 +145,8 @@ pub struct ObjectScore {
     pub confidence: f32,
     /// Segments that speak for it.
     pub support: u16,
+    /// Overlap of what was told, and of what it was refined to, with the truth: 1 is the same.
+    pub overlap: [f64; 2],
 }
 
 /// The scores of one kind of outline together.
@@ -212,6 +168,8 @@ pub struct ObjectSummary {
     pub within_two_sigma: Option<f64>,
     /// Mean probability stated.
     pub mean_confidence: Option<f64>,
+    /// Mean overlap of what was told, and of what it was refined to, with the truth, over answers: 1 is the same.
+    pub mean_overlap: Option<[f64; 2]>,
     /// Objects refused for each reason of [`NoDepth::ALL`].
     pub refused: [usize; NoDepth::ALL.len()],
 }
@@ -235,6 +193,9 @@ impl ObjectSummary {
             median_relative_error: median(answers.iter().map(|score| score.relative).collect()).map(f64::from),
             within_sigma: share(&|score| score.error <= score.sigma),
             within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
+            mean_overlap: (!answers.is_empty()).then(|| {
+                [0, 1].map(|i| answers.iter().map(|score| score.overlap[i]).sum::<f64>() / answers.len() as f64)
+            }),
             mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
             refused: NoDepth::ALL.map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
         }
@@ -263,9 +224,9 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
         present.sort_unstable();
         present.dedup();
         for label in present.into_iter().filter(|&label| label > 0) {
-            let mask = Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect());
+            let mask = Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
             let told = [
-                (Outline::Given, mask.clone()),
+                (Outline::Given, Mask::clone(&mask)),
                 (Outline::TooLarge, mask.grown(SLOPPY_PX)),
                 (Outline::Eroded, mask.eroded(SLOPPY_PX)),
             ];
@@ -283,35 +244,32 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
 /// What the core says of each object of the pair that the engine ran last.
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
-    let nothing = |case: &ObjectCase| ObjectScore { refused: Some(NoDepth::LittleSupport), ..case.score(&EMPTY) };
-    let score = |case: &ObjectCase| match case.region() {
-        Some(region) => {
-            engine.objects(&[region], true).first().map_or_else(|| nothing(case), |found| case.score(found))
-        }
-        None => nothing(case),
+    let answer = |case: &ObjectCase, engine: &mut Engine| {
+        let found = case.region().and_then(|region| engine.objects(&[region], true).pop());
+        case.score(&found.unwrap_or(EMPTY), engine.candidates())
     };
-    cases.iter().map(score).collect()
+    cases.iter().map(|case| answer(case, engine)).collect()
 }
 
 /// The answer for a region without pixels.
 const EMPTY: ObjectDepth = ObjectDepth {
     label: 0,
     disparity: Err(NoDepth::LittleSupport),
-    sigma: linestereo::Disparity::ZERO,
+    sigma: Disparity::ZERO,
     slope_q10: [0; 2],
-    spread: linestereo::Disparity::ZERO,
+    spread: Disparity::ZERO,
     depth: None,
     depth_sigma: None,
     nearest: None,
     support: 0,
-    confidence: linestereo::Confidence::ZERO,
+    confidence: Confidence::ZERO,
 };
 
 /// The table, then every answer that is wrong and every object without one.
 #[must_use]
 pub fn object_table(scores: &[ObjectScore]) -> String {
     let mut text = String::from(
-        "outline          objects   wrong           covered         median error   in 1, 2 sigma   said   refused\n",
+        "outline          objects   wrong           covered         median error   in 1, 2 sigma    said   overlap, refined   refused\n",
     );
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
     for outline in Outline::ALL {
@@ -323,7 +281,7 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
         let refused: Vec<String> = refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
         let _ = writeln!(
             text,
-            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {}",
+            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {:>16}   {}",
             outline.name(),
             s.objects,
             s.wrong,
@@ -334,6 +292,7 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
             percent(s.within_sigma),
             percent(s.within_two_sigma),
             s.mean_confidence.map_or("-".to_owned(), |said| format!("{said:.3}")),
+            s.mean_overlap.map_or("-".to_owned(), |[told, refined]| format!("{told:.3}, {refined:.3}")),
             refused.join(", "),
         );
     }
@@ -357,10 +316,10 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
 }
 
 /// A case, where the object has any truth.
-fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, mask: &Mask) -> Option<ObjectCase> {
+fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, mask: &Arc<Mask>) -> Option<ObjectCase> {
     let truth = scene.truth.as_ref()?;
     let width = usize::from(scene.left.dims.width);
-    let own = mask.pixels.iter().enumerate().filter(|(_, is_own)| **is_own);
+    let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
     let mut values: Vec<f32> =
         own.filter_map(|(i, _)| truth.disparity((i % width) as i32, (i / width) as i32)).collect();
     values.sort_by(f32::total_cmp);
@@ -372,6 +331,7 @@ fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, m
         told,
         range: (quantile(&values, 0.05)?, quantile(&values, 0.95)?),
         median: quantile(&values, 0.5)?,
+        mask: Arc::clone(mask),
     })
 }
 
@@ -425,7 +385,7 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
     let labels = resized_labels(&path, to)?;
     let mut cases = Vec::new();
     for object in drawn.objects {
-        let mask = Mask::new(to, labels.iter().map(|&label| label == object.label).collect());
+        let mask = Arc::new(Mask::new(to, labels.iter().map(|&label| label == object.label).collect()));
         let scaled = |value: f64, from: u16, to: u16| (value * f64::from(to) / f64::from(from)).round() as u16;
         let [x0, y0, x1, y1] = object.corners;
         let area = Area {

@@ -4,6 +4,7 @@
 #![no_std]
 
 use core::panic::PanicInfo;
+use linestereo::{Area, LabelRows, ObjectDepth, RegionError, Run};
 use linestereo::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
@@ -87,6 +88,33 @@ pub fn proof_depth_at(
     region: Option<&Region<'_>>,
 ) -> Result<PixelDepth, NotKnown> {
     plan.depth_at(pair[0], pair[1], scratch, pixel, region)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_objects(
+    plan: &Plan,
+    scratch: &mut BoardScratch,
+    regions: &[Region<'_>],
+    fit: bool,
+    each: fn(ObjectDepth),
+) {
+    plan.for_each_object(scratch, regions, fit, each);
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_regions<'a>(label: u16, area: Area, runs: &'a [Run], dims: Dims) -> [Result<Region<'a>, RegionError>; 2] {
+    [Region::boxed(label, area, dims), Region::masked(label, runs, dims)]
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_contains(region: &Region<'_>, x: i32, y: i32) -> bool {
+    region.contains(x, y)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_label_rows(rows: &mut LabelRows<'_>, row: &[u16]) -> (Option<u16>, u32) {
+    rows.push(row);
+    (rows.labels().last(), rows.dropped())
 }
 
 #[unsafe(no_mangle)]

@@ -1,0 +1,115 @@
+//! A flag per pixel: what belongs to an object, on a PC, where memory is no matter.
+
+use linestereo::{Area, Dims, Region, Run, Span};
+
+/// What belongs to an object, row-major.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mask {
+    dims: Dims,
+    pixels: Vec<bool>,
+}
+
+impl Mask {
+    /// From a flag per pixel.
+    ///
+    /// # Panics
+    /// When there are not `width * height` of them.
+    #[must_use]
+    pub fn new(dims: Dims, pixels: Vec<bool>) -> Self {
+        assert_eq!(pixels.len(), usize::from(dims.width) * usize::from(dims.height));
+        Self { dims, pixels }
+    }
+
+    /// Of a region of an image of this size.
+    #[must_use]
+    pub fn of(region: &Region<'_>, dims: Dims) -> Self {
+        let Area { left, top, right, bottom } = region.area();
+        let mut mask = Self::new(dims, vec![false; usize::from(dims.width) * usize::from(dims.height)]);
+        for y in top..bottom.min(dims.height) {
+            for x in left..right.min(dims.width) {
+                mask.set(x.into(), y.into(), region.contains(x.into(), y.into()));
+            }
+        }
+        mask
+    }
+
+    /// A flag per pixel, row-major.
+    #[must_use]
+    pub fn pixels(&self) -> &[bool] {
+        &self.pixels
+    }
+
+    /// Does the pixel belong to it? None outside of the image does.
+    #[must_use]
+    pub fn contains(&self, x: i32, y: i32) -> bool {
+        self.index(x, y).is_some_and(|i| self.pixels[i])
+    }
+
+    /// Adds a pixel or takes it away; those outside of the image are left alone.
+    pub fn set(&mut self, x: i32, y: i32, belongs: bool) {
+        if let Some(i) = self.index(x, y) {
+            self.pixels[i] = belongs;
+        }
+    }
+
+    fn index(&self, x: i32, y: i32) -> Option<usize> {
+        let (x, y) = (u16::try_from(x).ok()?, u16::try_from(y).ok()?);
+        let inside = x < self.dims.width && y < self.dims.height;
+        inside.then(|| usize::from(y) * usize::from(self.dims.width) + usize::from(x))
+    }
+
+    /// Pixels of both over pixels of either: 1 for the same mask.
+    #[must_use]
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let count =
+            |is: fn(bool, bool) -> bool| self.pixels.iter().zip(&other.pixels).filter(|(a, b)| is(**a, **b)).count();
+        count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
+    }
+
+    fn at(&self, x: usize, y: usize) -> bool {
+        self.pixels[y * usize::from(self.dims.width) + x]
+    }
+
+    /// Every pixel that `keep` makes of its own and its four neighbours' flags; there are none beyond the border.
+    fn step(&self, keep: impl Fn(bool, [bool; 4]) -> bool) -> Self {
+        let (width, height) = (usize::from(self.dims.width), usize::from(self.dims.height));
+        let pixels = (0..width * height).map(|i| {
+            let (x, y) = (i % width, i / width);
+            let near = [
+                x > 0 && self.at(x - 1, y),
+                x + 1 < width && self.at(x + 1, y),
+                y > 0 && self.at(x, y - 1),
+                y + 1 < height && self.at(x, y + 1),
+            ];
+            keep(self.at(x, y), near)
+        });
+        Self { dims: self.dims, pixels: pixels.collect() }
+    }
+
+    /// Larger by so many steps to the four neighbours.
+    #[must_use]
+    pub fn grown(&self, steps: usize) -> Self {
+        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own || near.contains(&true)))
+    }
+
+    /// Smaller by so many steps; the image's border erodes too.
+    #[must_use]
+    pub fn eroded(&self, steps: usize) -> Self {
+        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
+    }
+
+    /// Its runs, all with this label.
+    #[must_use]
+    pub fn runs(&self, label: u16) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
+        for (row, y) in self.pixels.chunks(self.dims.width.into()).zip(0..) {
+            for (_, x) in row.iter().zip(0_u16..).filter(|(is_own, _)| **is_own) {
+                match runs.last_mut() {
+                    Some(run) if run.y == y && run.span.end == x => run.span.end = x + 1,
+                    _ => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
+                }
+            }
+        }
+        runs
+    }
+}
