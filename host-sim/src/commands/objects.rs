@@ -4,8 +4,11 @@ use super::input::Setup;
 use crate::engine::{Engine, FrameResult};
 use crate::health;
 use crate::listing::{self, Answers};
+use crate::outline::{OutlineFile, Refined, label_png, refine};
 use crate::regions::{self, Frame, Object, ObjectsError, Skipped};
+use anyhow::{Context, Result};
 use core::fmt::Write;
+use linestereo::Dims;
 use std::path::{Path, PathBuf};
 
 /// Extensions of files of one frame, in the order in which they are looked for.
@@ -30,6 +33,10 @@ pub(super) struct ObjectArgs {
 pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
+    /// Their outlines moved to the edges that they own.
+    refined: Vec<Refined>,
+    /// Size of the image that they lie in.
+    dims: Option<Dims>,
     pub(super) skipped: Skipped,
     /// Why there is no list.
     pub(super) error: Option<String>,
@@ -60,7 +67,10 @@ impl ObjectArgs {
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
-        Some(Asked { list: list.collect(), skipped: objects.skipped, error: None })
+        let refined =
+            regions.iter().zip(&depths).map(|(region, depth)| refine(region, depth, engine.candidates(), dims));
+        let refined = refined.collect();
+        Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, error: None })
     }
 
     fn read(&self, path: &Path, setup: &Setup<'_>, image: &Path) -> Result<regions::Objects, ObjectsError> {
@@ -85,6 +95,18 @@ impl Asked {
             objects_error: asked.and_then(|asked| asked.error.clone()),
             ..Answers::default()
         }
+    }
+
+    /// The refined outlines as a file: a label image where its name ends in .png, else JSON.
+    pub(super) fn refined_file(&self, path: &Path) -> Result<Vec<u8>> {
+        let dims = self.dims.context("no objects were read")?;
+        let list = self.list.iter().map(|(object, _)| object).zip(&self.refined);
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+            return label_png(dims, list);
+        }
+        let mut json = serde_json::to_vec_pretty(&OutlineFile::new(dims, list))?;
+        json.push(b'\n');
+        Ok(json)
     }
 
     /// A line per object, and what was skipped.

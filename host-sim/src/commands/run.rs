@@ -109,6 +109,10 @@ pub struct Args {
     /// Write the objects as CSV.
     #[arg(long, value_name = "FILE", requires = "objects")]
     objects_csv: Option<PathBuf>,
+    /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
+    /// image where FILE ends in .png.
+    #[arg(long, value_name = "FILE", requires = "objects")]
+    refine: Option<PathBuf>,
     #[command(flatten)]
     objects: ObjectArgs,
     /// Say the depth of this pixel of the left image as matched; repeat it for more.
@@ -169,6 +173,9 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
         output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
     }
+    if let (Some(path), Some(asked)) = (&args.refine, objects.as_ref().filter(|asked| asked.error.is_none())) {
+        output.add(path, &asked.refined_file(path)?)?;
+    }
     let notes = export_files(args, &setup, &result, &mut output)?;
     output.commit()?;
     if json_to_stdout {
@@ -179,9 +186,9 @@ pub fn run(args: &Args) -> Result<()> {
         answers.queries.iter().flatten().try_for_each(|query| print(&query.summary()))?;
         print(&notes)?;
         print(&sectors.map(Directions::table).unwrap_or_default())?;
-        let Args { json, csv, objects_csv, ply, disparity_png, pfm, overlay, .. } = args;
+        let Args { json, csv, objects_csv, refine, ply, disparity_png, pfm, overlay, .. } = args;
         let SectorArgs { fan, mavlink, .. } = &args.sectors;
-        let written = [json, csv, objects_csv, ply, disparity_png, pfm, overlay, fan, mavlink];
+        let written = [json, csv, objects_csv, refine, ply, disparity_png, pfm, overlay, fan, mavlink];
         written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))?;
     }
     // What else was found is written by now.

@@ -83,18 +83,13 @@ impl ObjectCase {
         }
     }
 
-    /// How well what is told, and what it is refined to, overlap with the true pixels (with their box): 1 is the same.
+    /// How well what is told, and what it is refined to, overlap with the true pixels: 1 is the same.
     fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
         let Some(region) = self.region() else { return [0.0; 2] };
-        let as_mask = |area: Area| Region::boxed(0, area, self.dims).map(|region| Mask::of(&region, self.dims));
-        let told = Mask::of(&region, self.dims);
+        let told = self.mask.overlap(&Mask::of(&region, self.dims));
         match refine(&region, found, candidates, self.dims).outline {
-            RefinedOutline::Mask(refined) => [self.mask.overlap(&told), self.mask.overlap(&refined)],
-            RefinedOutline::Box(refined) => {
-                let true_box = Region::masked(0, &self.mask.runs(0), self.dims).map_or(region.area(), |r| r.area());
-                let overlap = |mask: &Mask| as_mask(true_box).map_or(0.0, |box_mask| box_mask.overlap(mask));
-                [overlap(&told), as_mask(refined).map_or(0.0, |refined| overlap(&refined))]
-            }
+            RefinedOutline::Mask(refined) => [told, self.mask.overlap(&refined)],
+            RefinedOutline::Box(_) => [told; 2],
         }
     }
 

@@ -7,12 +7,16 @@
 //! both sides on it: the segment lies inside.  one side: a depth edge that the object owns, and the side says where inside is
 //! mask: grows or shrinks by the median of what the borders within 4 px of owned edges are off: detectors are sloppy all around. Where a
 //!     border is still more than a pixel off an edge, it moves there, row by row (column by column)
-//! box:  a side goes to the outermost owned edge within 4 px that has its inside towards the middle
+//! box:  stays. Its sides moved to the outermost owned edges within 4 or 6 px overlap less with the true boxes of 16 drawn ones (0.935 and
+//!     0.937) than as drawn (0.954)
 //! ```
-//! Where no such edge is near, the outline stays.
+//! Where no such edge is near, the outline stays. Overlap with the truth of 70 masks on QVGA scenes: 2 px too large 0.873 -> 0.925, eroded by
+//! 2 px 0.826 -> 0.922; masks that were the truth itself lose 0.023.
 
+mod file;
 mod mask;
 
+pub use file::{OutlineFile, label_png};
 use linestereo::{Area, Candidate, Confidence, Dims, ObjectDepth, Region, Segment, Shape};
 pub use mask::Mask;
 
@@ -20,8 +24,6 @@ pub use mask::Mask;
 const MASK_REACH: i32 = 4;
 /// Fewer rows and columns of edges than this do not speak for the whole outline.
 const LEAST_PLACES: usize = 12;
-/// Furthest that a side of a box moves, px.
-const BOX_REACH: f64 = 4.0;
 /// Sides less probable than this say nothing of the outline.
 const LEAST: Confidence = Confidence::from_bits(0xcccc);
 /// Distance from the plane within which a side is on the object, px.
@@ -32,16 +34,16 @@ const ON_PLANE_PX: f64 = 1.5;
 pub struct Refined {
     /// Its pixels.
     pub outline: RefinedOutline,
-    /// Positions of the candidates that belong to the object, among those of the run.
-    pub segments: Vec<usize>,
+    /// The segments that belong to the object.
+    pub segments: Vec<Segment>,
     /// How many of them are depth edges that it owns.
     pub owned_edges: usize,
 }
 
-/// What a region becomes: a box stays a box.
+/// What a region becomes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefinedOutline {
-    /// All of an area.
+    /// A box stays as it is.
     Box(Area),
     /// A flag per pixel.
     Mask(Mask),
@@ -53,11 +55,11 @@ pub fn refine(region: &Region<'_>, found: &ObjectDepth, candidates: &[Candidate]
     let mut segments = Vec::new();
     let mut edges = Vec::new();
     if let Some(plane) = Plane::new(region, found) {
-        for (i, candidate) in candidates.iter().enumerate() {
+        for candidate in candidates {
             let on = [0, 1].map(|side| plane.holds(candidate, side));
             let near = is_near(&candidate.segment, region.area());
             if near && on != [false; 2] {
-                segments.push(i);
+                segments.push(candidate.segment);
             }
             if near && on[0] != on[1] {
                 edges.push(Edge::new(&candidate.segment, if on[0] { -1 } else { 1 }));
@@ -65,7 +67,7 @@ pub fn refine(region: &Region<'_>, found: &ObjectDepth, candidates: &[Candidate]
         }
     }
     let outline = match region.shape() {
-        Shape::Box => RefinedOutline::Box(refined_box(region.area(), &edges, dims)),
+        Shape::Box => RefinedOutline::Box(region.area()),
         Shape::Mask(_) => RefinedOutline::Mask(refined_mask(&Mask::of(region, dims), &edges)),
     };
     Refined { outline, segments, owned_edges: edges.len() }
@@ -119,11 +121,12 @@ fn ends(segment: &Segment) -> [[f64; 2]; 2] {
     segment.ends.map(|end| [end.x.to_num(), end.y.to_num()])
 }
 
-/// Within the reach of a box's sides?
+/// In the region's area, or so near to it that its border may move there?
 fn is_near(segment: &Segment, area: Area) -> bool {
     let [a, b] = ends(segment);
     let overlaps = |axis: usize, from: u16, to: u16| {
-        a[axis].min(b[axis]) < f64::from(to) + BOX_REACH && a[axis].max(b[axis]) >= f64::from(from) - BOX_REACH
+        a[axis].min(b[axis]) < f64::from(to) + f64::from(MASK_REACH)
+            && a[axis].max(b[axis]) >= f64::from(from) - f64::from(MASK_REACH)
     };
     overlaps(0, area.left, area.right) && overlaps(1, area.top, area.bottom)
 }
@@ -144,12 +147,6 @@ impl Edge {
     /// The pixel of a row (column) at a place across it.
     fn pixel(&self, at: i32, across: i32) -> (i32, i32) {
         if self.along == 1 { (across, at) } else { (at, across) }
-    }
-
-    /// Its mean place across.
-    fn middle(&self) -> f64 {
-        let [a, b] = self.ends;
-        0.5 * (a[1 - self.along] + b[1 - self.along])
     }
 
     /// Whole rows (columns) that it crosses, each with its place.
@@ -207,22 +204,4 @@ fn borders(mask: &Mask, edge: &Edge) -> impl Iterator<Item = Border> {
         let off = (0..=MASK_REACH).flat_map(|far| [far, -far]).find(is_border)?;
         Some(Border { at, first, off })
     })
-}
-
-/// The box with its sides at the outermost edges near them.
-fn refined_box(area: Area, edges: &[Edge], dims: Dims) -> Area {
-    let side = |along: usize, inside: i32, border: u16| {
-        let border = f64::from(border) - 0.5; // borders of pixels lie between their centres
-        let near = edges.iter().filter(|edge| edge.along == along && edge.inside == inside);
-        let places = near.map(Edge::middle).filter(|place| (place - border).abs() <= BOX_REACH);
-        let outermost = places.reduce(if inside > 0 { f64::min } else { f64::max });
-        (outermost.unwrap_or(border) + 0.5).round().max(0.0) as u16
-    };
-    let refined = Area {
-        left: side(1, 1, area.left),
-        top: side(0, 1, area.top),
-        right: side(1, -1, area.right).min(dims.width),
-        bottom: side(0, -1, area.bottom).min(dims.height),
-    };
-    if refined.is_empty() { area } else { refined }
 }
