@@ -246,7 +246,8 @@ fn describe(
     let segments = places.iter().filter(|place| speaks(place)).count();
     let per_weight = |sum: i64| i32::try_from(sum.checked_div(mean.weight.into()).unwrap_or(0)).unwrap_or(i32::MAX);
     Some(Surface {
-        centre_q6: plane.level_q6.clamp(low - BEYOND_Q6, high + BEYOND_Q6),
+        // Not `clamp`, which panics when its bounds cross.
+        centre_q6: plane.level_q6.max(low - BEYOND_Q6).min(high + BEYOND_Q6),
         slope_q10: plane.slope_q10,
         weight_q8: mean.weight,
         segments: u16::try_from(segments).unwrap_or(u16::MAX),
