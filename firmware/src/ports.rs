@@ -64,4 +64,6 @@ pub struct Results<'a> {
     pub points: &'a [PointClaim],
     /// What was found and lost.
     pub counts: &'a Counts,
+    /// Rows to add to a left row for the matching right one, 1/32 px.
+    pub row_offset_q5: i16,
 }

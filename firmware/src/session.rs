@@ -4,10 +4,11 @@ use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::watch::Watch;
-use linestereo::{Counts, Dims, MIN_SIDE, ObstacleParams, ObstaclePlan, Params, Plan};
+use heapless::Vec;
+use linestereo::{Area, Counts, Dims, MIN_SIDE, ObjectDepth, ObstacleParams, ObstaclePlan, PairHealth, Params, Plan};
 use linestereo_wire::{
-    Answer, Command, FrameHead, Health, Hello, Outcome, PairHead, Refusal, Request, RigFault, RigImage, RigInUse,
-    RigReport,
+    Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, RigFault,
+    RigImage, RigInUse, RigReport,
 };
 
 /// The state that commands change.
@@ -21,6 +22,8 @@ pub struct Session<'a> {
     pinhole: Option<(f64, Option<[f64; 2]>)>,
     /// Directions, for the size of the last pair.
     directions: Option<(Dims, ObstaclePlan)>,
+    /// Objects whose depths are asked for.
+    regions: Regions,
     /// Limits of a pair's health, and the monitor.
     pub watch: Watch,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
@@ -60,6 +63,7 @@ impl<'a> Session<'a> {
             plan: None,
             pinhole: None,
             directions: None,
+            regions: Regions { boxes: Vec::new(), only: false },
             watch: Watch::new(),
             rig: None,
             report: RigReport::NONE,
@@ -116,6 +120,7 @@ impl<'a> Session<'a> {
             },
             Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
             Request::SetRig(bytes) => return Reply::Answer(answer(self.set_rig(bytes, memory).into())),
+            Request::SetRegions(regions) => return Reply::Answer(answer(self.set_regions(regions).into())),
             Request::RawPair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: true },
         }
         Reply::Answer(answer(Outcome::Accepted))
@@ -125,6 +130,43 @@ impl<'a> Session<'a> {
         self.params = params;
         self.plan = None;
         self.directions = None;
+    }
+
+    /// Asks for these objects from now on.
+    fn set_regions(&mut self, regions: &Regions) -> Result<(), Refusal> {
+        let outside = (0..).zip(&regions.boxes).find(|(_, of)| of.region(self.board.largest).is_err());
+        if let Some((place, _)) = outside {
+            return Err(Refusal::Region(place));
+        }
+        self.regions = regions.clone();
+        Ok(())
+    }
+
+    /// The parts of a pair that are to be matched; `None` is all of it.
+    #[must_use]
+    pub fn areas(&self) -> Option<Vec<Area, MAX_REGIONS>> {
+        (self.regions.only && !self.regions.boxes.is_empty()).then(|| {
+            let mut areas = Vec::new();
+            for of in &self.regions.boxes {
+                let _ = areas.push(of.area()); // as many as there are
+            }
+            areas
+        })
+    }
+
+    /// Depths of the objects that were asked for, by the last run, which had this plan and this health. Boxes that a smaller pair does not
+    /// show are left out.
+    #[inline(never)]
+    pub fn objects(&self, memory: &mut impl Memory, plan: &Plan, health: &PairHealth) -> Vec<ObjectDepth, MAX_REGIONS> {
+        let mut regions: Vec<_, MAX_REGIONS> = Vec::new();
+        for region in self.regions.boxes.iter().filter_map(|of| of.region(plan.dims()).ok()) {
+            let _ = regions.push(region); // as many as there are
+        }
+        let mut found = Vec::new();
+        memory.for_each_object(plan, &regions, health.flags.is_fit(), |object| {
+            let _ = found.push(object);
+        });
+        found
     }
 
     /// Uses a rig from now on, and keeps it.

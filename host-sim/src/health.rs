@@ -52,9 +52,7 @@ pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static st
 #[must_use]
 pub fn is_fit(health: Health) -> bool {
     let of_pair = health.of_pair();
-    !health.contains(Health::PAIR_MISSING)
-        && !health.contains(Health::SIZE_MISMATCH)
-        && of_pair.bits() & HealthFlags::UNFIT.bits() == 0
+    !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
 }
 
 /// Names of the flags; unnamed ones as a number.

@@ -79,7 +79,7 @@ fn run(
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
     let plan = params.plan(left.dims).map_err(|_| RunError::Size(left.dims))?;
-    let health = Watch::new().run(memory, &plan, None, &mut ())?;
+    let health = Watch::new().run(memory, &plan, None, None, &mut ())?;
     let mut points = Vec::new();
     memory.for_each_point(&plan, |point| points.push(point));
     let results = memory.results();

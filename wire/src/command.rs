@@ -3,6 +3,7 @@
 //! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
 //! range of the one that is wrong. Bytes that were damaged never get here: see [`Decoder`](crate::Decoder).
 
+use crate::object::Regions;
 use crate::rig_fault::RigFault;
 use crate::rig_image::RigImage;
 use core::fmt;
@@ -42,6 +43,8 @@ pub enum Request {
     /// the first row of the right one, the second rows, and so on. The sizes are those of the raw images. For programs that are fed by a
     /// file, as [`Request::Pair`].
     RawPair(PairHead),
+    /// Say the depth of these objects with every pair from now on; what was asked for before is forgotten.
+    SetRegions(Regions),
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.
@@ -208,6 +211,8 @@ pub enum Refusal {
     },
     /// The flash does not keep the rig.
     NotKept,
+    /// The box at this place of the list has no pixel in the board's largest image.
+    Region(u8),
     /// [`Skewed`]: the images of the pair were captured too far apart.
     Skewed {
         /// Microseconds between the captures.
@@ -283,6 +288,7 @@ impl fmt::Display for Refusal {
                 write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
             }
             Self::NotKept => write!(f, "the board's flash does not keep the rig"),
+            Self::Region(place) => write!(f, "box {place} has no pixel in the image"),
         }
     }
 }

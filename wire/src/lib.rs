@@ -49,6 +49,7 @@ mod frame;
 mod health;
 pub mod mavlink;
 mod message;
+mod object;
 mod packet;
 mod rig_fault;
 mod rig_image;
@@ -58,12 +59,13 @@ pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, R
 pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, Message, Outcome};
+pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
 pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use rig_image::{RigImage, RigImageError, RigImageHead};
-pub use send::{PointStream, SendError, send, send_frame, send_points};
+pub use send::{PointStream, SendError, send, send_frame, send_objects, send_points};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.
 pub const SEGMENTS_PER_PACKET: usize = 10;

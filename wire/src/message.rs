@@ -2,6 +2,7 @@
 
 use crate::command::Refusal;
 use crate::frame::{FrameHead, Points, Segments};
+use crate::object::Objects;
 use crate::rig_fault::RigReport;
 use heapless::String;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,8 @@ pub enum Message {
     Answer(Answer),
     /// Points of the frame that began last: only from programs that are fed by a file, a serial port is too slow.
     Points(Points),
+    /// Depths of the objects that were asked for, of the frame that began last.
+    Objects(Objects),
 }
 
 /// What a board is.

@@ -7,10 +7,11 @@
 
 use crate::frame::{FrameHead, PointRecord, Points, Segment, Segments};
 use crate::message::Message;
+use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, MAX_PACKET, Record, encode};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use core::fmt;
-use linestereo::{Match, PointClaim};
+use linestereo::{Match, ObjectDepth, PointClaim};
 
 /// Why something was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,4 +123,21 @@ pub fn send_points<E>(
         stream.push(point, write)?;
     }
     stream.finish(write)
+}
+
+/// Sends the depths of a frame's objects, after [`send_frame`].
+#[inline(never)]
+pub fn send_objects<E>(
+    sequence: u32,
+    objects: &[ObjectDepth],
+    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), SendError<E>> {
+    for piece in objects.chunks(OBJECTS_PER_PACKET) {
+        let mut list = heapless::Vec::new();
+        for object in piece {
+            let _ = list.push(ObjectRecord::from(object)); // a piece fits
+        }
+        send(&Message::Objects(Objects { sequence, list }), write)?;
+    }
+    Ok(())
 }

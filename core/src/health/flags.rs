@@ -117,6 +117,12 @@ impl HealthFlags {
         Self::NAMES.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, name)| name)
     }
 
+    /// May what is matched be believed? See [`HealthFlags::UNFIT`].
+    #[must_use]
+    pub const fn is_fit(self) -> bool {
+        self.0 & Self::UNFIT.0 == 0
+    }
+
     /// The flags of both sets.
     pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)

@@ -17,7 +17,7 @@ fn bench() -> linestereo_firmware::startup::Exit {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
         let Ok(plan) = case.params().plan(case.dims) else { continue };
-        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None) {
+        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None, None) {
             bench::line(&mut table, case, &costs, memory.results());
             let Some(view) = selftest::view(&case) else { continue };
             let [see, tell, bytes] = bench::measure_autopilot(memory, &clock, &view);

@@ -30,8 +30,8 @@ fn replay() -> linestereo_firmware::startup::Exit {
         None => Session::new(SELECTED),
     };
     let counters = replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
-        Event::Matched { sequence, rectification, costs } => {
-            let _ = write!(table, "pair\t{sequence}\t{rectification}");
+        Event::Matched { sequence, rectification, costs, objects } => {
+            let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
             for cost in costs {
                 let _ = write!(table, "\t{cost}");
             }

@@ -2,8 +2,8 @@
 
 use crate::ports::Results;
 use linestereo::{
-    Dims, Gray, NotKnown, Observer, Output, PixelDepth, Plan, PointClaim, Scratch, SizeMismatch, Views, mark_words,
-    row_bytes,
+    Dims, Focus, Gray, NotKnown, ObjectDepth, Observer, Output, PixelDepth, Plan, PointClaim, Region, Scratch,
+    SizeMismatch, Views, mark_words, row_bytes,
 };
 
 /// [`Scratch`] and [`Output`] without their capacities.
@@ -14,12 +14,12 @@ pub trait Lists {
     /// Do images of this size fit?
     fn fit(&self, dims: Dims) -> bool;
 
-    /// Matches a pair.
+    /// Matches a pair, or parts of it.
     fn run(
         &mut self,
         plan: &Plan,
-        left: Gray<'_>,
-        right: Gray<'_>,
+        pair: [Gray<'_>; 2],
+        focus: &Focus<'_>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch>;
 
@@ -28,6 +28,9 @@ pub trait Lists {
 
     /// The depth of a pixel of the last pair.
     fn depth_at(&mut self, plan: &Plan, pair: [Gray<'_>; 2], pixel: (u16, u16)) -> Result<PixelDepth, NotKnown>;
+
+    /// Depths of these regions, by the last pair.
+    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth));
 
     /// What the last pair gave.
     fn results(&self) -> Results<'_>;
@@ -65,11 +68,11 @@ impl<
     fn run(
         &mut self,
         plan: &Plan,
-        left: Gray<'_>,
-        right: Gray<'_>,
+        [left, right]: [Gray<'_>; 2],
+        focus: &Focus<'_>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch> {
-        plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)
+        plan.run_on(left, right, focus, &mut self.scratch, &mut self.output, observer)
     }
 
     fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim)) {
@@ -85,7 +88,12 @@ impl<
         plan.depth_at(left, right, &mut self.scratch, pixel, None)
     }
 
+    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth)) {
+        plan.for_each_object(&mut self.scratch, regions, is_fit, found);
+    }
+
     fn results(&self) -> Results<'_> {
-        Results { matches: &self.output.matches, points: &self.output.points, counts: &self.output.counts }
+        let Output { matches, points, counts, row_offset_q5 } = &self.output;
+        Results { matches, points, counts, row_offset_q5: *row_offset_q5 }
     }
 }

@@ -13,8 +13,8 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use crate::ports::Results;
 use linestereo::{
-    Dims, Eye, Gray, NotKnown, Observer, PixelDepth, Plan, PointClaim, Rectification, RowError, SizeMismatch, Span,
-    ViewError, Views,
+    Dims, Eye, Focus, Gray, NotKnown, ObjectDepth, Observer, PixelDepth, Plan, PointClaim, Rectification, Region,
+    RowError, SizeMismatch, Span, ViewError, Views,
 };
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -42,8 +42,8 @@ pub trait Memory {
     /// The pair that lies in the frames.
     fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
 
-    /// Matches the pair that lies in the frames.
-    fn run(&mut self, plan: &Plan, observer: &mut impl Observer) -> Result<(), RunError>;
+    /// Matches the pair that lies in the frames, or parts of it.
+    fn run(&mut self, plan: &Plan, focus: &Focus<'_>, observer: &mut impl Observer) -> Result<(), RunError>;
 
     /// What the last run gave.
     fn results(&self) -> Results<'_>;
@@ -53,6 +53,9 @@ pub trait Memory {
 
     /// The depth of a pixel of the pair that the last run, with this plan, matched; it still lies in the frames.
     fn depth_at(&mut self, plan: &Plan, pixel: (u16, u16)) -> Result<PixelDepth, NotKnown>;
+
+    /// Depths of these regions, by the last run, which had this plan; `is_fit`: its pair is fit to be used.
+    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth));
 
     /// Makes ready to rectify raw pairs. After an error no raw row is taken.
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom>;
@@ -128,14 +131,14 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         views([&self.left, &self.right], usable(&self.rectifiers, self.is_raw), dims)
     }
 
-    fn run(&mut self, plan: &Plan, observer: &mut impl Observer) -> Result<(), RunError> {
+    fn run(&mut self, plan: &Plan, focus: &Focus<'_>, observer: &mut impl Observer) -> Result<(), RunError> {
         let dims = plan.dims();
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
         let usable = usable(&self.rectifiers, self.is_raw);
-        let [left, right] = views([&self.left, &self.right], usable, dims)?;
-        self.lists.run(plan, left, right, observer).map_err(|SizeMismatch { given, .. }| RunError::Size(given))
+        let pair = views([&self.left, &self.right], usable, dims)?;
+        self.lists.run(plan, pair, focus, observer).map_err(|SizeMismatch { given, .. }| RunError::Size(given))
     }
 
     fn results(&self) -> Results<'_> {
@@ -153,6 +156,10 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         let usable = usable(&self.rectifiers, self.is_raw);
         let pair = views([&self.left, &self.right], usable, plan.dims()).map_err(|_| NotKnown::OtherSize)?;
         self.lists.depth_at(plan, pair, pixel)
+    }
+
+    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth)) {
+        self.lists.for_each_object(plan, regions, is_fit, found);
     }
 
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {

@@ -4,7 +4,7 @@ use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
 use crate::ports::{ByteSink, Clock, Results};
 use crate::watch::Watch;
-use linestereo::{HealthFlags, Observer, ObstaclePlan, PairHealth, Plan, Stage, Step};
+use linestereo::{Area, HealthFlags, Observer, ObstaclePlan, PairHealth, Plan, Stage, Step};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -15,10 +15,11 @@ pub fn measure(
     clock: &impl Clock,
     watch: &mut Watch,
     plan: &Plan,
+    areas: Option<&[Area]>,
     times_us: Option<[u64; 2]>,
 ) -> Result<(Costs, PairHealth), RunError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
-    let health = watch.run(memory, plan, times_us, &mut observer)?;
+    let health = watch.run(memory, plan, areas, times_us, &mut observer)?;
     Ok((observer.costs, health))
 }
 
@@ -106,7 +107,7 @@ mod tests {
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
         let plan = Params::DEFAULT.plan(BOARD.largest).unwrap();
-        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &plan, None).unwrap();
+        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &plan, None, None).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
         assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
@@ -119,6 +120,6 @@ mod tests {
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
         let plan = Params::DEFAULT.plan(dims).unwrap();
-        assert_eq!(measure(&mut *memory, &clock, &mut Watch::new(), &plan, None), Err(RunError::Size(dims)));
+        assert_eq!(measure(&mut *memory, &clock, &mut Watch::new(), &plan, None, None), Err(RunError::Size(dims)));
     }
 }

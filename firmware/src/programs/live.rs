@@ -5,8 +5,10 @@ use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
-use linestereo::{Dims, Match};
-use linestereo_wire::{Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, send, send_frame};
+use linestereo::{Dims, Match, ObjectDepth};
+use linestereo_wire::{
+    Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, send, send_frame, send_objects,
+};
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot can be told of obstacles.
 #[derive(Debug)]
@@ -110,30 +112,34 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let failed = |health| failed_frame(0, time_us, dims, health);
         let Some(pair) = captured else { return self.write_frame(failed(Health::PAIR_MISSING), None) };
         let Ok(plan) = self.session.plan(dims) else { return self.write_frame(failed(Health::SIZE_MISMATCH), None) };
-        let Ok(health) = self.session.watch.run(memory, &plan, pair.times_us, &mut ()) else {
+        let areas = self.session.areas();
+        let Ok(health) = self.session.watch.run(memory, &plan, areas.as_deref(), pair.times_us, &mut ()) else {
             return self.write_frame(failed(Health::SIZE_MISMATCH), None);
         };
         if health.is_refused() {
             return self.write_frame(failed(Health::GOOD).with_pair(&health), None);
         }
+        let objects = self.session.objects(memory, &plan, &health);
         let results = memory.results();
         self.autopilot.set_view(self.session.directions(dims));
         self.autopilot.see(results.matches, health.flags, now_us); // of the clock of its turns
         let head = FrameHead::new(0, time_us, dims, Health::GOOD, results.counts).with_pair(&health);
-        self.write_frame(head, Some(results.matches));
+        self.write_frame(head, Some((results.matches, &objects)));
     }
 
     /// Numbers a frame and sends it, if the host wants results.
-    fn write_frame(&mut self, head: FrameHead, matches: Option<&[Match]>) {
+    fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectDepth])>) {
         if !self.session.running {
             return;
         }
         let head = FrameHead { sequence: self.session.next_sequence(), ..head };
-        let Some(matches) = matches else { return self.write(&Message::Frame(head)) };
-        let _ = send_frame(&head, matches, &mut |packet| {
+        let Some((matches, objects)) = found else { return self.write(&Message::Frame(head)) };
+        let mut write = |packet: &[u8]| {
             self.port.write(packet);
             Ok::<(), Infallible>(())
-        });
+        };
+        let _ = send_frame(&head, matches, &mut write);
+        let _ = send_objects(head.sequence, objects, &mut write);
     }
 
     /// Microseconds since the start. Right as long as the clock does not wrap between two questions.

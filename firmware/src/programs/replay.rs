@@ -3,7 +3,7 @@
 //! ```text
 //! in   packets of commands; after a `Pair` command the pixels of the left and of the right image, as they are; after a `RawPair` command
 //!      raw rows, left and right in turn: each is rectified as it is read, and no raw frame is ever held
-//! out  packets of messages: for each command its answer, for each pair before that its frame, segments and points
+//! out  packets of messages: for each command its answer, for each pair before that its frame, segments, points and objects
 //! ```
 //!
 //! A pair that cannot be matched is refused by name and skipped, bytes that are no packet are counted, and the next good pair is matched.
@@ -15,7 +15,7 @@ use crate::session::{self, Reply, Session};
 use linestereo::{Dims, Eye, PairHealth, Plan};
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
-    Refusal, send, send_frame,
+    Refusal, send, send_frame, send_objects,
 };
 
 /// What happened to a pair, for logs and tables.
@@ -29,6 +29,8 @@ pub enum Event {
         rectification: u64,
         /// What its stages cost.
         costs: Costs,
+        /// What the depths of its objects cost on top.
+        objects: u64,
     },
     /// It was refused.
     Refused {
@@ -62,8 +64,15 @@ pub fn run(
                 let sequence = session.next_sequence();
                 let outcome = match pair(memory, clock, session, &mut input, &head, is_raw) {
                     Ok(Matched { plan, rectification, costs, health }) => {
-                        tell(&Event::Matched { sequence, rectification, costs });
+                        let from = clock.now();
+                        let found = session.objects(memory, &plan, &health);
+                        let objects = clock.elapsed(from, clock.now());
+                        tell(&Event::Matched { sequence, rectification, costs, objects });
                         write_results(memory, &plan, (sequence, &health), &head, output);
+                        let _ = send_objects(sequence, &found, &mut |packet: &[u8]| {
+                            output.write(packet);
+                            Ok::<(), core::convert::Infallible>(())
+                        });
                         Outcome::Accepted
                     }
                     Err(why) => {
@@ -103,7 +112,8 @@ fn pair<S: ByteSource>(
         (read_rectified(memory, session, input, head)?, 0)
     };
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
-    let found = bench::measure(memory, clock, &mut session.watch, &plan, times_us);
+    let areas = session.areas();
+    let found = bench::measure(memory, clock, &mut session.watch, &plan, areas.as_deref(), times_us);
     let (costs, health) = found.map_err(session::refusal)?;
     if let Some(Err(skewed)) = times_us.map(|times| session.watch.limits.skew_us(times)) {
         return Err(skewed.into());

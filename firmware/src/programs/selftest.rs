@@ -52,7 +52,7 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
     let plan = case.params().plan(case.dims).ok()?;
-    let health = Watch::new().run(memory, &plan, None, &mut digests).ok()?;
+    let health = Watch::new().run(memory, &plan, None, None, &mut digests).ok()?;
     let mut all = [0; Stage::ALL.len() + 1];
     for (place, stage) in all.iter_mut().zip(Stage::ALL) {
         *place = digests.of(stage);

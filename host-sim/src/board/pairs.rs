@@ -6,10 +6,10 @@ use super::{Board, qemu, top};
 use crate::engine::{FrameResult, GrayImage};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
-use linestereo::{Dims, Margin, Params, Stage};
+use linestereo::{Dims, Margin, ObjectDepth, Params, Stage};
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
-    ParamUpdate, Refusal, Request, RigImage, RigReport, RigUpdate, encode,
+    ParamUpdate, Refusal, Regions, Request, RigImage, RigReport, RigUpdate, encode,
 };
 use std::path::PathBuf;
 
@@ -28,6 +28,10 @@ pub struct BoardResult {
     pub rectification: u64,
     /// What matching cost.
     pub costs: Costs,
+    /// Depths of the objects that were asked for.
+    pub objects: Vec<ObjectDepth>,
+    /// What they cost on top.
+    pub objects_cost: u64,
 }
 
 /// What a board makes of a list of pairs.
@@ -100,6 +104,27 @@ impl Machine {
     ) -> Result<Replayed> {
         let bytes = rig.encode(0).into_iter().collect();
         self.run(&[Request::SetRig(bytes), Request::SetParams(*update)], pairs, true)
+    }
+
+    /// Matches pairs on the board and asks for the depths of these objects; each pair with regions of its own. Where they are to be looked
+    /// at only, the first pair is matched as a whole: it tells how far the rows are apart.
+    pub fn run_pairs_with_objects(
+        &self,
+        update: &ParamUpdate,
+        pairs: &[(&GrayImage, &GrayImage, Regions)],
+    ) -> Result<Replayed> {
+        let mut input = Vec::new();
+        push(&mut input, &Command { id: 0, request: Request::SetParams(*update) })?;
+        for (number, (left, right, regions)) in pairs.iter().enumerate() {
+            push(&mut input, &Command { id: 0, request: Request::SetRegions(regions.clone()) })?;
+            push_pair(&mut input, id_of(number), left, right)?;
+        }
+        let (answers, replayed) = self.replay(&input)?;
+        match answers.iter().find_map(|(_, outcome)| if let Outcome::Refused(why) = outcome { Some(why) } else { None })
+        {
+            Some(why) => bail!("{} refuses what it is to do: {why}", self.board.name),
+            None => Ok(replayed),
+        }
     }
 
     fn run(&self, settings: &[Request], pairs: &[(&GrayImage, &GrayImage)], are_raw: bool) -> Result<Replayed> {
@@ -197,7 +222,13 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };
-                frame = Some(BoardResult { result, rectification: 0, costs: Costs::default() });
+                frame = Some(BoardResult {
+                    result,
+                    rectification: 0,
+                    costs: Costs::default(),
+                    objects: Vec::new(),
+                    objects_cost: 0,
+                });
             }
             Message::Segments(segments) => {
                 let frame = frame.as_mut().context("segments without a frame")?;
@@ -206,6 +237,10 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Points(points) => {
                 let frame = frame.as_mut().context("points without a frame")?;
                 frame.result.points.extend(points.list.iter().map(linestereo::PointClaim::from));
+            }
+            Message::Objects(objects) => {
+                let frame = frame.as_mut().context("objects without a frame")?;
+                frame.objects.extend(objects.list.iter().map(ObjectDepth::from));
             }
             Message::Answer(answer) => match (frame.take(), answer.outcome) {
                 (Some(frame), Outcome::Accepted) => replayed.pairs.push(Ok(frame)),
@@ -220,10 +255,11 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
     let mut matched = replayed.pairs.iter_mut().filter_map(|pair| pair.as_mut().ok());
     for line in table.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
-            ["pair", _, rectification, ref costs @ ..] => {
+            ["pair", _, rectification, objects, ref costs @ ..] => {
                 let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 let pair = matched.next().context("costs of an unknown pair")?;
                 pair.rectification = rectification.parse()?;
+                pair.objects_cost = objects.parse()?;
                 pair.costs = costs.try_into().ok().context("too few costs")?;
             }
             ["packets", _, bad, _] => replayed.bad_packets = bad.parse()?,

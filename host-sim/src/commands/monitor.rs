@@ -248,6 +248,10 @@ impl Monitor {
                 Some(frame) => self.show(&frame),
                 None => Ok(()),
             },
+            Some(Ok(Message::Objects(objects))) => {
+                let mut lines = objects.list.iter().map(|record| text::object(&record.into()));
+                lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
+            }
             Some(Ok(Message::Points(_))) => Ok(()), // only from programs that are fed by a file
             Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
             Some(Ok(Message::Answer(answer))) => {

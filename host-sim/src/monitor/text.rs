@@ -5,7 +5,7 @@ use crate::engine::FrameResult;
 use crate::health;
 use crate::listing::{self, Answers};
 use core::fmt::Write;
-use linestereo::Dims;
+use linestereo::{Dims, ObjectDepth};
 use linestereo_wire::{Counters, Counts, FrameHead, VERSION};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
@@ -37,6 +37,18 @@ pub fn line(frame: &Frame, last: Option<u64>) -> String {
         metres(depths().max()),
         head.health
     )
+}
+
+/// The depth of an object as one line.
+#[must_use]
+pub fn object(object: &ObjectDepth) -> String {
+    let label = object.label;
+    let sigma = object.sigma;
+    match (object.disparity, object.depth.and_then(listing::finite_metres)) {
+        (Err(why), _) => format!("object {label}: {why}"),
+        (Ok(_), Some(metres)) => format!("object {label}: {metres:.2} m, {} segments", object.support),
+        (Ok(disparity), None) => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
+    }
 }
 
 #[derive(Serialize)]

@@ -144,6 +144,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::Rig(RigFault::Damaged),
         Refusal::RawSize { needed: [u16::MAX; 2], given: [640, 480] },
         Refusal::NotKept,
+        Refusal::Region(u8::MAX),
     ];
     let rig = RigInUse { raw: [u16::MAX; 2], rectified: [u16::MAX; 2], slot: Some(1) };
     let longest_rig = RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
@@ -197,6 +198,21 @@ pub(crate) fn messages() -> Vec<Message> {
             list: [longest_point; POINTS_PER_PACKET].into(),
         }),
     ]);
+    let longest_object = ObjectRecord {
+        label: u16::MAX,
+        disparity_q6: Ok(i16::MIN),
+        sigma_q6: i16::MIN,
+        slope_q10: [i16::MIN; 2],
+        spread_q6: i16::MIN,
+        depth_q16: Some([i32::MIN; 3]),
+        support: u16::MAX,
+        confidence_q16: u16::MAX,
+    };
+    let refused = ObjectRecord { disparity_q6: Err(3), depth_q16: None, ..longest_object };
+    list.extend([
+        Message::Objects(Objects { sequence: 1, list: [refused].into_iter().collect() }),
+        Message::Objects(Objects { sequence: u32::MAX, list: [longest_object; OBJECTS_PER_PACKET].into() }),
+    ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
@@ -215,10 +231,14 @@ pub(crate) fn commands() -> Vec<Command> {
     let mut bytes = |length: usize| (0..length).map(|_| random.next() as u8).collect();
     let rigs = [Request::SetRig(bytes(0)), Request::SetRig(bytes(RigImage::BYTES))];
     let pairs = [Request::Pair(pair), Request::RawPair(raw_pair)];
+    let longest = RegionBox { label: u16::MAX, left: u16::MAX, top: u16::MAX, right: u16::MAX, bottom: u16::MAX };
+    let all = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
+    let regions = [Regions::default(), all].map(Request::SetRegions);
     let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain(pairs);
     requests
         .chain(rigs)
-        .zip([0, 1, 127, 128, 255, u16::MAX, 300, 7, 8, u16::MAX])
+        .chain(regions)
+        .zip([0, 1, 127, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
         .map(|(request, id)| Command { id, request })
         .collect()
 }
