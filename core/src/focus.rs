@@ -15,11 +15,12 @@
 use crate::image::Dims;
 use crate::lines::Segment;
 use crate::objects::Area;
+use crate::objects::witness::OBJECT_REACH;
 use crate::params::Params;
 use heapless::Vec;
 
 /// Segments so near to an area are matched, px: what an object's depth is made from.
-pub(crate) const REACH: u16 = 8;
+const REACH: u16 = OBJECT_REACH;
 /// Edges start so far around the squares from which a segment is selected, px: most that pass there have an anchor as strong as in the whole frame.
 const ANCHORS: u16 = 16;
 /// How far a right segment may begin beyond what its left one says, px.

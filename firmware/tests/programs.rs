@@ -123,7 +123,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     let [left, right] = memory.frames();
     Scene::Blocks.paint(DIMS, left, right);
     let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
-    memory.run(&plan, &mut ()).unwrap();
+    memory.run(&plan, &linestereo::Focus::WHOLE, &mut ()).unwrap();
     let (mut matches, mut points, mut heads, mut answers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for message in messages(&outputs[0]) {
         match message {
@@ -243,7 +243,7 @@ fn raw_pairs_are_rectified_row_by_row() {
         }
     }
     let plan = image.params(linestereo::Params::DEFAULT).unwrap().plan(DIMS).unwrap();
-    twin.run(&plan, &mut ()).unwrap();
+    twin.run(&plan, &linestereo::Focus::WHOLE, &mut ()).unwrap();
     let expected = twin.results().matches.to_vec();
     assert!(expected.len() > 3 && expected.iter().all(|found| found.depth.is_some()), "{}", expected.len());
     let matches_of = |sequence| {

@@ -3,6 +3,7 @@
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
 
 use linestereo::{Area, Candidate, Dims, Focus, Params, Plan, Segment, mark_words, row_bytes};
+use linestereo_sim::evaluate::object_cases;
 use linestereo_sim::frames::{Scene, find_scenes, load_scene};
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ type Scratch = linestereo::Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LA
 type Output = linestereo::Output<4096, 0>;
 
 /// What is near an area, px: as `focus.rs` of the core has it.
-const REACH: u16 = 8;
+const REACH: u16 = 12;
 
 fn scenes() -> Option<Vec<Scene>> {
     let root = std::env::var_os("LINESTEREO_FRAMES")
@@ -148,4 +149,34 @@ fn every_segment_is_counted_once() {
         let rejected: u32 = linestereo::Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
         assert_eq!(u32::from(counts.segments_left), rejected + u32::from(counts.matched), "{}", scene.name);
     }
+}
+
+#[test]
+fn objects_have_the_depths_of_the_whole_frame() {
+    let Some(scenes) = scenes() else { return };
+    let (mut all, mut same, mut refusals, mut worst) = (0, 0, 0, 0.0_f64);
+    for scene in &scenes {
+        let plan = plan(scene);
+        let mut whole = run(&plan, scene, &Focus::WHOLE);
+        for case in object_cases(scene).unwrap() {
+            let Some(region) = case.region() else { continue };
+            let areas = [region.area()];
+            let focus = Focus { areas: Some(&areas), row_offset_q5: Some(whole.output.row_offset_q5) };
+            let mut part = run(&plan, scene, &focus);
+            let depth = |ran: &mut Ran| {
+                let mut found = None;
+                plan.for_each_object(&mut ran.scratch, &[region], true, |object| found = Some(object));
+                found.unwrap()
+            };
+            let (a, b) = (depth(&mut whole), depth(&mut part));
+            all += 1;
+            same += usize::from(a == b);
+            refusals += usize::from(a.disparity.is_ok() != b.disparity.is_ok());
+            if let (Ok(a), Ok(b)) = (a.disparity, b.disparity) {
+                worst = worst.max((a.to_num::<f64>() - b.to_num::<f64>()).abs());
+            }
+        }
+    }
+    println!("{same} of {all} objects to the bit, {refusals} answered in one case only, at most {worst} px apart");
+    assert_eq!(same, all);
 }

@@ -5,9 +5,10 @@ use core::fmt::Write;
 use linestereo::{Dims, Params, Stage};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Board, Costs, Machine, qemu};
+use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::{find_scenes, load_scene};
+use linestereo_wire::{RegionBox, Regions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -139,6 +140,8 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
             let pairs = captured(board, folder, dims)?;
             let (name, folder) = (board.name, folder.display());
             println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
+            let Objects { eight, tenth, tenth_permille } = objects(board, frames.unwrap_or(Path::new(".")), dims)?;
+            println!("eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole\n");
         }
     }
     Ok(())
@@ -160,6 +163,60 @@ pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(
     let replayed = Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found = names.into_iter().zip(replayed.pairs);
     found.map(|(name, pair)| Ok((name, pair.map_err(|why| anyhow::anyhow!("{why}"))?.costs))).collect()
+}
+
+/// Depths of objects, and matching where they are alone: medians over captured scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Objects {
+    /// Instructions for the depths of eight boxes, on top of the pair.
+    pub(crate) eight: u64,
+    /// Instructions of a pair that is matched in and around three boxes with a tenth of its pixels.
+    pub(crate) tenth: u64,
+    /// The same in permille of the whole pair's.
+    pub(crate) tenth_permille: u64,
+}
+
+/// Eight boxes in two rows.
+fn eight(dims: Dims) -> Regions {
+    let Dims { width, height } = dims;
+    let of = |i: u16| {
+        let (left, top) = (i % 4 * width / 4 + width / 40, i / 4 * height / 2 + height / 12);
+        RegionBox { label: i, left, top, right: left + width / 5, bottom: top + height / 3 }
+    };
+    Regions { boxes: (0..8).map(of).collect(), only: false }
+}
+
+/// Three boxes with a tenth of the pixels, apart from each other.
+fn tenth(dims: Dims) -> Regions {
+    let Dims { width, height } = dims;
+    let (w, h) = (width * 4 / 25, height * 5 / 24); // a thirtieth
+    let of = |(label, (x, y)): (u16, (u16, u16))| {
+        let (left, top) = (width * x / 16, height * y / 12);
+        RegionBox { label, left, top, right: left + w, bottom: top + h }
+    };
+    Regions { boxes: (0..).zip([(2, 2), (10, 4), (5, 8)]).map(of).collect(), only: true }
+}
+
+/// Measures on the scenes of [`captured`].
+pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Objects> {
+    let mut images = Vec::new();
+    for path in find_scenes(folder)? {
+        let scene = load_scene(&path, Some(dims.width))?;
+        if scene.left.dims.height >= dims.height {
+            images.push((middle(&scene.left, dims), middle(&scene.right, dims)));
+        }
+    }
+    let ask = |(left, right)| [(left, right, eight(dims)), (left, right, tenth(dims))];
+    let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).flat_map(ask).collect();
+    let replayed = Machine::new(*board)?.run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
+    let found: Vec<_> = replayed.pairs.into_iter().collect::<Result<_, _>>().map_err(|why| anyhow::anyhow!("{why}"))?;
+    let (pairs, _) = found.as_chunks::<2>();
+    let of = |number: fn(&[BoardResult; 2]) -> u64| median(pairs.iter().map(number).collect());
+    Ok(Objects {
+        eight: of(|[whole, _]| whole.objects_cost),
+        tenth: of(|[_, part]| total(&part.costs) + part.objects_cost),
+        tenth_permille: of(|[whole, part]| (total(&part.costs) + part.objects_cost) * 1000 / total(&whole.costs)),
+    })
 }
 
 /// Rows from the middle of an image.

@@ -2,7 +2,7 @@
 //!
 //! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for reading.
 
-use crate::bench::{self, Autopilot, Builtin, Rectified};
+use crate::bench::{self, Autopilot, Builtin, Objects, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
@@ -29,6 +29,8 @@ const HEAD: &str = "\
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
+# objects: on the captured pairs, medians: the depths of eight boxes on top of a pair; all of a pair that is matched around three boxes with a
+# tenth of its pixels alone, also in permille of the whole pair's.
 # autopilot: the dearest of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
@@ -51,6 +53,8 @@ struct BoardNumbers {
     autopilot: Option<Autopilot>,
     #[serde(default)]
     captured: BTreeMap<String, Instructions>,
+    #[serde(default)]
+    objects: BTreeMap<String, Objects>,
     #[serde(default)]
     rectify: BTreeMap<String, Rectified>,
     #[serde(default)]
@@ -104,6 +108,7 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
             // What cannot be measured here stays.
             if let Some(before) = old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none()) {
                 board.captured = before.captured.iter().map(|(size, of)| (size.clone(), of.copy())).collect();
+                board.objects.clone_from(&before.objects);
             }
         }
         std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&new)?))?;
@@ -188,15 +193,16 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
     ];
     let groups = bench::by_size(board, pairs)?;
     let built_in = groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect();
-    let mut captured = BTreeMap::new();
+    let (mut captured, mut objects) = (BTreeMap::new(), BTreeMap::new());
     if let Some(folder) = frames {
         for &dims in board.sizes {
             let pairs = bench::captured(board, folder, dims)?;
             captured.insert(dims.to_string(), Instructions::new(&pairs));
+            objects.insert(dims.to_string(), bench::objects(board, folder, dims)?);
         }
     }
     let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(BoardNumbers { bytes, built_in, autopilot, captured, rectify: bench::rectified(board)?, raw })
+    Ok(BoardNumbers { bytes, built_in, autopilot, captured, objects, rectify: bench::rectified(board)?, raw })
 }
 
 /// The numbers that are compared, by name.

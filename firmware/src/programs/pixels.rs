@@ -33,7 +33,7 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
-    Watch::new().run(memory, &plan, None, &mut ())?;
+    Watch::new().run(memory, &plan, None, None, &mut ())?;
     let mut measured = Measured { digest: 0x811c_9dc5, ..Measured::default() };
     let [columns, rows] = GRID;
     let mut costs = 0;
