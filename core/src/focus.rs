@@ -13,7 +13,7 @@
 //! The chapter's first idea: other perception rules out the pixels whose depth nobody needs.
 
 use crate::image::Dims;
-use crate::lines::Segment;
+use crate::lines::{SCAN_STEP, Segment};
 use crate::objects::Area;
 use crate::objects::witness::OBJECT_REACH;
 use crate::params::Params;
@@ -21,10 +21,8 @@ use heapless::Vec;
 
 /// Segments so near to an area are matched, px: what an object's depth is made from.
 const REACH: u16 = OBJECT_REACH;
-/// Edges start so far around the squares from which a segment is selected, px: most that pass there have an anchor as strong as in the whole frame.
-const ANCHORS: u16 = 16;
 /// How far a right segment may begin beyond what its left one says, px.
-const VOTES: u16 = 32;
+const VOTES: u16 = 16;
 
 /// Which part of a pair is matched ([`Plan::run_on`](crate::Plan::run_on)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +69,7 @@ impl Sought {
 
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        self.each(|area| area.grown(cell.saturating_add(ANCHORS), self.dims))
+        self.each(|area| area.grown(cell.saturating_add(SCAN_STEP as u16), self.dims))
     }
 
     /// Where edges of the right image start that can be those of these left segments; everywhere without.

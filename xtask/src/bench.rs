@@ -141,7 +141,9 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
             let (name, folder) = (board.name, folder.display());
             println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
             let Objects { eight, tenth, tenth_permille } = objects(board, frames.unwrap_or(Path::new(".")), dims)?;
-            println!("eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole\n");
+            println!(
+                "eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole\n"
+            );
         }
     }
     Ok(())
@@ -206,16 +208,18 @@ pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Object
             images.push((middle(&scene.left, dims), middle(&scene.right, dims)));
         }
     }
-    let ask = |(left, right)| [(left, right, eight(dims)), (left, right, tenth(dims))];
-    let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).flat_map(ask).collect();
+    // One after the other: a camera that shows the same twice is taken for a frozen one.
+    let ask = |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
+    let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).collect();
     let replayed = Machine::new(*board)?.run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found: Vec<_> = replayed.pairs.into_iter().collect::<Result<_, _>>().map_err(|why| anyhow::anyhow!("{why}"))?;
-    let (pairs, _) = found.as_chunks::<2>();
-    let of = |number: fn(&[BoardResult; 2]) -> u64| median(pairs.iter().map(number).collect());
+    let (whole, parts) = found.split_at_checked(images.len()).context("too few results")?;
+    let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
+    let permille = |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
     Ok(Objects {
-        eight: of(|[whole, _]| whole.objects_cost),
-        tenth: of(|[_, part]| total(&part.costs) + part.objects_cost),
-        tenth_permille: of(|[whole, part]| (total(&part.costs) + part.objects_cost) * 1000 / total(&whole.costs)),
+        eight: median(whole.iter().map(|whole| whole.objects_cost).collect()),
+        tenth: median(parts.iter().map(all).collect()),
+        tenth_permille: median(whole.iter().zip(parts).map(permille).collect()),
     })
 }
 

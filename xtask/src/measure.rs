@@ -227,6 +227,11 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} raw {size} matching"), *matching);
             list.insert(format!("{name} raw {size} band"), *band);
         }
+        for (size, Objects { eight, tenth, tenth_permille }) in board.objects.iter().filter(|_| with_captured) {
+            list.insert(format!("{name} objects {size} eight"), *eight);
+            list.insert(format!("{name} objects {size} tenth"), *tenth);
+            list.insert(format!("{name} objects {size} tenth_permille"), *tenth_permille);
+        }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
         for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {
             list.insert(format!("{name} {kind} {size} median"), instructions.median);

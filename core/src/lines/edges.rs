@@ -165,15 +165,15 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
 
     /// The anchor before `t` from which a search over the whole image would have drawn this edge: followed to its start, the first scan on
     /// which the edge is the strongest of its stretch. Nothing is marked.
-    fn first_anchor(&self, t: i32, scan: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
+    fn first_anchor(&mut self, t: i32, scan: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
         let sign = anchor.sign;
-        let start = self.look(t, anchor.u, sign)?;
+        let start = self.ridge::<false>(t, anchor.u, sign)?;
         let mut found = None;
         let mut drift_q5 = -start.lean_q5(sign);
         let mut position_q5 = start.position_q5;
         let (mut at, mut next_scan) = (t - STEP, t - scan);
         while at >= BORDER {
-            let Some(ridge) = self.look(at, (position_q5 + drift_q5 + 16) >> 5, sign) else { break };
+            let Some(ridge) = self.ridge::<false>(at, (position_q5 + drift_q5 + 16) >> 5, sign) else { break };
             drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
             position_q5 = ridge.position_q5;
             if at == next_scan {
@@ -196,7 +196,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// Follows the ridge from an anchor in both ways; they end up at `t / STEP`.
     fn draw<'r>(&mut self, t: i32, anchor: Anchor, room: &'r mut Room<'_>) -> Option<Chain<'r>> {
         let sign = anchor.sign;
-        let start = self.ridge(t, anchor.u, sign)?;
+        let start = self.ridge::<true>(t, anchor.u, sign)?;
         keep(room, t, &start);
         let lean_q5 = start.lean_q5(sign);
         let (mut first, mut last) = (t, t);
@@ -206,7 +206,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             let mut drift_q5 = if step < 0 { -lean_q5 } else { lean_q5 };
             while at >= BORDER && at < self.steps - BORDER {
                 let expected = (position_q5 + drift_q5 + 16) >> 5;
-                let Some(ridge) = self.ridge(at, expected, sign) else { break };
+                let Some(ridge) = self.ridge::<true>(at, expected, sign) else { break };
                 keep(room, at, &ridge);
                 drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
                 position_q5 = ridge.position_q5;
@@ -224,20 +224,9 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     }
 
     /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
-    /// along the other direction, or was drawn before. Marks it.
+    /// along the other direction, or was drawn before. `MARK`s it.
     #[inline]
-    fn ridge(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
-        let ridge = self.look(t, u, sign)?;
-        let (word, mask) = self.mark(t, ridge.u);
-        if let Some(mark) = self.marks.get_mut(word) {
-            *mark |= mask;
-        }
-        Some(ridge)
-    }
-
-    /// The same without marking it.
-    #[inline]
-    fn look(&self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
+    fn ridge<const MARK: bool>(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
         if u < BORDER || u >= self.breadth - BORDER || !self.is_usable(t, u) {
             return None;
         }
@@ -248,21 +237,19 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             return None;
         }
         let u = u + shift;
-        let (word, mask) = self.mark(t, u);
-        if self.marks.get(word)? & mask != 0 {
+        let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
+        let mark = self.marks.get_mut(bit >> 5)?;
+        let mask = 1 << (bit & 31);
+        if *mark & mask != 0 {
             return None;
+        }
+        if MARK {
+            *mark |= mask;
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
         Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid, along })
-    }
-
-    /// Where a position is marked: a word and its bit.
-    #[inline]
-    fn mark(&self, t: i32, u: i32) -> (usize, u32) {
-        let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
-        (bit >> 5, 1 << (bit & 31))
     }
 
     #[inline]

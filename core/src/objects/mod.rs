@@ -17,7 +17,7 @@
 //! order and capacity of lists.
 //!
 //! # Cost
-//! For regions that hold 30 segments some 25 000 instructions each; at most 32 comparisons a claim.
+//! For regions that hold 30 segments some 25 000 instructions each; at most 24 comparisons a claim.
 
 mod cover;
 mod region;

@@ -24,7 +24,7 @@ use heapless::vec::VecView;
 /// Largest difference of disparity between claims at one place, and between a claim and its plane.
 const TOLERANCE_Q6: i32 = 64;
 /// Claims that are asked how many agree with them: of more, every second, third ... by disparity.
-const HYPOTHESES: usize = 32;
+const HYPOTHESES: usize = 24;
 /// Weight by which a plane prefers no slope, times squared px: as if each claim were off by 0.8 px, and slopes of 0.03 px per px common.
 const LEVEL: i64 = 711 << 8;
 /// A second surface lies further than this from the plane.
@@ -72,9 +72,14 @@ impl Hypothesis {
     }
 
     fn agrees(&self, x: i32, y: i32, d_q6: i32) -> bool {
+        (d_q6 - self.d_q6).abs() <= self.tolerance_q6(x, y)
+    }
+
+    /// Largest difference of disparity to a claim there that agrees.
+    fn tolerance_q6(&self, x: i32, y: i32) -> i32 {
         let (dx, dy) = ((x - self.x).abs(), (y - self.y).abs());
         let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3); // within 7 % of the length
-        (d_q6 - self.d_q6).abs() <= TOLERANCE_Q6 + ((5 * distance) >> 1)
+        TOLERANCE_Q6 + ((5 * distance) >> 1)
     }
 }
 
@@ -131,9 +136,9 @@ fn ask(places: &[Place], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothes
         *hypothesis = Hypothesis::new(place);
         let mut weight_q8 = 0;
         for place in places {
-            for claim in &place.claims {
-                let agrees =
-                    claim.weight_q8 > 0 && hypothesis.agrees(place.x.into(), place.y.into(), claim.d_q6.into());
+            let tolerance_q6 = hypothesis.tolerance_q6(place.x.into(), place.y.into());
+            for claim in place.claims.iter().filter(|claim| claim.agreeing > 0) {
+                let agrees = (i32::from(claim.d_q6) - hypothesis.d_q6).abs() <= tolerance_q6;
                 weight_q8 += if agrees { u32::from(claim.agreeing) } else { 0 };
             }
         }

@@ -24,7 +24,7 @@ use crate::matching::consistency::Place;
 use crate::matching::{Candidate, Side};
 
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
-pub(crate) const OBJECT_REACH: u16 = 12;
+pub(crate) const OBJECT_REACH: u16 = 6;
 
 /// Distance from the edge at which a claim is asked: the middle of its window. One more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;

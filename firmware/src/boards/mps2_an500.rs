@@ -14,7 +14,7 @@ const POINTS: usize = 0;
 /// Widest raw image, px.
 const RAW_WIDTH: usize = 1024;
 /// Bytes of raw rows of one camera.
-const BAND: usize = 20 * 1024;
+const BAND: usize = 19 * 1024;
 
 /// Its description.
 pub const BOARD: Board = Board {
