@@ -1,7 +1,7 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, View};
+use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, NoDepth, ObjectDepth, View};
 use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
@@ -84,6 +84,62 @@ fn messages(bytes: &[u8]) -> Vec<Message> {
     bytes.iter().filter_map(|&byte| decoder.push(byte)).collect::<Result<_, _>>().unwrap()
 }
 
+/// What the board says of objects, pair by pair.
+fn objects(messages: &[Message]) -> Vec<Vec<ObjectDepth>> {
+    let mut pairs = Vec::new();
+    for message in messages {
+        match message {
+            Message::Frame(_) => pairs.push(Vec::new()),
+            Message::Objects(objects) => pairs.last_mut().unwrap().extend(objects.list.iter().map(ObjectDepth::from)),
+            _ => {}
+        }
+    }
+    pairs
+}
+
+#[test]
+fn objects_that_are_asked_for_come_with_every_pair() {
+    let boxes = [(7, 20, 20, 90, 70), (9, 60, 30, 150, 110), (300, 0, 0, 160, 120)];
+    let boxes = boxes.map(|(label, left, top, right, bottom)| RegionBox { label, left, top, right, bottom });
+    let regions = |only| Request::SetRegions(Regions { boxes: boxes.into_iter().collect(), only });
+    let outside = RegionBox { left: 160, right: 200, ..boxes[0] };
+    let mut input = Vec::new();
+    push(&mut input, 1, regions(false));
+    push_pair(&mut input, 2, DIMS, Scene::Bricks);
+    push(&mut input, 3, regions(true));
+    push_pair(&mut input, 4, DIMS, Scene::Blocks);
+    push(&mut input, 5, Request::SetRegions(Regions { boxes: [boxes[0], outside].into_iter().collect(), only: true }));
+    push_pair(&mut input, 6, DIMS, Scene::Bricks); // what was refused changed nothing
+    push(&mut input, 7, Request::SetRegions(Regions::default()));
+    push_pair(&mut input, 8, DIMS, Scene::Blocks);
+
+    let mut memory = Box::new(Workspace::new());
+    let mut source = Trickle { bytes: input.into(), step: 64 };
+    let mut output = Written::default();
+    let clock = Microseconds::default();
+    replay::run(&mut *memory, &clock, &mut Session::new(BOARD), &mut source, &mut output, |_| {});
+    let messages = messages(&output.0);
+    let found = objects(&messages);
+    let refused = Message::Answer(Answer { command: 5, outcome: Outcome::Refused(Refusal::Region(1)) });
+    assert!(messages.contains(&refused));
+    assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, 0]);
+
+    let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
+    let mut twin = Box::new(Workspace::new());
+    for (scene, found) in [Scene::Bricks, Scene::Blocks].into_iter().zip(&found) {
+        let [left, right] = twin.frames();
+        scene.paint(DIMS, left, right);
+        twin.run(&plan, &linestereo::Focus::WHOLE, &mut ()).unwrap();
+        let regions = boxes.map(|of| of.region(DIMS).unwrap());
+        let mut expected = Vec::new();
+        twin.for_each_object(&plan, &regions, true, |object| expected.push(object));
+        // A painted pair may be one that the monitor does not believe: then every object says so.
+        let unfit = found.iter().all(|object| object.disparity == Err(NoDepth::UnhealthyPair));
+        assert!(unfit || *found == expected, "{found:?} instead of {expected:?}");
+    }
+    assert!(found[0].iter().any(|object| object.disparity.is_ok()), "{:?}", found[0]);
+}
+
 #[test]
 fn replay_gives_the_same_however_the_bytes_arrive() {
     let mut input = b"noise before the first command".to_vec();
@@ -138,6 +194,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
                 points.extend(list.list.iter().map(linestereo::PointClaim::from));
             }
             Message::Segments(_) | Message::Points(_) => {}
+            Message::Objects(list) => panic!("nobody asked for {list:?}"),
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
         }
     }

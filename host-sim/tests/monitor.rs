@@ -249,7 +249,7 @@ impl<P: Read + Write> Board<P> {
                     self.port.write_all(&packet(&hello())).unwrap();
                     Outcome::Accepted
                 }
-                Request::Start | Request::Stop => Outcome::Accepted,
+                Request::Start | Request::Stop | Request::SetRegions(_) => Outcome::Accepted,
                 Request::Pair(_) | Request::SetRig(_) | Request::RawPair(_) => {
                     Outcome::Refused(linestereo_wire::Refusal::Unsupported)
                 }

@@ -312,7 +312,8 @@ fn parameters_without_sense_are_refused_by_name() {
         change(&mut wanted);
         wanted.plan(&params(), DIMS).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut ObstacleParams), &str); 11] = [
+    type Change<'a> = &'a dyn Fn(&mut ObstacleParams);
+    let cases: [(Change<'_>, &str); 11] = [
         (&|p| p.focal_px = 0.0, "focal length (px) is 0, allowed are 1 to 100000"),
         (&|p| p.focal_px = f64::NAN, "focal length (px) is NaN, allowed are 1 to 100000"),
         (&|p| p.yaw_deg = 181.0, "yaw (degrees) is 181, allowed are -180 to 180"),

@@ -63,7 +63,7 @@ pub enum Sector {
     Outside,
     /// In view, but nothing credible was seen, or it is too old.
     Unknown,
-    /// Credible segments behind the range, none within it. See [the module](self) for what that does not mean.
+    /// Credible segments behind the range, none within it. What has no credible segment is not seen: a blank wall may stand there.
     Free {
         /// Probability that they are right.
         confidence: Confidence,

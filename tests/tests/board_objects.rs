@@ -1,0 +1,64 @@
+//! Objects on the boards under QEMU: the PC's bits, also of pairs that are matched around them alone.
+
+use linestereo::{Area, Dims, ObjectDepth, Params};
+use linestereo_firmware::boards::{mps2_an386, mps2_an500};
+use linestereo_sim::board;
+use linestereo_sim::engine::Engine;
+use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
+use linestereo_tests::board::machine;
+use linestereo_wire::{RegionBox, Regions, RigUpdate};
+
+const RIG: RigUpdate = RigUpdate { focal_px: 300.0, baseline_m: 0.1, offset_px: 0.0 };
+
+fn rendered(dims: Dims, seed: u64) -> Rendering {
+    let sensor = Sensor { noise: 1.0, seed, ..Sensor::default() };
+    scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor)
+}
+
+/// Boxes all over the image, some across its border.
+fn boxes(dims: Dims) -> Vec<RegionBox> {
+    let Dims { width, height } = dims;
+    let of = |label: u16| {
+        let (left, top) = (label * 37 % width, label * 53 % height);
+        RegionBox::from((label, Area { left, top, right: left + width / 3, bottom: top + height / 3 }))
+    };
+    (0..12).map(of).collect()
+}
+
+/// By the whole frame, on the PC.
+fn expected(rendering: &Rendering, boxes: &[RegionBox]) -> Vec<ObjectDepth> {
+    let dims = rendering.left.dims;
+    let rig = linestereo::Rig::new(RIG.focal_px, RIG.baseline_m, RIG.offset_px).ok();
+    let mut engine = Engine::new(&Params { rig, ..Params::default() }, dims).unwrap();
+    let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+    let regions: Vec<_> = boxes.iter().map(|of| of.region(dims).unwrap()).collect();
+    engine.objects(&regions, linestereo_sim::health::is_fit(result.health))
+}
+
+#[test]
+fn a_board_says_of_objects_what_the_pc_says() {
+    for (board, dims) in
+        [(mps2_an500::BOARD, mps2_an500::BOARD.largest), (mps2_an386::BOARD, mps2_an386::BOARD.largest)]
+    {
+        let Some(machine) = machine(board) else { return };
+        let boxes = boxes(dims);
+        let regions = |only| Regions { boxes: boxes.iter().copied().collect(), only };
+        // The first pair is matched as a whole, and tells how far the rows are apart.
+        let pairs = [rendered(dims, 3), rendered(dims, 4), rendered(dims, 5)];
+        let asked: Vec<_> = pairs
+            .iter()
+            .zip([false, true, true])
+            .map(|(pair, only)| (&pair.left, &pair.right, regions(only)))
+            .collect();
+        let update = board::update(&Params::default(), Some(RIG));
+        let replayed = machine.run_pairs_with_objects(&update, &asked).unwrap();
+        let mut answered = 0;
+        for (pair, found) in pairs.iter().zip(&replayed.pairs) {
+            let found = &found.as_ref().unwrap().objects;
+            assert_eq!(*found, expected(pair, &boxes), "{}", board.name);
+            answered += found.iter().filter(|object| object.depth.is_some()).count();
+        }
+        assert_eq!(replayed.pairs.len(), 3);
+        assert!(answered > 12, "{answered} of 36 objects");
+    }
+}
