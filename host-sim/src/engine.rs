@@ -1,8 +1,8 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use linestereo::{
-    Candidate, Dims, Gray, HealthLimits, HealthMonitor, Match, Models, NotKnown, ObjectDepth, Observer, Output,
-    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words,
+    Area, Candidate, Dims, Focus, Gray, HealthLimits, HealthMonitor, Match, Models, NotKnown, ObjectDepth, Observer,
+    Output, ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words,
     row_bytes,
 };
 use linestereo_wire::{Counts, Health, PairReport};
@@ -61,19 +61,35 @@ pub struct Engine {
     plan: Plan,
     scratch: Box<PcScratch>,
     output: Box<Output<MAX_MATCHES, MAX_POINTS>>,
+    /// Where pairs are matched; everywhere without.
+    areas: Option<Vec<Area>>,
+    /// Of the last pair that was matched as a whole.
+    row_offset_q5: Option<i16>,
 }
 
 impl Engine {
     /// Checks the parameters for images of this size and allocates the memory, once.
     pub fn new(params: &Params, dims: Dims) -> Result<Self, ParamError> {
         let plan = params.plan(dims)?;
-        Ok(Self { plan, scratch: Box::new(PcScratch::new()), output: Box::new(Output::new()) })
+        let (scratch, output) = (Box::new(PcScratch::new()), Box::new(Output::new()));
+        Ok(Self { plan, scratch, output, areas: None, row_offset_q5: None })
     }
 
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     #[must_use]
     pub fn with_models(self, models: Models) -> Self {
         Self { plan: self.plan.with_models(Box::leak(Box::new(models))), ..self }
+    }
+
+    /// From now on pairs are matched in and just around these areas alone; `None` is the whole frame.
+    pub fn focus(&mut self, areas: Option<Vec<Area>>) {
+        self.areas = areas;
+    }
+
+    /// Has a whole pair said how far the rows of both images are apart?
+    #[must_use]
+    pub fn knows_rows(&self) -> bool {
+        self.row_offset_q5.is_some()
     }
 
     /// What passed the hard tests of the last run, with its evidence.
@@ -117,8 +133,7 @@ impl Engine {
         left: Gray<'_>,
         right: Gray<'_>,
     ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
-        self.plan.run(left, right, &mut self.scratch, &mut self.output)?;
-        Ok(&self.output)
+        self.run_observed(left, right, &mut ())
     }
 
     /// Runs the core, telling `observer` of every step.
@@ -128,7 +143,12 @@ impl Engine {
         right: Gray<'_>,
         observer: &mut impl Observer,
     ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
-        self.plan.run_observed(left, right, &mut self.scratch, &mut self.output, observer)?;
+        let areas = self.areas.as_deref();
+        let focus = Focus { areas, row_offset_q5: self.row_offset_q5.filter(|_| areas.is_some()) };
+        self.plan.run_on(left, right, &focus, &mut self.scratch, &mut self.output, observer)?;
+        if areas.is_none() {
+            self.row_offset_q5 = Some(self.output.row_offset_q5);
+        }
         Ok(&self.output)
     }
 

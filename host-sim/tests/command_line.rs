@@ -136,3 +136,23 @@ fn a_report_is_one_file() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("is no folder"), "{}", stderr(&output));
 }
+
+#[test]
+fn objects_alone_have_the_depths_of_the_whole_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 2);
+    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n").unwrap();
+    let asked = ["sequence", ".", "--objects", "boxes.csv"];
+    let lines = |more: &[&str]| -> Vec<Value> {
+        let output = call(at, &[&asked[..], &RIG, more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let (whole, alone) = (lines(&[]), lines(&["--only-objects"]));
+    assert_eq!(whole[0], alone[0]); // the first pair tells how far the rows are apart
+    assert_eq!(whole[1]["objects"], alone[1]["objects"]);
+    assert!(whole[1]["objects"].as_array().unwrap().iter().any(|object| object["depth_m"].is_number()));
+    let segments = |line: &Value| line["counts"]["segments_left"].as_u64().unwrap();
+    assert!(segments(&alone[1]) < segments(&whole[1]));
+}

@@ -92,7 +92,18 @@ impl Machine {
 
     /// Matches pairs on the board, all with the same parameters.
     pub fn run_pairs(&self, update: &ParamUpdate, pairs: &[(&GrayImage, &GrayImage)]) -> Result<Replayed> {
-        self.run(&[Request::SetParams(*update)], pairs, false)
+        self.run_pairs_with([], update, pairs)
+    }
+
+    /// The same after further requests.
+    pub fn run_pairs_with(
+        &self,
+        requests: impl IntoIterator<Item = Request>,
+        update: &ParamUpdate,
+        pairs: &[(&GrayImage, &GrayImage)],
+    ) -> Result<Replayed> {
+        let settings: Vec<_> = [Request::SetParams(*update)].into_iter().chain(requests).collect();
+        self.run(&settings, pairs, false)
     }
 
     /// Rectifies raw pairs on the board with this rig and matches them. The board has no flash: it forgets the rig.
@@ -102,8 +113,20 @@ impl Machine {
         update: &ParamUpdate,
         pairs: &[(&GrayImage, &GrayImage)],
     ) -> Result<Replayed> {
+        self.run_raw_pairs_with([], rig, update, pairs)
+    }
+
+    /// The same after further requests.
+    pub fn run_raw_pairs_with(
+        &self,
+        requests: impl IntoIterator<Item = Request>,
+        rig: &RigImage,
+        update: &ParamUpdate,
+        pairs: &[(&GrayImage, &GrayImage)],
+    ) -> Result<Replayed> {
         let bytes = rig.encode(0).into_iter().collect();
-        self.run(&[Request::SetRig(bytes), Request::SetParams(*update)], pairs, true)
+        let settings = [Request::SetRig(bytes), Request::SetParams(*update)].into_iter().chain(requests);
+        self.run(&settings.collect::<Vec<_>>(), pairs, true)
     }
 
     /// Matches pairs on the board and asks for the depths of these objects; each pair with regions of its own. Where they are to be looked

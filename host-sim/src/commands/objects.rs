@@ -6,9 +6,10 @@ use crate::health;
 use crate::listing::{self, Answers};
 use crate::outline::{OutlineFile, Refined, label_png, refine};
 use crate::regions::{self, Frame, Object, ObjectsError, Skipped};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use core::fmt::Write;
-use linestereo::Dims;
+use linestereo::{Area, Dims, ObjectDepth, Shape};
+use linestereo_wire::{MAX_REGIONS, RegionBox};
 use std::path::{Path, PathBuf};
 
 /// Extensions of files of one frame, in the order in which they are looked for.
@@ -26,6 +27,10 @@ pub(super) struct ObjectArgs {
     /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside it].
     #[arg(long, value_name = "FILE", requires = "objects")]
     classes: Option<PathBuf>,
+    /// Match in and just around the objects alone: their depths are those of the whole frame, the rest costs nothing. In a sequence the first
+    /// pair is matched as a whole, to see how far the rows are apart.
+    #[arg(long, requires = "objects")]
+    only_objects: bool,
 }
 
 /// Depths of a frame's objects.
@@ -73,6 +78,30 @@ impl ObjectArgs {
         Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, error: None })
     }
 
+    /// Where the next pair is to be matched; `None` is everywhere.
+    pub(super) fn areas(&self, setup: &Setup<'_>, image: &Path) -> Option<Vec<Area>> {
+        let path = self.objects.as_deref().filter(|_| self.only_objects)?;
+        let objects = self.read(path, setup, image).ok()?; // what is wrong is said with the depths
+        let dims = setup.dims();
+        Some(objects.list.iter().filter_map(|object| Some(object.region(dims).ok()?.area())).collect())
+    }
+
+    /// The same as a board is asked for them.
+    pub(super) fn boxes(&self, setup: &Setup<'_>, image: &Path) -> Result<Option<Vec<(Object, RegionBox)>>> {
+        let Some(path) = &self.objects else { return Ok(None) };
+        let (objects, dims) = (self.read(path, setup, image)?, setup.dims());
+        let mut boxes = Vec::new();
+        for (object, label) in objects.list.into_iter().zip(0..) {
+            let region = object.region(dims)?;
+            if region.shape() != Shape::Box || boxes.len() == MAX_REGIONS {
+                bail!("a board is asked for up to {MAX_REGIONS} boxes, {} has others; leave out --on", path.display());
+            }
+            let asked = RegionBox::from((label, region.area()));
+            boxes.push((object, asked));
+        }
+        Ok(Some(boxes))
+    }
+
     fn read(&self, path: &Path, setup: &Setup<'_>, image: &Path) -> Result<regions::Objects, ObjectsError> {
         let name = image.file_name().map(|name| name.to_string_lossy());
         let frame = Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
@@ -88,6 +117,16 @@ impl ObjectArgs {
 }
 
 impl Asked {
+    /// What a board said of these.
+    pub(super) fn by_board(boxes: Vec<(Object, RegionBox)>, depths: &[ObjectDepth]) -> Self {
+        let list = boxes.into_iter().zip(depths).map(|((object, _), depth)| {
+            let label = object.label;
+            let depth = listing::Object::new(&ObjectDepth { label, ..*depth }, object.name.as_deref());
+            (object, depth)
+        });
+        Self { list: list.collect(), ..Self::default() }
+    }
+
     /// As it stands in JSON.
     pub(super) fn answers(asked: Option<&Self>) -> Answers {
         Answers {

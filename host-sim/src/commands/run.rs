@@ -16,6 +16,7 @@ use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Eye, Rejection};
+use linestereo_wire::{Regions, Request};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -32,6 +33,8 @@ Examples:
       the depth of every object that a detector found
   linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
       the depth of two pixels, on a segment or not
+  linestereo run left.png right.png --scene scene.json --objects boxes.csv --only-objects
+      matched in and just around the boxes alone: the same depths for less work
   linestereo run left.png right.png --focal-px 300 --baseline-m 0.1 --sectors --fan fan.png --mavlink told.bin
       the nearest obstacle of each direction, and what an autopilot is told of them (docs/autopilots.md)
   linestereo run left.png right.png --width 320 --on mps2-an500
@@ -119,7 +122,7 @@ pub struct Args {
     #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "on")]
     query: Vec<(u16, u16)>,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
-    #[arg(long, value_name = "BOARD", conflicts_with = "objects")]
+    #[arg(long, value_name = "BOARD", conflicts_with_all = ["refine", "only_objects"])]
     on: Option<String>,
     #[command(flatten)]
     sectors: SectorArgs,
@@ -144,8 +147,8 @@ pub fn run(args: &Args) -> Result<()> {
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
     let (left, result, cost, objects, queries) = match &args.on {
         Some(board) => {
-            let (left, result, cost) = on_board(&setup, &pair, board)?;
-            (left, result, cost, None, None)
+            let (left, result, cost, objects) = on_board(&setup, &pair, board, args)?;
+            (left, result, cost, objects, None)
         }
         None => here(&setup, &pair, args)?,
     };
@@ -223,6 +226,7 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
 /// The left image as it was matched, the result, the time in words, and the depths of objects and pixels that were asked for.
 fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
+    matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
     let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
     let queries = if args.query.is_empty() { None } else { Some(matcher.ask(&matched, &args.query)?) };
@@ -230,8 +234,13 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
 }
 
-/// The left image as it was matched, the result of a board, and its instructions in words.
-fn on_board(setup: &Setup<'_>, pair: &Pair, board: &str) -> Result<(GrayImage, FrameResult, String)> {
+/// The left image as it was matched, the result of a board, its instructions in words, and the depths of objects that were asked for.
+fn on_board(
+    setup: &Setup<'_>,
+    pair: &Pair,
+    board: &str,
+    args: &Args,
+) -> Result<(GrayImage, FrameResult, String, Option<Asked>)> {
     let [left, right] = &setup.raw(pair)?;
     let update = board::update(&setup.params, setup.rig_numbers);
     let dims = setup.dims();
@@ -242,13 +251,16 @@ fn on_board(setup: &Setup<'_>, pair: &Pair, board: &str) -> Result<(GrayImage, F
     }
     let machine = machine_for(board, dims)?;
     let name = machine.board().name;
+    let boxes = args.objects.boxes(setup, &args.left)?;
+    let regions = boxes.iter().map(|boxes| Regions { boxes: boxes.iter().map(|&(_, of)| of).collect(), only: false });
+    let regions = regions.map(Request::SetRegions);
     let pairs = [(left, right)];
     let (left, replayed) = match &setup.rig {
         Some(rig) => {
             let rectified = PairRectifier::new(rig.rectification())?.image(Eye::Left, left)?;
-            (rectified, machine.run_raw_pairs(rig, &update, &pairs)?)
+            (rectified, machine.run_raw_pairs_with(regions, rig, &update, &pairs)?)
         }
-        None => (left.clone(), machine.run_pairs(&update, &pairs)?),
+        None => (left.clone(), machine.run_pairs_with(regions, &update, &pairs)?),
     };
     let pair = replayed.pairs.into_iter().next_back();
     let found = pair.with_context(|| format!("{name} gives no result"))?;
@@ -258,7 +270,8 @@ fn on_board(setup: &Setup<'_>, pair: &Pair, board: &str) -> Result<(GrayImage, F
     if found.rectification > 0 {
         let _ = write!(cost, " after {:.2} million to rectify", millions(found.rectification));
     }
-    Ok((left, found.result, cost))
+    let objects = boxes.map(|boxes| Asked::by_board(boxes, &found.objects));
+    Ok((left, found.result, cost, objects))
 }
 
 /// What was found, in a few lines.

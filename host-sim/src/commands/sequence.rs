@@ -182,6 +182,9 @@ impl<'a> Player<'a> {
         let loaded = self.load(pair)?;
         let (Some(setup), Some(matcher)) = (&self.setup, &mut self.matcher) else { bail!("nothing is set up") };
         let times = pair.time_us().map(|time| [time; 2]);
+        if matcher.engine.knows_rows() {
+            matcher.engine.focus(asked.areas(setup, pair.left()));
+        }
         let result = matcher.run(setup, &loaded, times)?.result;
         let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
         Ok((setup.dims(), result, objects))
