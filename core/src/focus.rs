@@ -4,8 +4,8 @@
 //! just around the areas are those of a run over the whole frame.
 //!
 //! ```text
-//! matched   what reaches within REACH px of an area
-//! left      edges that start within a square of selection and a scan of that: every rival for a square is known
+//! matched   what can speak of an object in an area: a window's middle lies in it
+//! left      edges that start within a window, a square of selection and a scan of that: every rival for a square is known
 //! right     edges that start on the rows of those segments, to the left by the disparity range: every vote is known
 //! ```
 //!
@@ -15,14 +15,14 @@
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
 use crate::objects::Area;
-use crate::objects::witness::OBJECT_REACH;
+use crate::objects::witness::{OBJECT_REACH, may_speak};
 use crate::params::Params;
 use heapless::Vec;
 
-/// Segments so near to an area are matched, px: what an object's depth is made from.
+/// What is matched lies so near to an area, px.
 const REACH: u16 = OBJECT_REACH;
 /// How far a right segment may begin beyond what its left one says, px.
-const VOTES: u16 = 16;
+const VOTES: u16 = 8;
 
 /// Which part of a pair is matched ([`Plan::run_on`](crate::Plan::run_on)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,36 +46,35 @@ type Areas = Vec<Area, { Focus::MAX_AREAS }>;
 
 /// Where to look: everywhere, or around these areas.
 pub(crate) struct Sought {
-    near: Option<Areas>,
+    areas: Option<Areas>,
     dims: Dims,
 }
 
 impl Sought {
     pub(crate) fn new(focus: &Focus<'_>, dims: Dims) -> Self {
-        let near = focus.areas.map(|areas| {
-            let mut near = Areas::new();
+        let areas = focus.areas.map(|areas| {
+            let mut list = Areas::new();
             for area in areas.iter().map(|area| area.common(Area::of(dims))).filter(|area| !area.is_empty()) {
-                let area = area.grown(REACH, dims);
-                if let Err(area) = near.push(area)
-                    && let Some(last) = near.last_mut()
+                if let Err(area) = list.push(area)
+                    && let Some(last) = list.last_mut()
                 {
                     *last = last.joined(area);
                 }
             }
-            near
+            list
         });
-        Self { near, dims }
+        Self { areas, dims }
     }
 
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        self.each(|area| area.grown(cell.saturating_add(SCAN_STEP as u16), self.dims))
+        self.each(|area| area.grown(cell.saturating_add(REACH + SCAN_STEP as u16), self.dims))
     }
 
     /// Where edges of the right image start that can be those of these left segments; everywhere without.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
-            let steep = left.iter().filter(|segment| !segment.near_horizontal && segment.touches(area));
+            let steep = left.iter().filter(|segment| !segment.near_horizontal && may_speak(segment, area));
             let boxes = steep.map(|segment| segment.area()).fold(Area::default(), Area::joined);
             let Area { left, top, right, bottom } = boxes.grown(VOTES, self.dims);
             let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
@@ -84,14 +83,14 @@ impl Sought {
     }
 
     /// Is this left segment matched?
-    pub(crate) fn is_near(&self, segment: &Segment) -> bool {
-        self.near.as_ref().is_none_or(|near| near.iter().any(|&area| segment.touches(area)))
+    pub(crate) fn is_wanted(&self, segment: &Segment) -> bool {
+        self.areas.as_ref().is_none_or(|areas| areas.iter().any(|&area| may_speak(segment, area)))
     }
 
     fn each(&self, of: impl Fn(Area) -> Area) -> Option<Areas> {
-        self.near.as_ref().map(|near| {
+        self.areas.as_ref().map(|areas| {
             let mut list = Areas::new();
-            for &area in near {
+            for &area in areas {
                 let _ = list.push(of(area)); // as many as there are
             }
             list

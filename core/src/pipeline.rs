@@ -433,7 +433,7 @@ impl Plan {
             self.dims.width.into(),
             m.marks,
         );
-        m.left.retain(|segment| sought.is_near(segment));
+        m.left.retain(|segment| sought.is_wanted(segment));
         lines::sort_by_top(m.left);
         out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         out.counts.reject_many(Rejection::LessProminent, lost);

@@ -11,9 +11,6 @@ const LARGEST: Dims = Dims { width: 320, height: 320 };
 type Scratch = linestereo::Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, 4096, 4096>;
 type Output = linestereo::Output<4096, 0>;
 
-/// What is near an area, px: as `focus.rs` of the core has it.
-const REACH: u16 = 6;
-
 fn scenes() -> Option<Vec<Scene>> {
     let root = std::env::var_os("LINESTEREO_FRAMES")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
@@ -43,15 +40,11 @@ fn run(plan: &Plan, scene: &Scene, focus: &Focus<'_>) -> Ran {
 
 fn is_near(segment: &Segment, area: Area) -> bool {
     let [a, b] = segment.ends.map(|end| (i32::from(end.x.to_bits()), i32::from(end.y.to_bits())));
-    a.0.min(b.0) < i32::from(area.right) << 5
-        && a.0.max(b.0) >= i32::from(area.left) << 5
-        && a.1.min(b.1) < i32::from(area.bottom) << 5
-        && a.1.max(b.1) >= i32::from(area.top) << 5
+    area.contains((a.0 + b.0) >> 6, (a.1 + b.1) >> 6) && area.contains((3 * a.0 + b.0) >> 7, (3 * a.1 + b.1) >> 7)
 }
 
-/// What matching says of the candidates near an area, without what their neighbours make of it.
-fn near(ran: &Ran, area: Area, dims: Dims) -> Vec<String> {
-    let area = area.grown(REACH, dims);
+/// What matching says of the candidates in an area, without what their neighbours make of it.
+fn near(ran: &Ran, area: Area) -> Vec<String> {
     let facts = |candidate: &Candidate| {
         let Candidate { segment, sides, window_q6, census_q6, feature_q6, .. } = candidate;
         let sides = sides.each_ref().map(|side| side.as_ref().map(|side| (side.disparity_q6, side.across_q10)));
@@ -81,7 +74,7 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
             let area = Area { left, top, right: left + width, bottom: top + height };
             let focus = Focus { areas: Some(&[area]), row_offset_q5: Some(whole.output.row_offset_q5) };
             let part = run(&plan, scene, &focus);
-            let (a, b) = (near(&whole, area, dims), near(&part, area, dims));
+            let (a, b) = (near(&whole, area), near(&part, area));
             let common = a.iter().filter(|facts| b.contains(facts)).count();
             all += a.len();
             same += common;
@@ -134,10 +127,10 @@ fn more_areas_than_are_told_apart_lose_none() {
         .collect();
     assert!(areas.len() > Focus::MAX_AREAS);
     let part = run(&plan, scene, &Focus { areas: Some(&areas), row_offset_q5: Some(whole.output.row_offset_q5) });
-    let number = |ran: &Ran| areas.iter().map(|&area| near(ran, area, dims).len()).sum::<usize>();
+    let number = |ran: &Ran| areas.iter().map(|&area| near(ran, area).len()).sum::<usize>();
     let (found, wanted) = (number(&part), number(&whole));
-    // Without the areas that do not fit in the list it would be half.
-    assert!(wanted > 100 && found * 100 > wanted * 94, "{found} of {wanted}");
+    // Without the areas that do not fit in the list it would be half; see above for the rest.
+    assert!(wanted > 20 && found + 2 >= wanted, "{found} of {wanted}");
 }
 
 #[test]

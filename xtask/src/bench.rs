@@ -140,9 +140,10 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
             let pairs = captured(board, folder, dims)?;
             let (name, folder) = (board.name, folder.display());
             println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
-            let Objects { eight, tenth, tenth_permille } = objects(board, frames.unwrap_or(Path::new(".")), dims)?;
+            let Objects { eight, tenth, tenth_permille, one_box_permille } =
+                objects(board, frames.unwrap_or(Path::new(".")), dims)?;
             println!(
-                "eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole\n"
+                "eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole, around one such box {one_box_permille}\n"
             );
         }
     }
@@ -176,6 +177,8 @@ pub(crate) struct Objects {
     pub(crate) tenth: u64,
     /// The same in permille of the whole pair's.
     pub(crate) tenth_permille: u64,
+    /// The same when the tenth is one box.
+    pub(crate) one_box_permille: u64,
 }
 
 /// Eight boxes in two rows.
@@ -199,6 +202,15 @@ fn tenth(dims: Dims) -> Regions {
     Regions { boxes: (0..).zip([(2, 2), (10, 4), (5, 8)]).map(of).collect(), only: true }
 }
 
+/// A tenth of the pixels in the middle.
+fn one_box(dims: Dims) -> Regions {
+    let Dims { width, height } = dims;
+    let (w, h) = (width * 6 / 19, height * 6 / 19);
+    let (left, top) = ((width - w) / 2, (height - h) / 2);
+    let of = RegionBox { label: 0, left, top, right: left + w, bottom: top + h };
+    Regions { boxes: [of].into_iter().collect(), only: true }
+}
+
 /// Measures on the scenes of [`captured`].
 pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Objects> {
     let mut images = Vec::new();
@@ -210,16 +222,18 @@ pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Object
     }
     // One after the other: a camera that shows the same twice is taken for a frozen one.
     let ask = |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
-    let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).collect();
+    let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).chain(ask(one_box(dims))).collect();
     let replayed = Machine::new(*board)?.run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found: Vec<_> = replayed.pairs.into_iter().collect::<Result<_, _>>().map_err(|why| anyhow::anyhow!("{why}"))?;
     let (whole, parts) = found.split_at_checked(images.len()).context("too few results")?;
+    let (parts, one_box) = parts.split_at_checked(images.len()).context("too few results")?;
     let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
     let permille = |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
     Ok(Objects {
         eight: median(whole.iter().map(|whole| whole.objects_cost).collect()),
         tenth: median(parts.iter().map(all).collect()),
         tenth_permille: median(whole.iter().zip(parts).map(permille).collect()),
+        one_box_permille: median(whole.iter().zip(one_box).map(permille).collect()),
     })
 }
 

@@ -30,7 +30,7 @@ const HEAD: &str = "\
 # again only where LINESTEREO_FRAMES names them.
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
 # objects: on the captured pairs, medians: the depths of eight boxes on top of a pair; all of a pair that is matched around three boxes with a
-# tenth of its pixels alone, also in permille of the whole pair's.
+# tenth of its pixels alone, also in permille of the whole pair's, and around one such box.
 # autopilot: the dearest of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
@@ -227,10 +227,13 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} raw {size} matching"), *matching);
             list.insert(format!("{name} raw {size} band"), *band);
         }
-        for (size, Objects { eight, tenth, tenth_permille }) in board.objects.iter().filter(|_| with_captured) {
+        for (size, Objects { eight, tenth, tenth_permille, one_box_permille }) in
+            board.objects.iter().filter(|_| with_captured)
+        {
             list.insert(format!("{name} objects {size} eight"), *eight);
             list.insert(format!("{name} objects {size} tenth"), *tenth);
             list.insert(format!("{name} objects {size} tenth_permille"), *tenth_permille);
+            list.insert(format!("{name} objects {size} one_box_permille"), *one_box_permille);
         }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
         for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {

@@ -71,15 +71,6 @@ impl Segment {
         (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
     }
 
-    /// Does it, or the box around it, reach into the area?
-    pub(crate) fn touches(&self, area: Area) -> bool {
-        let (x0, y0, x1, y1) = self.ends_q5();
-        x0.min(x1) < i32::from(area.right) << 5
-            && x0.max(x1) >= i32::from(area.left) << 5
-            && y0.min(y1) < i32::from(area.bottom) << 5
-            && y0.max(y1) >= i32::from(area.top) << 5
-    }
-
     /// The smallest area with every pixel it touches.
     pub(crate) fn area(&self) -> Area {
         let (x0, y0, x1, y1) = self.ends_q5();

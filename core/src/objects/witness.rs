@@ -26,6 +26,8 @@ use crate::matching::{Candidate, Side};
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
+/// Of three pixels, so many have to lie in the region.
+const LEAST_INSIDE: u16 = 2;
 /// Distance from the edge at which a claim is asked: the middle of its window. One more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
 /// Disparities of both sides closer than this are one.
@@ -52,7 +54,7 @@ pub(crate) fn gather(
     let near = area.grown(OBJECT_REACH, dims);
     let mut found = Witnesses::default();
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
-        let inside = [0, 1].map(|side| pixels_inside(&candidate.segment, side, cover));
+        let inside = [0, 1].map(|side| pixels_inside(&candidate.segment, side, |x, y| cover.contains(x, y)));
         let [a, b] = inside;
         let is_outline = [b == 0, a == 0];
         let agree = is_agreed(candidate);
@@ -60,7 +62,7 @@ pub(crate) fn gather(
         let (model, _) = models.of(candidate.segment.near_horizontal);
         let asked = candidate.sides.iter().zip(inside).zip(is_outline);
         for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(asked) {
-            let Some(side) = side.as_ref().filter(|_| inside >= 2) else { continue };
+            let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
             let full = weigh(model.probability_q16(side.score_q8.into()), inside);
             *weight = if agree && is_outline { full >> 2 } else { full };
             found.weight_q8 += u32::from(*weight);
@@ -88,15 +90,20 @@ fn touches(segment: &Segment, area: Area) -> bool {
     common(area.left, area.right, x0, x1) && common(area.top, area.bottom, y0, y1)
 }
 
+/// Can it speak of a region with this area? Only such segments are asked.
+pub(crate) fn may_speak(segment: &Segment, area: Area) -> bool {
+    [0, 1].into_iter().any(|side| pixels_inside(segment, side, |x, y| area.contains(x, y)) >= LEAST_INSIDE)
+}
+
 /// How many of three pixels in the middle of the side's window belong to the region.
-fn pixels_inside(segment: &Segment, side: usize, cover: &Cover<'_>) -> u16 {
+fn pixels_inside(segment: &Segment, side: usize, contains: impl Fn(i32, i32) -> bool) -> u16 {
     let (x0, y0, x1, y1) = segment.ends_q5();
     let sign = if side == 0 { -1 } else { 1 };
     let (dx, dy) = if segment.near_horizontal { (0, sign * (WINDOW_MIDDLE + 1)) } else { (sign * WINDOW_MIDDLE, 0) };
     let mut inside = 0;
     for sixteenth in [3, 8, 13] {
         let at = |a: i32, b: i32| (a + (((b - a) * sixteenth) >> 4) + 16) >> 5;
-        inside += u16::from(cover.contains(at(x0, x1) + dx, at(y0, y1) + dy));
+        inside += u16::from(contains(at(x0, x1) + dx, at(y0, y1) + dy));
     }
     inside
 }

@@ -114,7 +114,7 @@ pub struct Args {
     objects_csv: Option<PathBuf>,
     /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
     /// image where FILE ends in .png.
-    #[arg(long, value_name = "FILE", requires = "objects")]
+    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with = "only_objects")]
     refine: Option<PathBuf>,
     #[command(flatten)]
     objects: ObjectArgs,
