@@ -118,8 +118,15 @@ pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTre
 }
 
 /// Prints the tables.
-pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
+pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) -> Result<()> {
     for board in boards {
+        if objects_alone {
+            print_objects(
+                board,
+                frames.context("objects are measured on captured scenes: name a folder with --frames")?,
+            )?;
+            continue;
+        }
         println!("{}, rectification of a pair, thousands of instructions (band: bytes of a camera)", board.name);
         for (name, Rectified { set_up, rows, dearest_row, band_bytes }) in rectified(board)? {
             let [set_up, rows, dearest_row] = [set_up, rows, dearest_row].map(|count| count / 1000);
@@ -140,28 +147,33 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
             let pairs = captured(board, folder, dims)?;
             let (name, folder) = (board.name, folder.display());
             println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
-            let Objects { eight, tenth, tenth_permille, one_box_permille } =
-                objects(board, frames.unwrap_or(Path::new(".")), dims)?;
-            println!(
-                "eight objects {eight}; pairs matched around three boxes with a tenth of the pixels {tenth}, {tenth_permille} permille of the whole, around one such box {one_box_permille}\n"
-            );
+        }
+        if let Some(frames) = frames {
+            print_objects(board, frames)?;
         }
     }
     Ok(())
 }
 
-/// Instructions of every scene below a folder with default parameters, 64 disparities: reduced to the width of `dims`, and of that as many
-/// rows from the middle as `dims` has. Scenes that are smaller are left out.
-pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Costs)>> {
-    let (mut names, mut images) = (Vec::new(), Vec::new());
-    for path in find_scenes(folder)? {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
-        if scene.left.dims.height >= dims.height {
-            names.push(name);
-            images.push((middle(&scene.left, dims), middle(&scene.right, dims)));
+/// Prints what objects cost, and pairs that are matched around them alone.
+fn print_objects(board: &Board, frames: &Path) -> Result<()> {
+    for &dims in board.sizes {
+        let ObjectPairs { names, eight, tenth, one_box } = object_pairs(board, frames, dims)?;
+        let Objects { eight: cost, tenth_permille, one_box_permille, .. } = Objects::new(&eight, &tenth, &one_box);
+        println!("{}, {dims}: eight objects {cost} instructions", board.name);
+        for (boxes, permille, parts) in [("three boxes", tenth_permille, tenth), ("one box", one_box_permille, one_box)]
+        {
+            let costs: Vec<_> = names.iter().cloned().zip(parts.iter().map(|part| part.costs)).collect();
+            println!("{boxes} with a tenth of the pixels: {permille} permille of a pair, thousands of instructions");
+            println!("{}", table(&costs));
         }
     }
+    Ok(())
+}
+
+/// Instructions of every one of these [`scenes`] with default parameters, 64 disparities.
+pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Costs)>> {
+    let (names, images): (Vec<_>, Vec<_>) = scenes(folder, dims)?.into_iter().unzip();
     let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).collect();
     let replayed = Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found = names.into_iter().zip(replayed.pairs);
@@ -211,30 +223,60 @@ fn one_box(dims: Dims) -> Regions {
     Regions { boxes: [of].into_iter().collect(), only: true }
 }
 
-/// Measures on the scenes of [`captured`].
-pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Objects> {
-    let mut images = Vec::new();
-    for path in find_scenes(folder)? {
-        let scene = load_scene(&path, Some(dims.width))?;
-        if scene.left.dims.height >= dims.height {
-            images.push((middle(&scene.left, dims), middle(&scene.right, dims)));
+/// Pairs of captured scenes with boxes.
+struct ObjectPairs {
+    names: Vec<String>,
+    /// Whole pairs with eight boxes.
+    eight: Vec<BoardResult>,
+    /// Matched around three boxes with a tenth of the pixels, and around one.
+    tenth: Vec<BoardResult>,
+    one_box: Vec<BoardResult>,
+}
+
+impl Objects {
+    fn new(eight: &[BoardResult], tenth: &[BoardResult], one_box: &[BoardResult]) -> Self {
+        let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
+        let permille = |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
+        Self {
+            eight: median(eight.iter().map(|whole| whole.objects_cost).collect()),
+            tenth: median(tenth.iter().map(all).collect()),
+            tenth_permille: median(eight.iter().zip(tenth).map(permille).collect()),
+            one_box_permille: median(eight.iter().zip(one_box).map(permille).collect()),
         }
     }
+}
+
+/// Measures on the scenes of [`captured`].
+pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Objects> {
+    let ObjectPairs { eight, tenth, one_box, .. } = object_pairs(board, folder, dims)?;
+    Ok(Objects::new(&eight, &tenth, &one_box))
+}
+
+fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs> {
+    let (names, images): (Vec<_>, Vec<_>) = scenes(folder, dims)?.into_iter().unzip();
     // One after the other: a camera that shows the same twice is taken for a frozen one.
     let ask = |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
     let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).chain(ask(one_box(dims))).collect();
     let replayed = Machine::new(*board)?.run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found: Vec<_> = replayed.pairs.into_iter().collect::<Result<_, _>>().map_err(|why| anyhow::anyhow!("{why}"))?;
-    let (whole, parts) = found.split_at_checked(images.len()).context("too few results")?;
-    let (parts, one_box) = parts.split_at_checked(images.len()).context("too few results")?;
-    let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
-    let permille = |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
-    Ok(Objects {
-        eight: median(whole.iter().map(|whole| whole.objects_cost).collect()),
-        tenth: median(parts.iter().map(all).collect()),
-        tenth_permille: median(whole.iter().zip(parts).map(permille).collect()),
-        one_box_permille: median(whole.iter().zip(one_box).map(permille).collect()),
-    })
+    let mut groups = found.into_iter();
+    let mut group = || groups.by_ref().take(names.len()).collect();
+    let (eight, tenth, one_box) = (group(), group(), group());
+    Ok(ObjectPairs { names, eight, tenth, one_box })
+}
+
+/// Names and pairs of every scene below a folder: reduced to the width of `dims`, and of that as many rows from the middle as `dims` has.
+/// Scenes that are smaller are left out.
+fn scenes(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
+    let mut list = Vec::new();
+    for path in find_scenes(folder)? {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
+        if scene.left.dims.height >= dims.height {
+            list.push((name, (middle(&scene.left, dims), middle(&scene.right, dims))));
+        }
+    }
+    Ok(list)
 }
 
 /// Rows from the middle of an image.

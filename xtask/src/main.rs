@@ -89,6 +89,9 @@ enum Command {
         /// A folder of captured scenes.
         #[arg(long, value_name = "FOLDER")]
         frames: Option<PathBuf>,
+        /// Only what the depth of objects costs, and matching around them alone.
+        #[arg(long, requires = "frames")]
+        objects: bool,
     },
     /// Flash and RAM of a program, by symbol.
     Sizes {
@@ -132,7 +135,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
-        Command::Bench { boards, frames } => bench::run(&boards.list()?, frames.as_deref()),
+        Command::Bench { boards, frames, objects } => bench::run(&boards.list()?, frames.as_deref(), objects),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
         Command::Stack(boards) => {
             for board in boards.list()? {
