@@ -71,6 +71,30 @@ impl Hypothesis {
         Self { x: place.x.into(), y: place.y.into(), d_q6: claim.d_q6.into(), weight_q8: 0 }
     }
 
+    /// Sums up what agrees with it.
+    fn weigh(&mut self, places: &[Place]) {
+        let mut weight_q8 = 0;
+        for place in places {
+            let tolerance_q6 = self.tolerance_q6(place.x.into(), place.y.into());
+            let [a, b] = &place.claims;
+            for claim in [a, b] {
+                let agrees = (i32::from(claim.d_q6) - self.d_q6).abs() <= tolerance_q6;
+                weight_q8 += if agrees { u32::from(claim.agreeing) } else { 0 };
+            }
+        }
+        self.weight_q8 = weight_q8;
+    }
+
+    /// By weight; of equal ones the nearer, then one of them whatever their order is.
+    fn by_weight(&self) -> (u32, i32, i32, i32) {
+        (self.weight_q8, self.d_q6, self.y, self.x)
+    }
+
+    /// By disparity, then weight.
+    fn by_disparity(&self) -> (i32, u32, i32, i32) {
+        (self.d_q6, self.weight_q8, self.y, self.x)
+    }
+
     fn agrees(&self, x: i32, y: i32, d_q6: i32) -> bool {
         (d_q6 - self.d_q6).abs() <= self.tolerance_q6(x, y)
     }
@@ -109,7 +133,7 @@ pub(crate) fn find(places: &[Place], centre: [i32; 2], is_box: bool, order: &mut
     let plane = fit(places, centre, |x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
     let mut surface = describe(places, centre, &plane, |x, y, d_q6| on(&plane, x, y, d_q6))?;
     let far = asked.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > RIVAL_Q6);
-    surface.rival_q8 = far.max_by_key(|h| (h.weight_q8, h.d_q6)).map_or(0, |rival| parted(places, chosen, rival));
+    surface.rival_q8 = far.max_by_key(|h| h.by_weight()).map_or(0, |rival| parted(places, chosen, rival));
     Some(surface)
 }
 
@@ -120,8 +144,28 @@ fn parted(places: &[Place], chosen: &Hypothesis, rival: &Hypothesis) -> u32 {
     if common.unsigned_abs() * 8 >= rival.weight_q8 { 0 } else { rival.weight_q8 }
 }
 
-/// Weighs what agrees with each claim, or with every n-th of many; returns how many were asked. The order of the places does not matter.
+/// Weighs what agrees with each claim, or with every n-th of many by disparity; returns how many were asked. The order of the places does not
+/// matter.
 fn ask(places: &[Place], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothesis; HYPOTHESES]) -> usize {
+    let step = places.len().div_ceil(HYPOTHESES).max(1);
+    if step == 1 {
+        for (place, hypothesis) in places.iter().zip(hypotheses.iter_mut()) {
+            *hypothesis = Hypothesis::new(place);
+        }
+    } else {
+        sort_by_disparity(places, order);
+        for (ranked, hypothesis) in order.iter().step_by(step).zip(hypotheses.iter_mut()) {
+            *hypothesis = places.get(usize::from(ranked.candidate)).map(Hypothesis::new).unwrap_or_default();
+        }
+    }
+    let count = places.len().div_ceil(step);
+    for hypothesis in hypotheses.iter_mut().take(count) {
+        hypothesis.weigh(places);
+    }
+    count
+}
+
+fn sort_by_disparity(places: &[Place], order: &mut VecView<Ranked>) {
     order.clear();
     for (place, i) in places.iter().zip(0..) {
         let disparity = (Hypothesis::new(place).d_q6 + 32768) as u16;
@@ -129,88 +173,91 @@ fn ask(places: &[Place], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothes
     }
     let column = |r: &Ranked| places.get(usize::from(r.candidate)).map(|place| (place.y, place.x));
     sort_by_key(order, |r| (r.probability_q16, column(r)));
-    let step = order.len().div_ceil(HYPOTHESES).max(1);
-    let mut count = 0;
-    for (ranked, hypothesis) in order.iter().step_by(step).zip(hypotheses.iter_mut()) {
-        let Some(place) = places.get(usize::from(ranked.candidate)) else { continue };
-        *hypothesis = Hypothesis::new(place);
-        let mut weight_q8 = 0;
-        for place in places {
-            let tolerance_q6 = hypothesis.tolerance_q6(place.x.into(), place.y.into());
-            for claim in place.claims.iter().filter(|claim| claim.agreeing > 0) {
-                let agrees = (i32::from(claim.d_q6) - hypothesis.d_q6).abs() <= tolerance_q6;
-                weight_q8 += if agrees { u32::from(claim.agreeing) } else { 0 };
-            }
-        }
-        hypothesis.weight_q8 = weight_q8;
-        count += 1;
-    }
-    count
 }
 
 /// The claim that speaks for the object; of equal ones the nearest.
 fn choose(asked: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
-    let best = asked.iter().max_by_key(|h| (h.weight_q8, h.d_q6))?;
+    let best = asked.iter().max_by_key(|h| h.by_weight())?;
     if !is_box {
         return Some(best);
     }
-    let nearest = asked.iter().filter(|h| h.weight_q8 * 3 >= best.weight_q8).max_by_key(|h| (h.d_q6, h.weight_q8))?;
-    asked.iter().filter(|h| nearest.agrees(h.x, h.y, h.d_q6)).max_by_key(|h| (h.weight_q8, h.d_q6))
+    let nearest = asked.iter().filter(|h| h.weight_q8 * 3 >= best.weight_q8).max_by_key(|h| h.by_disparity())?;
+    asked.iter().filter(|h| nearest.agrees(h.x, h.y, h.d_q6)).max_by_key(|h| h.by_weight())
 }
 
-/// Calls `visit(u, v, disparity, weight)` for each claim that belongs, with its place relative to the centre.
+/// Calls `visit(u, v, disparity, weight)` for each claim that belongs, with its place relative to the centre; returns how many places have one.
 fn visit(
     places: &[Place],
     [x0, y0]: [i32; 2],
     belongs: impl Fn(i32, i32, i32) -> bool,
     mut visit: impl FnMut(i32, i32, i32, i32),
-) {
+) -> u16 {
+    let mut count = 0_u16;
     for place in places {
         let (x, y) = (i32::from(place.x), i32::from(place.y));
-        for claim in &place.claims {
+        let mut speaks = false;
+        let [a, b] = &place.claims;
+        for claim in [a, b] {
             let d_q6 = i32::from(claim.d_q6);
             if claim.weight_q8 > 0 && belongs(x, y, d_q6) {
                 visit(x - x0, y - y0, d_q6, claim.weight_q8.into());
+                speaks = true;
             }
         }
+        count = count.saturating_add(speaks.into());
     }
+    count
 }
 
-/// Mean place and disparity of the claims that belong, and their weight.
-struct Means {
+/// Weighted sums over claims: places relative to the centre, disparities, and products of places.
+#[derive(Clone, Copy, Default)]
+struct Sums {
     weight: i32,
-    u: i32,
-    v: i32,
-    d_q6: i32,
+    u: i64,
+    v: i64,
+    d_q6: i64,
+    uu: i64,
+    vv: i64,
 }
 
-impl Means {
-    fn new(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bool) -> Option<Self> {
-        let (mut weight, mut u_sum, mut v_sum, mut d_sum) = (0_i32, 0_i64, 0_i64, 0_i64);
-        visit(places, centre, belongs, |u, v, d_q6, w| {
-            weight += w;
-            u_sum += i64::from(u * w);
-            v_sum += i64::from(v * w);
-            d_sum += i64::from(d_q6) * i64::from(w);
-        });
-        let mean = |sum: i64| sum.checked_div(weight.into()).map(|mean| mean as i32); // a mean is in the range of its terms
-        Some(Self { weight, u: mean(u_sum)?, v: mean(v_sum)?, d_q6: mean(d_sum)? })
+impl Sums {
+    fn add(&mut self, u: i32, v: i32, d_q6: i32, w: i32) {
+        let (wu, wv) = (w * u, w * v);
+        self.weight += w;
+        self.u += i64::from(wu);
+        self.v += i64::from(wv);
+        self.d_q6 += i64::from(w) * i64::from(d_q6);
+        self.uu += i64::from(wu) * i64::from(u);
+        self.vv += i64::from(wv) * i64::from(v);
+    }
+
+    /// Mean place and disparity; `None` without a claim.
+    fn means(&self) -> Option<[i32; 3]> {
+        let mean = |sum: i64| sum.checked_div(self.weight.into()).map(|mean| mean as i32); // a mean is in the range of its terms
+        Some([mean(self.u)?, mean(self.v)?, mean(self.d_q6)?])
+    }
+
+    /// A sum of products about a mean each, which come with the sum that they are the mean of.
+    fn about(&self, products: i64, [a, sum_a]: [i64; 2], [b, sum_b]: [i64; 2]) -> i64 {
+        products - a * sum_b - b * sum_a + a * b * i64::from(self.weight)
     }
 }
 
 /// The plane through the claims that belong, by least squares; `None` when none does.
 fn fit(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bool) -> Option<Plane> {
-    let mean = Means::new(places, centre, &belongs)?;
-    let [mut uu, mut uv, mut vv, mut ud, mut vd] = [LEVEL, 0, LEVEL, 0, 0];
+    let mut sums = Sums::default();
+    let [mut uv, mut ud, mut vd] = [0_i64; 3];
     visit(places, centre, &belongs, |u, v, d_q6, w| {
-        let (u, v, d) = (u - mean.u, v - mean.v, d_q6 - mean.d_q6);
-        let (wu, wv) = (i64::from(u * w), i64::from(v * w));
-        uu += wu * i64::from(u);
+        sums.add(u, v, d_q6, w);
+        let wu = i64::from(w * u);
         uv += wu * i64::from(v);
-        vv += wv * i64::from(v);
-        ud += wu * i64::from(d);
-        vd += wv * i64::from(d);
+        ud += wu * i64::from(d_q6);
+        vd += i64::from(w * v) * i64::from(d_q6);
     });
+    let [u, v, d_q6] = sums.means()?;
+    let [of_u, of_v, of_d] = [[u.into(), sums.u], [v.into(), sums.v], [d_q6.into(), sums.d_q6]];
+    let (uu, vv) = (LEVEL + sums.about(sums.uu, of_u, of_u), LEVEL + sums.about(sums.vv, of_v, of_v));
+    let [uv, ud, vd] = [sums.about(uv, of_u, of_v), sums.about(ud, of_u, of_d), sums.about(vd, of_v, of_d)];
     // Both diagonals are above 0: 26 bits of the larger one.
     let shift = uu.max(vv).checked_ilog2().unwrap_or(0).saturating_sub(26);
     let [uu, uv, vv, ud, vd] = [uu, uv, vv, ud, vd].map(|sum| sum >> shift);
@@ -220,8 +267,8 @@ fn fit(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bo
         i32::try_from(slope_q10.clamp(-MAX_SLOPE_Q10, MAX_SLOPE_Q10)).unwrap_or(0)
     };
     let slope_q10 = [slope(ud * vv - vd * uv), slope(vd * uu - ud * uv)];
-    let level = Plane { level_q6: mean.d_q6, slope_q10 };
-    Some(Plane { level_q6: level.at_q6(-mean.u, -mean.v), slope_q10 })
+    let level = Plane { level_q6: d_q6, slope_q10 };
+    Some(Plane { level_q6: level.at_q6(-u, -v), slope_q10 })
 }
 
 /// Steeper planes are none that a camera sees: 2 px per px.
@@ -234,32 +281,27 @@ fn describe(
     plane: &Plane,
     belongs: impl Fn(i32, i32, i32) -> bool,
 ) -> Option<Surface> {
-    let mean = Means::new(places, centre, &belongs)?;
-    let (mut uu, mut vv) = (0_i64, 0_i64);
+    let mut sums = Sums::default();
     let (mut low, mut high, mut spread) = (i32::MAX, i32::MIN, 0);
-    visit(places, centre, &belongs, |u, v, d_q6, w| {
-        uu += i64::from((u - mean.u) * w) * i64::from(u - mean.u);
-        vv += i64::from((v - mean.v) * w) * i64::from(v - mean.v);
+    let segments = visit(places, centre, &belongs, |u, v, d_q6, w| {
+        sums.add(u, v, d_q6, w);
         low = low.min(d_q6);
         high = high.max(d_q6);
         spread = spread.max((d_q6 - plane.at_q6(u, v)).abs());
     });
-    let speaks = |place: &Place| {
-        let claims = &place.claims;
-        claims.iter().any(|c| c.weight_q8 > 0 && belongs(place.x.into(), place.y.into(), c.d_q6.into()))
-    };
-    let segments = places.iter().filter(|place| speaks(place)).count();
-    let per_weight = |sum: i64| i32::try_from(sum.checked_div(mean.weight.into()).unwrap_or(0)).unwrap_or(i32::MAX);
+    let [u, v, _] = sums.means()?;
+    let (of_u, of_v) = ([u.into(), sums.u], [v.into(), sums.v]);
+    let per_weight = |sum: i64| i32::try_from(sum.checked_div(sums.weight.into()).unwrap_or(0)).unwrap_or(i32::MAX);
     Some(Surface {
         // Not `clamp`, which panics when its bounds cross.
         centre_q6: plane.level_q6.max(low - BEYOND_Q6).min(high + BEYOND_Q6),
         slope_q10: plane.slope_q10,
-        weight_q8: mean.weight,
-        segments: u16::try_from(segments).unwrap_or(u16::MAX),
+        weight_q8: sums.weight,
+        segments,
         range_q6: (low, high),
         spread_q6: spread,
-        middle: [mean.u, mean.v],
-        extent2: [per_weight(uu), per_weight(vv)],
+        middle: [u, v],
+        extent2: [sums.about(sums.uu, of_u, of_u), sums.about(sums.vv, of_v, of_v)].map(per_weight),
         rival_q8: 0,
     })
 }

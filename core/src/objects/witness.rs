@@ -54,7 +54,7 @@ pub(crate) fn gather(
     let near = area.grown(OBJECT_REACH, dims);
     let mut found = Witnesses::default();
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
-        let inside = [0, 1].map(|side| pixels_inside(&candidate.segment, side, |x, y| cover.contains(x, y)));
+        let inside = pixels_inside(&candidate.segment, |x, y| cover.contains(x, y));
         let [a, b] = inside;
         let is_outline = [b == 0, a == 0];
         let agree = is_agreed(candidate);
@@ -87,25 +87,28 @@ pub(crate) fn gather(
 fn touches(segment: &Segment, area: Area) -> bool {
     let (x0, y0, x1, y1) = segment.ends_q5();
     let common = |from: u16, to: u16, a: i32, b: i32| a.min(b) >> 5 < i32::from(to) && a.max(b) >> 5 >= i32::from(from);
-    common(area.left, area.right, x0, x1) && common(area.top, area.bottom, y0, y1)
+    // Rows first: most candidates lie above or below.
+    common(area.top, area.bottom, y0, y1) && common(area.left, area.right, x0, x1)
 }
 
 /// Can it speak of a region with this area? Only such segments are asked.
 pub(crate) fn may_speak(segment: &Segment, area: Area) -> bool {
-    [0, 1].into_iter().any(|side| pixels_inside(segment, side, |x, y| area.contains(x, y)) >= LEAST_INSIDE)
+    pixels_inside(segment, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
 }
 
-/// How many of three pixels in the middle of the side's window belong to the region.
-fn pixels_inside(segment: &Segment, side: usize, contains: impl Fn(i32, i32) -> bool) -> u16 {
+/// How many of three pixels in the middle of each side's window belong to the region.
+#[inline]
+fn pixels_inside(segment: &Segment, contains: impl Fn(i32, i32) -> bool) -> [u16; 2] {
     let (x0, y0, x1, y1) = segment.ends_q5();
-    let sign = if side == 0 { -1 } else { 1 };
-    let (dx, dy) = if segment.near_horizontal { (0, sign * (WINDOW_MIDDLE + 1)) } else { (sign * WINDOW_MIDDLE, 0) };
-    let mut inside = 0;
+    let (dx, dy) = if segment.near_horizontal { (0, WINDOW_MIDDLE + 1) } else { (WINDOW_MIDDLE, 0) };
+    let (mut before, mut after) = (0, 0);
     for sixteenth in [3, 8, 13] {
         let at = |a: i32, b: i32| (a + (((b - a) * sixteenth) >> 4) + 16) >> 5;
-        inside += u16::from(contains(at(x0, x1) + dx, at(y0, y1) + dy));
+        let (x, y) = (at(x0, x1), at(y0, y1));
+        before += u16::from(contains(x - dx, y - dy));
+        after += u16::from(contains(x + dx, y + dy));
     }
-    inside
+    [before, after]
 }
 
 /// Do both sides have the same disparity?
