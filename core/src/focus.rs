@@ -14,6 +14,7 @@
 
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
+use crate::matching::band::Reached;
 use crate::objects::Area;
 use crate::objects::witness::{OBJECT_REACH, may_speak};
 use crate::params::Params;
@@ -68,17 +69,41 @@ impl Sought {
 
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        self.each(|area| area.grown(cell.saturating_add(REACH + SCAN_STEP as u16), self.dims))
+        // The middle of what is matched lies within REACH of the area, and its rivals' middles in the same squares.
+        let squares = |area: Area| {
+            let Area { left, top, right, bottom } = area.grown(REACH, self.dims);
+            let before = |at: u16| at - at.checked_rem(cell).unwrap_or(0);
+            let after = |at: u16| before(at.saturating_add(cell - 1));
+            Area { left: before(left), top: before(top), right: after(right), bottom: after(bottom) }
+        };
+        self.each(|area| squares(area).grown(SCAN_STEP as u16, self.dims))
     }
 
     /// Where edges of the right image start that can be those of these left segments; everywhere without.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
             let steep = left.iter().filter(|segment| !segment.near_horizontal && may_speak(segment, area));
-            let boxes = steep.map(|segment| segment.area()).fold(Area::default(), Area::joined);
-            let Area { left, top, right, bottom } = boxes.grown(VOTES, self.dims);
+            let Area { left, top, right, bottom } = boxes(steep).grown(VOTES, self.dims);
             let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
             Area { left: left.saturating_sub(params.max_disparity), top, right, bottom }
+        })
+    }
+
+    /// Pixels that windows of the segments in each area may look at, at these disparities; everything without.
+    pub(crate) fn reached(
+        &self,
+        left: &[Segment],
+        disparities: (i32, i32),
+    ) -> Option<Vec<Reached, { Focus::MAX_AREAS }>> {
+        self.areas.as_ref().map(|areas| {
+            let mut list = Vec::new();
+            for &area in areas {
+                let boxes = boxes(left.iter().filter(|segment| may_speak(segment, area)));
+                if !boxes.is_empty() {
+                    let _ = list.push(Reached::around(boxes, disparities, self.dims)); // no more than areas
+                }
+            }
+            list
         })
     }
 
@@ -96,4 +121,9 @@ impl Sought {
             list
         })
     }
+}
+
+/// The smallest area with all of these segments.
+fn boxes<'a>(segments: impl Iterator<Item = &'a Segment>) -> Area {
+    segments.map(Segment::area).fold(Area::default(), Area::joined)
 }

@@ -443,7 +443,8 @@ impl Plan {
         m.candidates.clear();
         let context = MatchContext::new(&self.params, self.models, self.dims, m.right, row_offset_q5);
         *m.row_offset = (row_offset_q5 + 16) >> 5;
-        let Some(mut band) = Band::new(left, right, *m.row_offset, m.rows) else { return Ok(()) };
+        let reached = sought.reached(m.left, disparities);
+        let Some(mut band) = Band::new([left, right], *m.row_offset, reached.as_deref(), m.rows) else { return Ok(()) };
         for segment in m.left.iter() {
             band.advance_for(segment);
             observer.ended(Step::Rows);

@@ -8,9 +8,11 @@
 //! # Cost
 //! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
-use crate::image::{Gray, Span};
-use crate::kernel::{FLAT, STRIP, Strip, census_code, census_row, gradient_row, reverse_row};
+use super::codes::{census, gradients};
+use crate::image::{Dims, Gray, Span};
+use crate::kernel::{FLAT, STRIP, Strip, census_code, reverse_row};
 use crate::lines::Segment;
+use crate::objects::Area;
 use crate::units::quotient;
 
 /// Rows held, every second one of the image: those of the tallest segment (33) that starts as high as the current one, and the reach of
@@ -30,7 +32,10 @@ pub const fn row_bytes(width: u16) -> usize {
 }
 
 /// Rows that a window reaches above and below a near-horizontal segment; other windows end with their segment.
-const WINDOW_REACH: i32 = 6;
+const WINDOW_REACH: i32 = 7;
+
+/// Columns that a window reaches beside its segment (10), and two that end its rows.
+const WINDOW_COLUMNS: i32 = 12;
 
 /// Which image the reference pixels come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,11 +66,46 @@ pub(crate) struct Band<'a> {
     next_row: i32,
     /// Row of the right image that matches row 0 of the left one.
     row_offset: i32,
+    /// What windows reach; everything without.
+    reached: Option<&'a [Reached]>,
+}
+
+/// Pixels of rows that windows may look at, in both directions of search.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached {
+    /// Rows of the left image.
+    rows: Span,
+    /// Columns of the left and of the right image.
+    columns: [Span; 2],
+}
+
+impl Reached {
+    /// By windows of segments that lie in an area, at disparities from `min` to before `max`: the search back may end the whole range to
+    /// either side of where it started.
+    pub(crate) fn around(area: Area, (min, max): (i32, i32), dims: Dims) -> Self {
+        let span = |from: i32, to: i32, size: u16| {
+            let inside = |at: i32| u16::try_from(at.max(0)).unwrap_or(u16::MAX).min(size);
+            Span { start: inside(from), end: inside(to) }
+        };
+        let Area { left, top, right, bottom } = area;
+        let rows =
+            span(i32::from(top) - WINDOW_REACH - ROW_STEP, i32::from(bottom) + WINDOW_REACH + ROW_STEP, dims.height);
+        let (first, end) = (i32::from(left) - WINDOW_COLUMNS, i32::from(right) + WINDOW_COLUMNS);
+        let range = max - min;
+        let columns = [(first - range, end + range), (first - max, end - min)];
+        Self { rows, columns: columns.map(|(first, end)| span(first, end, dims.width)) }
+    }
 }
 
 impl<'a> Band<'a> {
-    /// A band over `rows`, which holds three planes of [`BAND_ROWS`] padded rows.
-    pub(crate) fn new(left: Gray<'a>, right: Gray<'a>, row_offset: i32, rows: &'a mut [u8]) -> Option<Self> {
+    /// A band over `rows`, which holds three planes of [`BAND_ROWS`] padded rows. Where it is said what windows may reach, nothing else is
+    /// computed.
+    pub(crate) fn new(
+        [left, right]: [Gray<'a>; 2],
+        row_offset: i32,
+        reached: Option<&'a [Reached]>,
+        rows: &'a mut [u8],
+    ) -> Option<Self> {
         let dims = left.dims();
         let stride = row_bytes(dims.width);
         let plane = stride * BAND_ROWS;
@@ -83,6 +123,7 @@ impl<'a> Band<'a> {
             first_row: 0,
             next_row: 0,
             row_offset,
+            reached,
         })
     }
 
@@ -124,24 +165,38 @@ impl<'a> Band<'a> {
             let y = self.next_row;
             self.next_row += ROW_STEP;
             let [left, right] = self.images;
-            let slot = self.slot(y);
-            if let Some(out) = self.gradient.left.get_mut(slot.clone()) {
-                fill_gradient(left, y, out);
+            let start = self.start(y);
+            let [left_columns, right_columns] = self.columns(y);
+            let place = |columns: Span| start + usize::from(columns.start)..start + usize::from(columns.end);
+            let ends = |columns: Span| columns.start.into()..columns.end.into();
+            if let Some(out) = self.gradient.left.get_mut(place(left_columns)) {
+                gradients(left, y, ends(left_columns), out);
             }
-            if let Some(out) = self.gradient.right_mirrored.get_mut(slot.clone()) {
-                fill_gradient(right, y + self.row_offset, out);
+            // Mirrored, the last column comes first.
+            let width = self.width as u16;
+            let Span { start: first, end } = right_columns;
+            let mirrored = place(Span { start: width.saturating_sub(end), end: width.saturating_sub(first) });
+            if let Some(out) = self.gradient.right_mirrored.get_mut(mirrored.clone()) {
+                gradients(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
             }
-            if let Some(out) = self.census.get_mut(slot) {
-                fill_census(right, y + self.row_offset, out);
+            if let Some(out) = self.census.get_mut(mirrored) {
+                census(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
             }
         }
     }
 
-    fn slot(&self, y: i32) -> core::ops::Range<usize> {
-        let start = ((y.max(0) / ROW_STEP) as usize % BAND_ROWS) * self.stride + PAD;
-        start..start + self.width
+    /// Columns of both images to compute for a row of the left one.
+    fn columns(&self, y: i32) -> [Span; 2] {
+        let Some(reached) = self.reached else { return [Span { start: 0, end: self.width as u16 }; 2] };
+        let of_row = reached.iter().filter(|reached| reached.rows.contains(y)).map(|reached| reached.columns);
+        of_row.reduce(|[a, b], [c, d]| [join(a, c), join(b, d)]).unwrap_or_default()
+    }
+
+    /// Where column 0 of a row lies in a plane.
+    fn start(&self, y: i32) -> usize {
+        ((y.max(0) / ROW_STEP) as usize % BAND_ROWS) * self.stride + PAD
     }
 
     fn row(plane: &[u8], stride: usize, y: i32) -> Option<&[u8]> {
@@ -232,30 +287,8 @@ impl<'a> Band<'a> {
     }
 }
 
-fn fill_gradient(image: Gray<'_>, y: i32, out: &mut [u8]) {
-    let row = |y: i32| clamped_row(image, y);
-    gradient_row(row(y - 1), row(y), row(y + 1), out);
-    flatten(out, image, y);
-}
-
-fn fill_census(image: Gray<'_>, y: i32, out: &mut [u8]) {
-    let row = |y: i32| clamped_row(image, y);
-    census_row([row(y - 2), row(y), row(y + 2)], out);
-    flatten(out, image, y);
-}
-
-/// What is not usable looks like what lies outside the image.
-fn flatten(row: &mut [u8], image: Gray<'_>, y: i32) {
-    if image.usable().is_empty() {
-        return;
-    }
-    let Span { start, end } = image.usable_columns(y);
-    if let Some(before) = row.get_mut(..start.into()) {
-        before.fill(FLAT);
-    }
-    if let Some(after) = row.get_mut(end.into()..) {
-        after.fill(FLAT);
-    }
+fn join(a: Span, b: Span) -> Span {
+    Span { start: a.start.min(b.start), end: a.end.max(b.end) }
 }
 
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {

@@ -57,12 +57,13 @@ impl Place {
     pub(crate) fn new(candidate: &Candidate) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let claim = |side: &Option<Side>| side.as_ref().map_or(Claim::EMPTY, Claim::new);
+        let [left, right] = &candidate.sides;
         Self {
             x: narrow((x0 + x1) >> 6),
             y: narrow((y0 + y1) >> 6),
-            top: narrow(candidate.segment.top()),
+            top: narrow(y0.min(y1) >> 5),
             near_horizontal: candidate.segment.near_horizontal,
-            claims: candidate.sides.each_ref().map(claim),
+            claims: [claim(left), claim(right)],
         }
     }
 
@@ -98,8 +99,8 @@ impl Claim {
     const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
 
     fn new(side: &Side) -> Self {
-        let [d0, d1] = side.disparity_q6.map(i32::from);
-        Self { d_q6: narrow((d0 + d1) >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
+        let [d0, d1] = side.disparity_q6;
+        Self { d_q6: narrow((i32::from(d0) + i32::from(d1)) >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
     }
 
     fn weigh(&mut self, other: &mut Self, distance: i32) {

@@ -27,6 +27,8 @@ use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge: every second one says as much as all seven.
 const SIDE_ROWS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
+/// Half of what a line rises over half a block, 3.5 px, moves the window away from it: a block lies on one row, and would reach across.
+const RISE_Q1: i32 = 7;
 /// Between the centres of the two sides' windows.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.
@@ -98,7 +100,7 @@ pub(crate) fn match_flat(
     shared.set(Kind::Range, log2_mean_q8(range.1.unsigned_abs(), 1));
     shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
 
-    let [above_rows, below_rows] = SIDE_ROWS;
+    let [above_rows, below_rows] = side_rows(&line);
     let [above_points, below_points] = CENSUS_ROWS;
     let [a, b, c, d, e, f, census, back, ..] = &mut work.curves;
     let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
@@ -125,6 +127,13 @@ pub(crate) fn match_flat(
     let line_q6 = [(a0 + b0) / 2, (a1 + b1) / 2];
     join_sides(&mut sides, [(a0 + a1) / 2, (b0 + b1) / 2], SIDES_APART, line_q6);
     Ok(Candidate::new(*segment, sides, window_q6, census_q6, None))
+}
+
+/// Rows of the windows above and below, relative to the line.
+fn side_rows(line: &FlatLine) -> [[i32; 2]; 2] {
+    let away = (line.slope_q12.abs() * RISE_Q1 + 8192) >> 14;
+    let [above, below] = SIDE_ROWS;
+    [above.map(|row| row - away), below.map(|row| row + away)]
 }
 
 impl<'w> SideWindows<'w> {

@@ -8,6 +8,7 @@
 
 pub(crate) mod aggregate;
 pub(crate) mod band;
+pub(crate) mod codes;
 pub(crate) mod consistency;
 pub(crate) mod curve;
 pub(crate) mod evidence;

@@ -11,8 +11,10 @@
 //! # Cost
 //! Four planes of nine rows, in the memory of the band, which a run no longer needs. At 64 disparities some 1500 instructions a row.
 
-use crate::image::{Gray, Span};
-use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, census_row, gradient_row, reverse_row};
+use crate::image::Gray;
+use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, reverse_row};
+use crate::matching::codes::{census, gradients};
+use core::ops::Range;
 
 /// Rows on either side of the pixel's.
 pub(super) const ROWS_REACH: i32 = 4;
@@ -83,7 +85,7 @@ impl<'a> Patch<'a> {
         *columns = Columns { first: self.x - reach, length: 2 * reach };
         let (mut sum, mut count) = (0, 0);
         for (row, slot) in (self.y - ROWS_REACH..).zip(plane.chunks_exact_mut(self.stride.max(1))) {
-            gradients(self.left, row, *columns, slot);
+            fill(slot, *columns, |columns, out| gradients(self.left, row, columns, out));
             for &gradient in slot.get(BORDER as usize..(2 * reach - BORDER) as usize).unwrap_or(&[]) {
                 sum += u32::from(gradient.abs_diff(FLAT));
                 count += 1;
@@ -100,13 +102,17 @@ impl<'a> Patch<'a> {
         self.sought.1 = columns;
         let top = self.y - ROWS_REACH + self.row_offset;
         for (row, slot) in (top..).zip(self.sought.0.chunks_exact_mut(self.stride.max(1))) {
-            gradients(self.right, row, columns, slot);
-            mirror(slot, columns);
+            fill(slot, columns, |columns, out| {
+                gradients(self.right, row, columns, out);
+                reverse_row(out);
+            });
         }
         for (dy, slot) in (-ROWS_REACH..).zip(self.census.chunks_exact_mut(self.stride.max(1))) {
             if codes.contains(&dy) {
-                census(self.right, self.y + dy + self.row_offset, columns, slot);
-                mirror(slot, columns);
+                fill(slot, columns, |columns, out| {
+                    census(self.right, self.y + dy + self.row_offset, columns, out);
+                    reverse_row(out);
+                });
             }
         }
     }
@@ -119,7 +125,7 @@ impl<'a> Patch<'a> {
         self.back.1 = columns;
         for (dy, slot) in (-ROWS_REACH..).zip(self.back.0.chunks_exact_mut(self.stride.max(1))) {
             if (rows.0..=rows.1).contains(&dy) {
-                gradients(self.left, self.y + dy, columns, slot);
+                fill(slot, columns, |columns, out| gradients(self.left, self.y + dy, columns, out));
             }
         }
     }
@@ -173,47 +179,9 @@ fn whole_blocks(len: i32) -> i32 {
     (len + LANES as i32 - 1) & !(LANES as i32 - 1)
 }
 
-fn gradients(image: Gray<'_>, y: i32, columns: Columns, out: &mut [u8]) {
-    fill(image, [y - 1, y, y + 1], columns, out, |[above, row, below], out| gradient_row(above, row, below, out));
-}
-
-fn census(image: Gray<'_>, y: i32, columns: Columns, out: &mut [u8]) {
-    fill(image, [y - 2, y, y + 2], columns, out, census_row);
-}
-
-/// Lets `kernel` compute the columns from three rows, as far as the image has them; what is not usable is flat.
-fn fill(image: Gray<'_>, rows: [i32; 3], columns: Columns, out: &mut [u8], kernel: impl FnOnce([&[u8]; 3], &mut [u8])) {
-    let Columns { first, length } = columns;
-    if let Some(held) = usize::try_from(length).ok().and_then(|end| out.get_mut(..end)) {
-        held.fill(FLAT);
-    }
-    let dims = image.dims();
-    let (from, to) = (first.max(0), (first + length).min(dims.width.into()));
-    if from >= to {
-        return;
-    }
-    let last = i32::from(dims.height) - 1;
-    let [above, row, below] = rows.map(|y| {
-        let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
-        row.get(from as usize..to as usize).unwrap_or(&[])
-    });
-    let start = (from - first) as usize;
-    let Some(inner) = out.get_mut(start..).and_then(|out| out.get_mut(..(to - from) as usize)) else { return };
-    kernel([above, row, below], inner);
-    if image.usable().is_empty() {
-        return;
-    }
-    let [_, y, _] = rows;
-    let Span { start, end } = image.usable_columns(y);
-    for (pixel, x) in inner.iter_mut().zip(from..) {
-        if !(i32::from(start)..i32::from(end)).contains(&x) {
-            *pixel = FLAT;
-        }
-    }
-}
-
-fn mirror(slot: &mut [u8], columns: Columns) {
-    if let Some(row) = slot.get_mut(..columns.length as usize) {
-        reverse_row(row);
+/// Lets `codes` fill the front of a slot.
+fn fill(slot: &mut [u8], Columns { first, length }: Columns, codes: impl FnOnce(Range<i32>, &mut [u8])) {
+    if let Some(out) = usize::try_from(length).ok().and_then(|length| slot.get_mut(..length)) {
+        codes(first..first + length, out);
     }
 }
