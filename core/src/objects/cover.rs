@@ -18,6 +18,8 @@ pub(crate) struct Cover<'a> {
     bits: Option<&'a [u32]>,
     /// Mean column and row of its pixels.
     pub(crate) centre: [i32; 2],
+    /// Half of the area's width and height, at least 1.
+    pub(crate) half_size: [i32; 2],
 }
 
 impl<'a> Cover<'a> {
@@ -27,7 +29,9 @@ impl<'a> Cover<'a> {
         let width = usize::from(width);
         let middle = |from: u16, to: u16| (i32::from(from) + i32::from(to) - 1) >> 1;
         let centre = [middle(area.left, area.right), middle(area.top, area.bottom)];
-        let Shape::Mask(runs) = region.shape() else { return Self { area, width, bits: None, centre } };
+        let half = |from: u16, to: u16| ((i32::from(to) - i32::from(from) + 1) >> 1).max(1);
+        let half_size = [half(area.left, area.right), half(area.top, area.bottom)];
+        let Shape::Mask(runs) = region.shape() else { return Self { area, width, bits: None, centre, half_size } };
 
         let words = (usize::from(area.top) * width) >> 5..=(usize::from(area.bottom) * width) >> 5;
         for word in marks.iter_mut().take(*words.end() + 1).skip(*words.start()) {
@@ -44,7 +48,8 @@ impl<'a> Cover<'a> {
             rows += (end - start) * i64::from(run.y);
         }
         let mean = |sum: i64, of: i64| i32::try_from(sum.checked_div(of).unwrap_or(0)).unwrap_or(0);
-        Self { area, width, bits: Some(marks), centre: [mean(columns, 2 * pixels), mean(rows, pixels)] }
+        let centre = [mean(columns, 2 * pixels), mean(rows, pixels)];
+        Self { area, width, bits: Some(marks), centre, half_size }
     }
 
     /// Is it a box?
@@ -52,13 +57,8 @@ impl<'a> Cover<'a> {
         self.bits.is_none()
     }
 
-    /// Half of the area's width and height, at least 1.
-    pub(crate) fn half_size(&self) -> [i32; 2] {
-        let Area { left, top, right, bottom } = self.area;
-        [i32::from(right) - i32::from(left), i32::from(bottom) - i32::from(top)].map(|size| ((size + 1) >> 1).max(1))
-    }
-
     /// Does the pixel belong to the region?
+    #[inline]
     pub(crate) fn contains(&self, x: i32, y: i32) -> bool {
         if !self.area.contains(x, y) {
             return false;

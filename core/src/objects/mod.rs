@@ -144,7 +144,7 @@ fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, withheld_q8: u32) 
     }
     let two = if cover.is_box() {
         // The nearest surface may be a neighbour that reaches into a corner.
-        i64::from(weight) * 2 < i64::from(all_q8) && is_in_a_corner(surface, cover.half_size())
+        i64::from(weight) * 2 < i64::from(all_q8) && is_in_a_corner(surface, cover.half_size)
     } else {
         u64::from(surface.rival_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
     };

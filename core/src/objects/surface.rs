@@ -19,6 +19,7 @@
 use crate::matching::consistency::Place;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
+use crate::units::quotient;
 use heapless::vec::VecView;
 
 /// Largest difference of disparity between claims at one place, and between a claim and its plane.
@@ -233,8 +234,15 @@ impl Sums {
 
     /// Mean place and disparity; `None` without a claim.
     fn means(&self) -> Option<[i32; 3]> {
-        let mean = |sum: i64| sum.checked_div(self.weight.into()).map(|mean| mean as i32); // a mean is in the range of its terms
-        Some([mean(self.u)?, mean(self.v)?, mean(self.d_q6)?])
+        Some([self.per_weight(self.u)?, self.per_weight(self.v)?, self.per_weight(self.d_q6)?])
+    }
+
+    /// A sum divided by the weight, limited to 32 bits. Few sums are longer than that, and a division of 64 bits takes hundreds of instructions.
+    fn per_weight(&self, sum: i64) -> Option<i32> {
+        match i32::try_from(sum) {
+            Ok(sum) => sum.checked_div(self.weight),
+            Err(_) => sum.checked_div(self.weight.into()).map(|quotient| i32::try_from(quotient).unwrap_or(i32::MAX)),
+        }
     }
 
     /// A sum of products about a mean each, which come with the sum that they are the mean of.
@@ -262,9 +270,12 @@ fn fit(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bo
     let shift = uu.max(vv).checked_ilog2().unwrap_or(0).saturating_sub(26);
     let [uu, uv, vv, ud, vd] = [uu, uv, vv, ud, vd].map(|sum| sum >> shift);
     let determinant = uu * vv - uv * uv;
+    // 20 bits of the determinant: then a slope within the limit has a numerator of 31.
+    let shift = determinant.checked_ilog2().unwrap_or(0).saturating_sub(19);
     let slope = |numerator: i64| {
-        let slope_q10 = (numerator << 4).checked_div(determinant).unwrap_or(0); // 1/64 px to 1/1024 px
-        i32::try_from(slope_q10.clamp(-MAX_SLOPE_Q10, MAX_SLOPE_Q10)).unwrap_or(0)
+        let numerator = ((numerator << 4) >> shift).clamp(-LIMIT, LIMIT); // 1/64 px to 1/1024 px
+        let slope_q10 = quotient(numerator as i32, (determinant >> shift) as i32);
+        slope_q10.clamp(-MAX_SLOPE_Q10, MAX_SLOPE_Q10)
     };
     let slope_q10 = [slope(ud * vv - vd * uv), slope(vd * uu - ud * uv)];
     let level = Plane { level_q6: d_q6, slope_q10 };
@@ -272,7 +283,9 @@ fn fit(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bo
 }
 
 /// Steeper planes are none that a camera sees: 2 px per px.
-const MAX_SLOPE_Q10: i64 = 2 << 10;
+const MAX_SLOPE_Q10: i32 = 2 << 10;
+/// Of 32 bits.
+const LIMIT: i64 = i32::MAX as i64;
 
 /// What there is to say of the plane by the claims on it; `None` when none is.
 fn describe(
@@ -291,7 +304,7 @@ fn describe(
     });
     let [u, v, _] = sums.means()?;
     let (of_u, of_v) = ([u.into(), sums.u], [v.into(), sums.v]);
-    let per_weight = |sum: i64| i32::try_from(sum.checked_div(sums.weight.into()).unwrap_or(0)).unwrap_or(i32::MAX);
+    let per_weight = |sum: i64| sums.per_weight(sum).unwrap_or(0);
     Some(Surface {
         // Not `clamp`, which panics when its bounds cross.
         centre_q6: plane.level_q6.max(low - BEYOND_Q6).min(high + BEYOND_Q6),

@@ -127,7 +127,7 @@ fn weigh(probability_q16: u16, inside: u16) -> u16 {
 
 /// 1 at the centre of the area to 3/8 at its border, 1/256.
 fn nearness_q8(place: &Place, cover: &Cover<'_>) -> u32 {
-    let [half_width, half_height] = cover.half_size();
+    let [half_width, half_height] = cover.half_size;
     let [x, y] = cover.centre;
     let part = |d: i32, half: i32| crate::units::quotient(d.abs() << 8, half);
     let out_q8 = part(i32::from(place.x) - x, half_width).max(part(i32::from(place.y) - y, half_height)).min(409);
