@@ -1,5 +1,6 @@
-//! Test support: naive oracles, drawn images, boards.
+//! Test support: naive oracles, drawn images, captured frames, boards.
 
 pub mod board;
+pub mod captured;
 pub mod drawn;
 pub mod reference;

@@ -4,9 +4,9 @@ use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::print;
 use crate::draw;
-use crate::engine::{FrameResult, GrayImage};
+use crate::engine::FrameResult;
 use crate::evaluate::{NearestSummary, Surveyed, median, nearest_disparity, surveyed};
-use crate::frames::{PairFiles, Sequence, SequencePair, load_gray};
+use crate::frames::{PairFiles, Sequence, SequencePair, halves, load_gray};
 use crate::listing;
 use crate::output::{LineFile, OutputFiles};
 use anyhow::{Result, bail};
@@ -189,15 +189,6 @@ impl<'a> Player<'a> {
         let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
         Ok((setup.dims(), result, objects))
     }
-}
-
-/// Left and right half; a column in the middle belongs to neither.
-fn halves(image: &GrayImage) -> [GrayImage; 2] {
-    let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
-    [0, width - half].map(|from| GrayImage {
-        dims: Dims { width: half as u16, height: image.dims.height },
-        pixels: image.pixels.chunks_exact(width).flat_map(|row| &row[from..from + half]).copied().collect(),
-    })
 }
 
 /// The object of a line with the frame's number and name before its own fields.

@@ -6,8 +6,10 @@
 
 use super::FrameError;
 use crate::engine::GrayImage;
-use image::{DynamicImage, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageReader};
 use linestereo::{Dims, ViewError};
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
@@ -49,6 +51,20 @@ pub(crate) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
     Ok((dims, values))
 }
 
+/// An image has 16 bits a value.
+pub(super) fn is_16_bit(path: &Path) -> Result<bool, FrameError> {
+    let decoder =
+        open(path)?.into_decoder().map_err(|error| FrameError::Decode(path.to_path_buf(), error.to_string()))?;
+    Ok(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count() == 2)
+}
+
+/// Height of an image, by its first bytes.
+pub(super) fn rows(path: &Path) -> Result<u16, FrameError> {
+    let dims = open(path)?.into_dimensions();
+    let (_, rows) = dims.map_err(|error| FrameError::Decode(path.to_path_buf(), error.to_string()))?;
+    Ok(u16::try_from(rows).unwrap_or(u16::MAX))
+}
+
 /// Refuses an image in which nothing can be matched: one value only, or more than 95 % of it black or white.
 pub fn check_usable(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
     let first = image.pixels.first().copied().unwrap_or(0);
@@ -71,12 +87,17 @@ pub fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
 }
 
 fn decode(path: &Path) -> Result<DynamicImage, FrameError> {
-    let read_error = |error| FrameError::Read(path.to_path_buf(), error);
-    let reader = ImageReader::open(path).map_err(read_error)?.with_guessed_format().map_err(read_error)?;
-    reader.decode().map_err(|error| match error {
-        image::ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => read_error(error),
+    open(path)?.decode().map_err(|error| match error {
+        image::ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+            FrameError::Read(path.to_path_buf(), error)
+        }
         other => FrameError::Decode(path.to_path_buf(), other.to_string()),
     })
+}
+
+fn open(path: &Path) -> Result<ImageReader<BufReader<File>>, FrameError> {
+    let read_error = |error| FrameError::Read(path.to_path_buf(), error);
+    ImageReader::open(path).map_err(read_error)?.with_guessed_format().map_err(read_error)
 }
 
 fn dims_of(path: &Path, image: &DynamicImage) -> Result<Dims, FrameError> {

@@ -1,19 +1,25 @@
-//! Captured frames: image files, scene folders with ground truth, area resampling, perturbations.
+//! Captured frames: image files, folders of pairs in every common layout, ground truth, area resampling, perturbations.
 
 mod decode;
+mod disparity_file;
+mod layouts;
 mod perturb;
 mod resample;
 mod scene;
 mod sequence;
+mod stored;
 mod truth;
 
 pub(crate) use decode::load_values;
 pub use decode::{check_size, check_usable, load_gray};
+pub use disparity_file::{DisparityFault, load_disparities};
+pub use layouts::{Dataset, Layout, LayoutFault};
 pub use perturb::Perturbation;
 pub(crate) use perturb::SplitMix64;
 pub use resample::{area_average, resampled_height};
 pub use scene::{Scene, SceneInfo, find_pairs, find_scenes, has_truth, load_scene, scaled_max_disparity};
 pub use sequence::{PairFiles, Sequence, SequencePair};
+pub use stored::{StoredPair, halves};
 pub use truth::Truth;
 
 use core::fmt;
@@ -63,6 +69,10 @@ pub enum FrameError {
     Rig(PathBuf, RigError),
     /// A folder holds no image of this name.
     NoImage(PathBuf, &'static str),
+    /// A file of disparities is damaged or something else.
+    Disparities(PathBuf, DisparityFault),
+    /// A folder is in no known layout, or something in it is missing.
+    Layout(PathBuf, LayoutFault),
 }
 
 impl fmt::Display for FrameError {
@@ -107,6 +117,8 @@ impl fmt::Display for FrameError {
             Self::NoImage(folder, name) => {
                 write!(f, "{} holds no {name}.png, .jpg, .pgm or .ppm; add the image", folder.display())
             }
+            Self::Disparities(path, fault) => write!(f, "{}: {fault}", path.display()),
+            Self::Layout(path, fault) => write!(f, "{}: {fault}", path.display()),
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
 //! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `disparity_zero_px`, `ground_truth` (`file`, `disparity_scale`: disparity in
-//! px = stored value / scale, 0 = unknown) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`,
+//! px = stored value / scale, 0 = unknown; PFM, NPY and NPZ too, where infinite is unknown and 0 is not) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`,
 //! `left_valid_normalized`: left, top, right, bottom border of the left image's content as shares of its sides). What is visible in
 //! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
 
-use super::decode::{check_size, load_values};
-use super::{FrameError, Truth, area_average, check_same_size, load_gray};
+use super::layouts::{Layout, folder_name};
+use super::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
+use super::{FrameError, PairFiles, Truth};
 use crate::engine::GrayImage;
 use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
@@ -14,8 +15,6 @@ use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Disparity range where neither `scene.json` nor the truth gives one.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
 /// Derived disparity ranges are multiples of this.
 const RANGE_STEP: u16 = 16;
 pub(super) const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
@@ -83,6 +82,12 @@ impl SceneInfo {
     #[must_use]
     pub fn principal_point(&self) -> Option<[f64; 2]> {
         self.rectified.as_ref().and_then(|rectified| rectified.principal_point_px)
+    }
+
+    /// Stored ground truth values per px, where the file says so.
+    pub(super) fn disparity_scale(&self) -> Option<f32> {
+        let scale = self.ground_truth.as_ref()?.disparity_scale;
+        (scale.is_finite() && scale > 0.0).then_some(scale)
     }
 
     /// The numbers behind [`SceneInfo::rig`], for a board.
@@ -163,37 +168,24 @@ pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
 
 /// Loads a scene folder, reduced to `width` if asked; images are checked against the core's limits after that.
 pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError> {
+    stored(folder)?.load(width)
+}
+
+/// What a scene folder holds.
+pub(super) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let info_path = folder.join("scene.json");
     let info = SceneInfo::load(&info_path)?;
-    let (left_path, left) = load_image(folder, "left")?;
-    let (right_path, right) = load_image(folder, "right")?;
-    check_same_size((&left_path, left.dims), (&right_path, right.dims))?;
-    let truth = load_truth(folder, &info, (&left_path, left.dims))?;
-    let full_width = left.dims.width;
-    let reduce = |image: GrayImage, path: &Path| {
-        let image = width.map_or(Ok(image.clone()), |width| area_average(&image, width))?;
-        check_size(path, &image).map(|()| image)
-    };
-    let (left, right) = (reduce(left, &left_path)?, reduce(right, &right_path)?);
-    let truth = truth.map(|truth| width.map_or(truth.clone(), |width| truth.resampled(width)));
-    let scale = f64::from(left.dims.width) / f64::from(full_width);
-    let max_disparity = match (info.max_disparity, truth.as_ref().and_then(Truth::largest)) {
-        (Some(range), _) if width.is_none() => range.round() as u16,
-        (Some(range), _) => scaled_max_disparity(range, scale),
-        // A range of N searches 0 .. N - 1: the largest truth itself has to be inside.
-        (None, Some(largest)) => scaled_max_disparity(f64::from(largest.ceil()) + 1.0, 1.0),
-        (None, None) => DEFAULT_MAX_DISPARITY,
-    };
-    let folder_name = || folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    Ok(Scene {
-        name: info.scene.clone().unwrap_or_else(folder_name),
+    let image = |name| image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name));
+    let truth = stored_truth(folder, &info)?;
+    let rig = info.rig_numbers(1.0);
+    Ok(StoredPair {
+        name: info.scene.clone().unwrap_or_else(|| folder_name(folder)),
+        layout: Layout::SceneJson,
         folder: folder.to_path_buf(),
-        rig: info.rig(&info_path, scale)?,
-        rig_numbers: info.rig_numbers(scale),
-        left,
-        right,
-        max_disparity,
+        images: PairFiles::Two([image("left")?, image("right")?]),
         truth,
+        rig: rig.map_or(StoredRig::Unknown, |rig| StoredRig::Rectified(info_path, rig)),
+        max_disparity: info.max_disparity,
     })
 }
 
@@ -204,43 +196,29 @@ pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
     (steps as u16).saturating_mul(RANGE_STEP)
 }
 
-fn load_image(folder: &Path, name: &'static str) -> Result<(PathBuf, GrayImage), FrameError> {
-    let path = image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name))?;
-    let image = load_gray(&path)?;
-    Ok((path, image))
-}
-
 /// The image of this name in a folder, whatever its format.
 fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
     let paths = IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
     paths.into_iter().find(|path| path.is_file())
 }
 
-fn load_truth(folder: &Path, info: &SceneInfo, image: (&Path, Dims)) -> Result<Option<Truth>, FrameError> {
+fn stored_truth(folder: &Path, info: &SceneInfo) -> Result<Option<StoredTruth>, FrameError> {
     let Some(ground_truth) = &info.ground_truth else { return Ok(None) };
     let scale = ground_truth.disparity_scale;
     if !(scale.is_finite() && scale > 0.0) {
         let what = format!("disparity_scale is {scale}, it has to be above 0");
         return Err(FrameError::SceneFile(folder.join("scene.json"), what));
     }
-    let values = |path: &Path| -> Result<Vec<u16>, FrameError> {
-        let (dims, values) = load_values(path)?;
-        check_same_size(image, (path, dims)).map(|()| values)
-    };
-    let disparities = |path: &Path| -> Result<Vec<f32>, FrameError> {
-        let known = |value: u16| if value == 0 { f32::NAN } else { f32::from(value) / scale };
-        Ok(values(path)?.into_iter().map(known).collect())
-    };
-    let disparity = disparities(&folder.join(ground_truth.file.as_deref().unwrap_or("gt.png")))?;
     let mask = ["visible.png", "mask_nonocc.png"].map(|name| folder.join(name)).into_iter().find(|path| path.is_file());
-    let right = folder.join("gt_right.png");
-    let dims = image.1;
-    Ok(Some(if let Some(mask) = mask {
-        Truth::new(dims, disparity, values(&mask)?.into_iter().map(|value| value > 0).collect())
-    } else if right.is_file() {
-        Truth::with_right_truth(dims, disparity, &disparities(&right)?)
-    } else {
-        Truth::with_reprojected_visibility(dims, disparity)
+    let right = Some(folder.join("gt_right.png")).filter(|path| path.is_file());
+    Ok(Some(StoredTruth {
+        file: folder.join(ground_truth.file.as_deref().unwrap_or("gt.png")),
+        scale: Scale::Steps(scale),
+        visibility: match (mask, right) {
+            (Some(mask), _) => Visibility::Mask(mask, 0),
+            (None, Some(right)) => Visibility::RightTruth(right),
+            (None, None) => Visibility::Truth,
+        },
     }))
 }
 

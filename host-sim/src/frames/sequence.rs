@@ -75,21 +75,30 @@ pub struct Sequence {
 impl Sequence {
     /// Finds the pairs of a folder; a folder without any is no error.
     pub fn find(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
-        let mut found = if side_by_side {
+        if side_by_side {
             let pairs = images(root)?.into_iter().map(|path| pair(&stem(&path), PairFiles::SideBySide(path)));
-            Self { pairs: pairs.collect(), alone: 0 }
-        } else {
-            let camera_folders = CAMERA_FOLDERS.map(|names| names.map(|name| root.join(name)));
-            match camera_folders.iter().find(|folders| folders.iter().all(|folder| folder.is_dir())) {
-                Some([left, right]) => by_name(images(left)?, images(right)?),
-                None => match by_side(images(root)?) {
-                    none if none.pairs.is_empty() => Self { alone: none.alone, ..folders_of_pairs(root)? },
-                    found => found,
-                },
+            return Ok(Self { pairs: pairs.collect(), alone: 0 }.sorted());
+        }
+        match Self::here(root)? {
+            (none, false) if none.pairs.is_empty() => {
+                Ok(Self { alone: none.alone, ..folders_of_pairs(root)? }.sorted())
             }
-        };
-        found.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
-        Ok(found)
+            (found, _) => Ok(found),
+        }
+    }
+
+    /// The pairs of this folder itself, and whether each camera has a folder.
+    pub(super) fn here(root: &Path) -> Result<(Self, bool), FrameError> {
+        let camera_folders = CAMERA_FOLDERS.map(|names| names.map(|name| root.join(name)));
+        Ok(match camera_folders.iter().find(|folders| folders.iter().all(|folder| folder.is_dir())) {
+            Some([left, right]) => (by_name(images(left)?, images(right)?).sorted(), true),
+            None => (by_side(images(root)?).sorted(), false),
+        })
+    }
+
+    fn sorted(mut self) -> Self {
+        self.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
+        self
     }
 }
 
