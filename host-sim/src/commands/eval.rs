@@ -1,16 +1,17 @@
 //! `linestereo eval`: scores on frames with ground truth.
 
+use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
 use super::{does_not_fit, engine_with, print};
 use crate::board::{self, Machine};
 use crate::engine::{Engine, GrayImage};
-use crate::evaluate::{FrameScore, Summary, report, scene_table};
-use crate::frames::{Perturbation, Scene, check_usable, find_scenes, load_scene};
+use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, for_each_pair, progress_bar, report, scene_table};
+use crate::frames::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
-use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
+use linestereo::Params;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -26,6 +27,9 @@ Examples:
   linestereo eval frames/full --width 320 --json -      reduce to 320 px first, print JSON
   linestereo eval frames/qvga --on mps2-an500           on an emulated Cortex-M7
   linestereo eval frames/qvga --objects                 depth of the objects in objects.png and objects.json
+  linestereo eval kitti/training --width 640            KITTI, Middlebury, ETH3D as downloaded; PFM, PNG, NPZ truth
+  linestereo eval sets --no-times --shard 3/16 --json part3.json   a sixteenth of it, on one of 16 machines
+  linestereo eval --merge part*.json --json -           all parts: the same bytes as without --shard
 
 Words:
   segprec@1/@2   % of segments whose median error is at most 1 / 2 px
@@ -44,15 +48,13 @@ Words:
 Scenes that the confidence model was fitted on flatter it: fit-confidence scores each of them by a
 model that has not seen it.";
 
-/// Score the core on every folder with a scene.json and ground truth.
+/// Score the core on every pair with ground truth, on all cores.
 ///
-/// Parameters are the defaults for every scene; only the disparity range and the rig come from its scene.json.
+/// Parameters are the defaults for every scene; only the disparity range and the rig come from its scene.json or calibration. Folders may
+/// be of any layout: with scene.json, Middlebury, KITTI, ETH3D, left and right folders, numbered pairs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Folders to search for scene.json, at any depth.
-    #[arg(required = true, value_name = "FOLDER")]
-    folders: Vec<PathBuf>,
     /// Write the scores as JSON to FILE, or to stdout in place of the tables with "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -66,8 +68,13 @@ pub struct Args {
     #[arg(long, value_name = "BOARD")]
     on: Option<String>,
     /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.
-    #[arg(long, conflicts_with = "on")]
+    #[arg(long, conflicts_with_all = ["on", "shard", "merge"])]
     objects: bool,
+    /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
+    #[arg(long)]
+    no_times: bool,
+    #[command(flatten)]
+    batch: BatchArgs,
     #[command(flatten)]
     method: MethodArgs,
     #[command(flatten)]
@@ -139,100 +146,139 @@ struct JsonScene {
     summary: Summary,
 }
 
+/// What became of a pair.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum PairOutcome {
+    Scored(FrameScore),
+    /// The board does not hold it: what it is, and what would help.
+    TooLarge {
+        name: String,
+        advice: String,
+    },
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let perturbation = args.perturbation.checked()?;
-    let mut folders = Vec::new();
-    for root in &args.folders {
-        folders.extend(find_scenes(root)?.into_iter().map(|folder| (root, folder)));
+    if !args.batch.merge.is_empty() {
+        let (head, outcomes) = ShardFile::merge(&args.batch.merge)?;
+        return write_results(args, &head, outcomes);
     }
+    let found = collect(&args.batch.folders)?;
     if args.objects {
-        let scenes = scenes_with_truth(&folders, args)?;
-        return super::eval_objects::run(&scenes, &args.method, &perturbation, args.json.as_deref());
+        let load = |pair: &StoredPair| load(pair, args);
+        let (method, json) = (&args.method, args.json.as_deref());
+        return super::eval_objects::run(&found.pairs, args.batch.threads(), load, method, &perturbation, json);
     }
+    let head = head(args, &found);
+    let (places, pairs): (Vec<usize>, Vec<StoredPair>) = args.batch.part(found.pairs).into_iter().unzip();
     let machine = args.on.as_deref().map(|name| Machine::new(board::named(name)?)).transpose()?;
-    let progress = progress_bar(folders.len());
-    let mut scores = Vec::new();
-    let (mut too_large, mut advice) = (Vec::new(), None);
-    for (root, folder) in &folders {
-        progress.set_message(folder.strip_prefix(root).unwrap_or(folder).display().to_string());
-        if crate::frames::has_truth(folder)? {
-            let scene = load(root, folder, args)?;
-            match &machine {
-                Some(machine) if !machine.board().fits(scene.left.dims) => {
-                    too_large.push(format!("{} ({})", scene.name, scene.left.dims));
-                    advice = Some(does_not_fit(machine.board(), scene.left.dims));
-                }
-                Some(machine) => scores.push(score_on(machine, &scene, &args.method, &perturbation)?),
-                None => scores.push(score(&scene, &args.method, &perturbation)?),
-            }
+    let name = |pair: &StoredPair| pair.name.clone();
+    let mut outcomes = for_each_pair(&pairs, args.batch.threads(), name, |pair| {
+        outcome(machine.as_ref(), &load(pair, args)?, &args.method, &perturbation)
+    })?;
+    if machine.is_none() && !args.no_times {
+        measure(args, &pairs, &mut outcomes, &perturbation)?;
+    }
+    match args.batch.shard {
+        Some(shard) => {
+            let count = outcomes.len();
+            let file = ShardFile::new(head, shard, places.into_iter().zip(outcomes).collect());
+            super::batch::write_part(&file, args.json.as_deref(), shard, count)
         }
-        progress.inc(1);
+        None => write_results(args, &head, outcomes),
     }
-    progress.finish_and_clear();
-    if let Some(advice) = advice.filter(|_| scores.is_empty()) {
-        bail!("{}: {advice}", too_large.join(", "));
-    }
-    if scores.is_empty() {
-        bail!("no folder with a scene.json and ground truth below {}; see --help", list(&args.folders));
-    }
-    write_results(args, &scores, folders.len() - scores.len() - too_large.len(), &too_large)
+}
+
+/// What parts of this evaluation have in common.
+fn head(args: &Args, found: &Collected) -> ShardHead {
+    let Args { width, max_disparity, on, no_times, method, perturbation, .. } = args;
+    let options = format!(
+        "width {width:?}, range {max_disparity:?}, on {on:?}, no times {no_times}, {method:?}, {perturbation:?}"
+    );
+    ShardHead::new("eval", options, found.pairs.iter().map(|pair| pair.name.as_str()), found.notes.clone())
 }
 
 /// The scene as it is to be matched.
-fn load(root: &Path, folder: &Path, args: &Args) -> Result<Scene> {
-    let mut scene = load_scene(folder, args.width)?;
-    // Sets hold scenes of the same name: the path below the given folder tells them apart.
-    let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
-    if !below_root.is_empty() {
-        scene.name = below_root;
-    }
+fn load(pair: &StoredPair, args: &Args) -> Result<Scene> {
+    let mut scene = pair.load(args.width)?;
     scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
     Ok(scene)
 }
 
-fn scenes_with_truth(folders: &[(&PathBuf, PathBuf)], args: &Args) -> Result<Vec<Scene>> {
-    let mut scenes = Vec::new();
-    for (root, folder) in folders {
-        if crate::frames::has_truth(folder)? {
-            scenes.push(load(root, folder, args)?);
-        }
+/// A scene as it is matched and scored, whoever matches it.
+struct Prepared<'a> {
+    scene: &'a Scene,
+    images: (GrayImage, GrayImage),
+    params: Params,
+    truth: Truth,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(scene: &'a Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<Self> {
+        let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", scene.folder.display()))?;
+        let (left, right) = perturbation.apply(&scene.left, &scene.right);
+        check_usable(&scene.folder.join("left"), &left)?;
+        check_usable(&scene.folder.join("right"), &right)?;
+        let truth = if perturbation.swap { truth.swapped() } else { truth.clone() };
+        let params = method.params(scene.max_disparity, scene.rig)?;
+        Ok(Self { scene, images: (left, right), params, truth })
     }
-    Ok(scenes)
+
+    fn name(&self) -> String {
+        format!("{}: {}", self.scene.folder.display(), self.scene.name)
+    }
+
+    /// The core; says what is wrong in terms of options.
+    fn engine(&self) -> Result<Engine> {
+        engine_with(&self.params, self.images.0.dims).with_context(|| self.name())
+    }
 }
 
-/// Runs one scene several times for its time and scores its result.
-fn score(scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<FrameScore> {
-    let name = || scene.folder.display().to_string();
-    let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", name()))?;
-    let (left, right) = perturbation.apply(&scene.left, &scene.right);
-    check_usable(&scene.folder.join("left"), &left)?;
-    check_usable(&scene.folder.join("right"), &right)?;
-    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, left.dims).with_context(name)?;
-    let milliseconds = time(&mut engine, &left, &right)?;
-    let result = engine.run(left.view()?, right.view()?)?;
-    let truth = if perturbation.swap { &truth.swapped() } else { truth };
-    let mut score = FrameScore::new(&scene.name, truth, &result);
-    score.milliseconds = Some(milliseconds);
-    Ok(score)
+/// Matches one scene, on a board if there is one, and scores its result.
+fn outcome(
+    machine: Option<&Machine>,
+    scene: &Scene,
+    method: &MethodArgs,
+    perturbation: &Perturbation,
+) -> Result<PairOutcome> {
+    if let Some(board) = machine.map(Machine::board).filter(|board| !board.fits(scene.left.dims)) {
+        let name = format!("{} ({})", scene.name, scene.left.dims);
+        return Ok(PairOutcome::TooLarge { name, advice: does_not_fit(board, scene.left.dims) });
+    }
+    let prepared = Prepared::new(scene, method, perturbation)?;
+    let (left, right) = &prepared.images;
+    let mut engine = prepared.engine()?;
+    let (result, instructions) = match machine {
+        None => (engine.run(left.view()?, right.view()?)?, None),
+        Some(machine) => {
+            let update = board::update(&prepared.params, scene.rig_numbers);
+            let replayed = machine.run_pairs(&update, &[(left, right)]).with_context(|| prepared.name())?;
+            let pair = replayed.pairs.into_iter().next_back().with_context(|| prepared.name())?;
+            let found = pair.map_err(|why| anyhow!("{}: {why}", prepared.name()))?;
+            (found.result, Some(found.costs.iter().sum()))
+        }
+    };
+    let mut score = FrameScore::new(&scene.name, &prepared.truth, &result);
+    score.instructions = instructions;
+    Ok(PairOutcome::Scored(score))
 }
 
-/// Runs one scene on a board and scores its result.
-fn score_on(machine: &Machine, scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<FrameScore> {
-    let name = || scene.folder.display().to_string();
-    let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", name()))?;
-    let (left, right) = perturbation.apply(&scene.left, &scene.right);
-    check_usable(&scene.folder.join("left"), &left)?;
-    check_usable(&scene.folder.join("right"), &right)?;
-    let params = method.params(scene.max_disparity, scene.rig)?;
-    engine_with(&params, left.dims).with_context(name)?; // says what is wrong in terms of options
-    let update = board::update(&params, scene.rig_numbers);
-    let pair = machine.run_pairs(&update, &[(&left, &right)]).with_context(name)?.pairs.pop();
-    let found = pair.with_context(name)?.map_err(|why| anyhow!("{}: {why}", name()))?;
-    let truth = if perturbation.swap { &truth.swapped() } else { truth };
-    let mut score = FrameScore::new(&scene.name, truth, &found.result);
-    score.instructions = Some(found.costs.iter().sum());
-    Ok(score)
+/// Times every pair alone, on one thread.
+fn measure(args: &Args, pairs: &[StoredPair], outcomes: &mut [PairOutcome], perturbation: &Perturbation) -> Result<()> {
+    let progress = progress_bar(pairs.len());
+    for (pair, outcome) in pairs.iter().zip(outcomes) {
+        progress.set_message(format!("timing {}", pair.name));
+        if let PairOutcome::Scored(score) = outcome {
+            let scene = load(pair, args)?;
+            let prepared = Prepared::new(&scene, &args.method, perturbation)?;
+            let (left, right) = &prepared.images;
+            score.milliseconds = Some(time(&mut prepared.engine()?, left, right)?);
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(())
 }
 
 /// Median time of a run in milliseconds.
@@ -249,12 +295,25 @@ fn time(engine: &mut Engine, left: &GrayImage, right: &GrayImage) -> Result<f64>
     Ok(1e3 * times[times.len() / 2].as_secs_f64())
 }
 
-fn write_results(args: &Args, scores: &[FrameScore], without_truth: usize, too_large: &[String]) -> Result<()> {
-    let pooled = Summary::pool(scores);
-    let to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    let mut text = format!("{}\n{}", scene_table(scores), report(&pooled));
-    if without_truth > 0 {
-        text.push_str(&format!("\n{without_truth} folders without ground truth were left out\n"));
+/// Tables and JSON; of merged parts the same as of everything at once.
+fn write_results(args: &Args, head: &ShardHead, outcomes: Vec<PairOutcome>) -> Result<()> {
+    let (mut scores, mut too_large, mut hint) = (Vec::new(), Vec::new(), None);
+    for outcome in outcomes {
+        match outcome {
+            PairOutcome::Scored(score) => scores.push(score),
+            PairOutcome::TooLarge { name, advice } => {
+                too_large.push(name);
+                hint = Some(advice);
+            }
+        }
+    }
+    if let Some(advice) = hint.filter(|_| scores.is_empty()) {
+        bail!("{}: {advice}", too_large.join(", "));
+    }
+    let pooled = Summary::pool(&scores);
+    let mut text = format!("{}\n{}", scene_table(&scores), report(&pooled));
+    for note in &head.notes {
+        text.push_str(&format!("\n{note}\n"));
     }
     if !too_large.is_empty() {
         let (count, list) = (too_large.len(), too_large.join(", "));
@@ -264,13 +323,10 @@ fn write_results(args: &Args, scores: &[FrameScore], without_truth: usize, too_l
         text.push_str("\nthe images were swapped: every true disparity is negative, so every claim above is wrong\n");
     }
     if let Some(path) = &args.json {
-        let scenes = scores
-            .iter()
-            .map(|score| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) })
-            .collect();
-        let mut json = serde_json::to_string_pretty(&JsonReport { pooled, scenes })?;
-        json.push('\n');
-        if to_stdout {
+        let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
+        let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };
+        let json = serde_json::to_string_pretty(&report)? + "\n";
+        if path == Path::new("-") {
             return print(&json);
         }
         let mut output = OutputFiles::new();
@@ -278,14 +334,4 @@ fn write_results(args: &Args, scores: &[FrameScore], without_truth: usize, too_l
         output.commit()?;
     }
     print(&text)
-}
-
-/// On stderr, and only when that is a terminal.
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-fn list(folders: &[PathBuf]) -> String {
-    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
 }

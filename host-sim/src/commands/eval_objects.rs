@@ -3,12 +3,11 @@
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::engine::Engine;
-use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+use crate::evaluate::{ObjectScore, ObjectSummary, Outline, for_each_pair, object_cases, object_table, score_objects};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
-use crate::frames::{Perturbation, Scene, check_usable};
+use crate::frames::{Perturbation, Scene, StoredPair, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::Path;
 
@@ -20,42 +19,41 @@ struct JsonReport {
     leave_one_out: Option<Vec<ObjectSummary>>,
 }
 
-/// Prints the table with the core's models, and leave one scene out.
+/// Prints the table with the core's models, and leave one scene out; scenes are loaded anew for it.
 pub(super) fn run(
-    scenes: &[Scene],
+    pairs: &[StoredPair],
+    threads: Option<usize>,
+    load: impl Fn(&StoredPair) -> Result<Scene> + Sync,
     method: &MethodArgs,
     perturbation: &Perturbation,
     json: Option<&Path>,
 ) -> Result<()> {
-    let bar = ProgressBar::new(2 * scenes.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
-    let (mut fitted, mut samples) = (Vec::new(), Vec::new());
-    for scene in scenes {
-        bar.set_message(scene.name.clone());
-        let mut watched = Watched::new(scene, method, perturbation)?;
-        fitted.extend(score_objects(&mut watched.engine, &object_cases(scene)?));
-        samples.push(watched.samples(scene)?);
-        bar.inc(1);
-    }
+    let name = |pair: &StoredPair| pair.name.clone();
+    let watched = for_each_pair(pairs, threads, name, |pair| {
+        let scene = load(pair)?;
+        let mut watched = Watched::new(&scene, method, perturbation)?;
+        let scores = score_objects(&mut watched.engine, &object_cases(&scene)?);
+        Ok((scores, watched.samples(&scene)?))
+    })?;
+    let (fitted, samples): (Vec<_>, Vec<_>) = watched.into_iter().unzip();
+    let fitted = fitted.concat();
     if fitted.is_empty() {
         bail!("no scene has objects; give folders with objects.png, or with objects.json and mask_objects.png");
     }
-    let mut unseen = None;
-    if scenes.len() > 1 {
-        let mut scores = Vec::new();
-        for (i, scene) in scenes.iter().enumerate() {
-            bar.set_message(format!("leaving out {}", scene.name));
-            let others: Vec<_> = samples.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, s)| s).collect();
-            let models = fit(&others);
-            let mut engine = engine(scene, method)?.with_models(models);
-            run_pair(&mut engine, scene, perturbation, &mut EvidenceLog::default())?;
-            scores.extend(score_objects(&mut engine, &object_cases(scene)?));
-            bar.inc(1);
-        }
-        unseen = Some(scores);
-    }
-    bar.finish_and_clear();
-    write_results(&fitted, unseen.as_deref(), json)
+    let places: Vec<usize> = (0..pairs.len()).collect();
+    let unseen = for_each_pair(
+        if pairs.len() > 1 { &places } else { &[] },
+        threads,
+        |&held| format!("leaving out {}", pairs[held].name),
+        |&held| {
+            let scene = load(&pairs[held])?;
+            let others: Vec<_> = samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, s)| s).collect();
+            let mut engine = engine(&scene, method)?.with_models(fit(&others));
+            run_pair(&mut engine, &scene, perturbation, &mut EvidenceLog::default())?;
+            Ok(score_objects(&mut engine, &object_cases(&scene)?))
+        },
+    )?;
+    write_results(&fitted, (pairs.len() > 1).then(|| unseen.concat()).as_deref(), json)
 }
 
 /// A pair that was run, with the evidence of its claims.

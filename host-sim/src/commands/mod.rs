@@ -4,6 +4,7 @@
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
 //! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
+mod batch;
 pub mod calibrate;
 pub mod convert_rig;
 pub mod demo;
@@ -12,6 +13,7 @@ mod eval_objects;
 pub mod eval_pixels;
 pub mod fit_confidence;
 pub mod flash_image;
+pub mod frames;
 mod input;
 mod method;
 pub mod monitor;
@@ -49,10 +51,11 @@ struct Cli {
 enum Command {
     Demo(demo::Args),
     Run(Box<run::Args>),
-    Eval(eval::Args),
+    Eval(Box<eval::Args>),
     EvalPixels(eval_pixels::Args),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
+    Frames(frames::Args),
     Rectify(rectify::Args),
     Report(Box<report::Args>),
     Scene(scene::Args),
@@ -77,6 +80,7 @@ pub fn main() -> ExitCode {
         Some(Command::EvalPixels(args)) => eval_pixels::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
+        Some(Command::Frames(args)) => frames::run(args),
         Some(Command::Rectify(args)) => rectify::run(args),
         Some(Command::Report(args)) => report::run(args),
         Some(Command::Scene(args)) => scene::run(args),

@@ -1,8 +1,10 @@
 //! The score of one frame.
 
+use super::packed::PackedScore;
 use crate::engine::FrameResult;
 use crate::frames::Truth;
 use linestereo::Match;
+use serde::{Deserialize, Serialize};
 
 /// Side of a coverage cell in px.
 const CELL: usize = 16;
@@ -36,8 +38,9 @@ pub(super) struct CellScore {
     pub(super) best: Option<f32>,
 }
 
-/// What one frame's result is worth against its truth.
-#[derive(Clone, Debug)]
+/// What one frame's result is worth against its truth; as JSON it keeps every bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "PackedScore", try_from = "PackedScore")]
 pub struct FrameScore {
     /// Name of the scene.
     pub name: String,

@@ -12,17 +12,23 @@
 //! - **nearest**: the disparity that at least three segments of a frame reach, against a surveyed distance.
 //!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
+//! [`for_each_pair`] uses all cores, [`ShardFile`] splits an evaluation and merges it exactly.
 
+mod batch;
 mod frame;
 mod nearest;
 mod objects;
+mod packed;
 mod pixels;
+mod shard;
 mod summary;
 mod table;
 
+pub use batch::{for_each_pair, progress_bar};
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use pixels::{AskedPixel, PixelScore, ask_pixels, pixel_report};
+pub use shard::{Shard, ShardError, ShardFile, ShardHead};
 pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{report, scene_table};

@@ -4,6 +4,7 @@ mod decode;
 mod disparity_file;
 mod layouts;
 mod perturb;
+pub mod registry;
 mod resample;
 mod scene;
 mod sequence;

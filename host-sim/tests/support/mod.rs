@@ -1,0 +1,38 @@
+//! The program as a user calls it, for every test of the command line.
+#![allow(dead_code, reason = "each test of the command line uses some of it")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Calls the program in a folder.
+pub(crate) fn linestereo(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+}
+
+/// What it printed; it has to succeed.
+#[track_caller]
+pub(crate) fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{}", stderr(output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// What it said on stderr.
+pub(crate) fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Calls it, has it succeed, and gives what it printed.
+#[track_caller]
+pub(crate) fn succeed(folder: &Path, args: &[&str]) -> String {
+    stdout(&linestereo(folder, args))
+}
+
+/// Calls it and has it fail as it promises: exit code 2, nothing on stdout, one line on stderr, which is given.
+#[track_caller]
+pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
+    let output = linestereo(folder, args);
+    let line = stderr(&output);
+    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{args:?}: {line}");
+    assert!(line.starts_with("linestereo: ") && output.stdout.is_empty(), "{args:?}: {line}");
+    line
+}
