@@ -1,18 +1,19 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
+mod support;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
+use support::{linestereo, stderr};
 
 fn calibrate(folder: &Path, args: &[&str]) -> Output {
-    let program =
-        Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("calibrate").args(args).output();
-    program.unwrap()
+    linestereo(folder, &[&["calibrate"], args].concat())
 }
 
 /// Fails with exit code 2 and one line that holds all of these words.
 fn assert_refused(output: &Output, words: &[&str]) {
-    let text = String::from_utf8_lossy(&output.stderr);
+    let text = stderr(output);
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert_eq!(text.trim().lines().count(), 1, "{text}");
     for word in words {

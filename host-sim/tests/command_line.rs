@@ -1,12 +1,14 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
 
+mod support;
+
 use linestereo::Dims;
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use support::{linestereo, stderr, stdout};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -25,18 +27,6 @@ fn recording(folder: &Path, frames: u64) {
     }
 }
 
-fn call(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
 const RIG: [&str; 4] = ["--focal-px", "300", "--baseline-m", "0.1"];
 
 #[test]
@@ -49,7 +39,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     fs::write(at.join("boxes/0001_left.csv"), "x0,y0,x1,y1,name\n40,30,200,200,a\n400,30,500,200,b\n").unwrap();
     fs::write(at.join("boxes/0003_left.json"), "{").unwrap();
     let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &RIG].concat();
-    let output = call(at, &with_rig);
+    let output = linestereo(at, &with_rig);
     assert!(output.status.success(), "{}", stderr(&output));
     let lines: Vec<Value> = stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2, 3, 4]);
@@ -66,7 +56,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
 
     // The first pair as `run` sees it, but for its frame and name; and lines in a file.
     let run = [&["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..], &RIG].concat();
-    let mut alone: Value = serde_json::from_str(&stdout(&call(at, &run))).unwrap();
+    let mut alone: Value = serde_json::from_str(&stdout(&linestereo(at, &run))).unwrap();
     let mut first = lines[0].clone();
     for value in [&mut alone, &mut first] {
         let fields = value.as_object_mut().unwrap();
@@ -74,7 +64,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
         fields.remove("name");
     }
     assert_eq!(alone, first);
-    let some = call(at, &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"]);
+    let some = linestereo(at, &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"]);
     assert!(stdout(&some).contains("2 frames, 0 failed"), "{}", stderr(&some));
     assert_eq!(fs::read_to_string(at.join("lines.jsonl")).unwrap().lines().count(), 2);
 }
@@ -86,7 +76,7 @@ fn broken_objects_cost_nothing_else() {
     recording(at, 1);
     fs::write(at.join("broken.json"), "{\"annotations\": [").unwrap();
     let output =
-        call(at, &["run", "0001_left.png", "0001_right.png", "--objects", "broken.json", "--json", "out.json"]);
+        linestereo(at, &["run", "0001_left.png", "0001_right.png", "--objects", "broken.json", "--json", "out.json"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).starts_with("linestereo: broken.json holds no objects"), "{}", stderr(&output));
     let written: Value = serde_json::from_slice(&fs::read(at.join("out.json")).unwrap()).unwrap();
@@ -101,7 +91,7 @@ fn distances_need_the_product_that_fits() {
     recording(at, 3);
     fs::write(at.join("scene.json"), r#"{"disparity_zero_px": -3}"#).unwrap();
     let nearest = {
-        let output = call(at, &["sequence", ".", "--no-points", "--frames", "2..2"]);
+        let output = linestereo(at, &["sequence", ".", "--no-points", "--frames", "2..2"]);
         let line: Value = serde_json::from_str(&stdout(&output)).unwrap();
         let middle =
             |s: &Value| (s["disparity_px"][0].as_f64().unwrap() + s["disparity_px"][1].as_f64().unwrap()) / 2.0;
@@ -113,7 +103,7 @@ fn distances_need_the_product_that_fits() {
     let fitted = (nearest + 3.0) * 2.0;
     let with = |more: &[&str]| {
         let all = ["sequence", ".", "--truth", "frames.csv", "--truth-radius-m", "0.25", "--no-points"];
-        stderr(&call(at, &[&all[..], more].concat()))
+        stderr(&linestereo(at, &[&all[..], more].concat()))
     };
     let said = with(&[]);
     assert!(said.contains(&format!("f*B that fits: {fitted:.3} px*m")), "{said}");
@@ -128,11 +118,11 @@ fn a_report_is_one_file() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     recording(at, 3);
-    let output = call(at, &["report", ".", "-o", "page.html", "--max-frames", "2"]);
+    let output = linestereo(at, &["report", ".", "-o", "page.html", "--max-frames", "2"]);
     assert!(output.status.success() && stdout(&output).contains("2 of 3 pairs"), "{}", stderr(&output));
     let page = fs::read_to_string(at.join("page.html")).unwrap();
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 4);
-    let output = call(at, &["report", "nowhere", "-o", "page.html"]);
+    let output = linestereo(at, &["report", "nowhere", "-o", "page.html"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("is no folder"), "{}", stderr(&output));
 }
@@ -145,7 +135,7 @@ fn objects_alone_have_the_depths_of_the_whole_frame() {
     fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n").unwrap();
     let asked = ["sequence", ".", "--objects", "boxes.csv"];
     let lines = |more: &[&str]| -> Vec<Value> {
-        let output = call(at, &[&asked[..], &RIG, more].concat());
+        let output = linestereo(at, &[&asked[..], &RIG, more].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     };

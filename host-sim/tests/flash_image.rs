@@ -1,10 +1,11 @@
 //! `linestereo flash-image` as a user types it.
 
+mod support;
+
 use linestereo::{Dims, View};
 use linestereo_wire::RigImage;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use support::{refused, succeed};
 use tempfile::TempDir;
 
 const RIG: &str = "\
@@ -23,23 +24,6 @@ lens = { model = \"fisheye\", k = [0.01, 0.0, 0.0, 0.0] }
 rotation_rad = [0.001, 0.02, -0.003]
 translation_m = [-0.0832, 0.0001, 0.0002]
 ";
-
-fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refused(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
-    error
-}
 
 fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();

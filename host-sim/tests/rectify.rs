@@ -1,8 +1,10 @@
 //! `linestereo rectify` and `run --rig` as a user types them.
 
+mod support;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use support::{refused, succeed};
 use tempfile::TempDir;
 
 /// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6 px.
@@ -22,23 +24,6 @@ lens = { model = \"brown-conrady\", k = [-0.1, 0.0, 0.0], p = [0.0, 0.0] }
 rotation_rad = [0.0, 0.0, 0.0349]
 translation_m = [-0.07, 0.0, 0.0]
 ";
-
-fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refused(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
-    error
-}
 
 /// A folder with a rig and two scenes, whose images stand for raw ones.
 fn folder() -> TempDir {

@@ -1,9 +1,10 @@
 //! `linestereo convert-rig` and `plan-rig` as a user types them.
 
+mod support;
+
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use support::{refused, succeed};
 use tempfile::TempDir;
 
 const RIG: &str = "\
@@ -22,25 +23,6 @@ lens = { model = \"brown-conrady\", k = [-0.2, 0.05, 0.0], p = [0.0, 0.0] }
 rotation_rad = [0.01, -0.02, 0.03]
 translation_m = [-0.1, 0.001, 0.002]
 ";
-
-fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// The one line on stderr.
-fn fail(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    assert_eq!(output.status.code(), Some(2), "{args:?}");
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert!(output.stdout.is_empty() && text.lines().count() == 1 && text.starts_with("linestereo: "), "{text}");
-    text
-}
 
 fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
@@ -87,16 +69,16 @@ fn a_rig_goes_through_every_format_and_comes_back() {
 fn wrong_conversions_leave_no_file_and_say_why() {
     let folder = folder();
     let at = folder.path();
-    assert!(fail(at, &["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"]).contains("give --out twice"));
-    assert!(fail(at, &["convert-rig", "rig.toml", "--out", "a", "--out", "b"]).contains("give --out once"));
-    assert!(fail(at, &["convert-rig", "rig.toml", "--size", "320x240"]).contains("made for images of 640x480"));
-    assert!(fail(at, &["convert-rig", "none.yml"]).contains("none.yml: cannot be read"));
-    assert!(fail(at, &["convert-rig", "rig.toml", "--translation-unit", "inch"]).contains("give m, mm"));
+    assert!(refused(at, &["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"]).contains("give --out twice"));
+    assert!(refused(at, &["convert-rig", "rig.toml", "--out", "a", "--out", "b"]).contains("give --out once"));
+    assert!(refused(at, &["convert-rig", "rig.toml", "--size", "320x240"]).contains("made for images of 640x480"));
+    assert!(refused(at, &["convert-rig", "none.yml"]).contains("none.yml: cannot be read"));
+    assert!(refused(at, &["convert-rig", "rig.toml", "--translation-unit", "inch"]).contains("give m, mm"));
     fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
-    assert!(fail(at, &["convert-rig", "bad.yml"]).contains("bad.yml, line "));
+    assert!(refused(at, &["convert-rig", "bad.yml"]).contains("bad.yml, line "));
     fs::write(at.join("k3.toml"), RIG.replace("0.1, 0.0]", "0.1, 0.5]")).unwrap();
     assert!(
-        fail(at, &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"])
+        refused(at, &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"])
             .contains("no place for the lens coefficient k3")
     );
     assert_eq!(fs::read_dir(at).unwrap().count(), 3);
@@ -125,14 +107,16 @@ fn a_plan_is_printed_listed_and_drawn() {
 fn wrong_plans_say_what_to_give() {
     let folder = folder();
     let at = folder.path();
-    assert!(fail(at, &["plan-rig", "--baseline-m", "0.1"]).contains("--focal-px"));
-    assert!(fail(at, &["plan-rig", "--focal-px", "300"]).contains("--baseline-m"));
-    assert!(fail(at, &["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"]).contains("--pixel-um"));
-    assert!(fail(at, &["plan-rig", "--focal-px", "300", "--range", "4..1"]).contains("two rising distances"));
-    assert!(fail(at, &["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"]).contains("1 to 150"));
+    assert!(refused(at, &["plan-rig", "--baseline-m", "0.1"]).contains("--focal-px"));
+    assert!(refused(at, &["plan-rig", "--focal-px", "300"]).contains("--baseline-m"));
+    assert!(refused(at, &["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"]).contains("--pixel-um"));
+    assert!(refused(at, &["plan-rig", "--focal-px", "300", "--range", "4..1"]).contains("two rising distances"));
+    assert!(refused(at, &["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"]).contains("1 to 150"));
     assert!(
-        fail(at, &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"])
+        refused(at, &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"])
             .contains("range of 320")
     );
-    assert!(fail(at, &["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"]).contains("error of 0 %"));
+    assert!(
+        refused(at, &["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"]).contains("error of 0 %")
+    );
 }

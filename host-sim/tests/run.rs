@@ -1,20 +1,11 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
+mod support;
+
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use support::{linestereo, succeed};
 use tempfile::TempDir;
-
-fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
-}
-
-fn succeed(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// A folder with the scene `cards` in it.
 fn cards() -> TempDir {

@@ -1,18 +1,10 @@
 //! The commands around synthetic scenes, as a user types them.
 
+mod support;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use support::{linestereo, stdout};
 use tempfile::TempDir;
-
-fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
 
 /// Fails with exit code 2 and one line on stderr, and leaves nothing behind.
 fn assert_refused(args: &[&str], says: &str) {

@@ -7,7 +7,8 @@ use linestereo_sim::calibration::{
 };
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::load_gray;
-use std::path::{Path, PathBuf};
+use linestereo_tests::captured;
+use std::path::Path;
 
 /// SplitMix64: seeds are fixed, so that a failure is the same failure tomorrow.
 struct Random(u64);
@@ -446,17 +447,6 @@ fn mirrored_photos_and_wrong_sizes_are_named() {
     assert_eq!(ChessFinder.find(&empty, &board()), Err(NotFound::Nothing));
 }
 
-fn captured(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("calibration_boards").join(name);
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured boards; set LINESTEREO_FRAMES to a folder that holds calibration_boards/");
-        return None;
-    }
-    Some(folder)
-}
-
 fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {
     let board = Board::new(9, 6, square_m).unwrap();
     let (pairs, _) = find_pairs(folder, false).unwrap();
@@ -470,14 +460,14 @@ fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {
 
 #[test]
 fn photographed_boards_give_the_known_rigs() {
-    let Some(folder) = captured("opencv_chessboard") else { return };
+    let Some(folder) = captured::folder("calibration_boards/opencv_chessboard") else { return };
     let (found, estimate, vertical) = calibrated(&folder, 0.025);
     assert_eq!(found, 13);
     assert!(estimate.rms <= 0.23, "{}", estimate.rms);
     assert!((1e3 * estimate.calibration.baseline() - 83.2).abs() <= 0.3, "{}", estimate.calibration.baseline());
     assert!(vertical <= 0.15, "{vertical}");
 
-    let Some(folder) = captured("sourishg_2") else { return };
+    let Some(folder) = captured::folder("calibration_boards/sourishg_2") else { return };
     let (found, estimate, _) = calibrated(&folder, 0.024_23);
     assert!(found >= 27, "{found}");
     assert!(estimate.rms <= 0.22, "{}", estimate.rms);

@@ -4,23 +4,12 @@
 
 use linestereo::{Area, Candidate, Dims, Focus, Params, Plan, Segment, mark_words, row_bytes};
 use linestereo_sim::evaluate::object_cases;
-use linestereo_sim::frames::{Scene, find_scenes, load_scene};
-use std::path::PathBuf;
+use linestereo_sim::frames::Scene;
+use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };
 type Scratch = linestereo::Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, 4096, 4096>;
 type Output = linestereo::Output<4096, 0>;
-
-fn scenes() -> Option<Vec<Scene>> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("qvga");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
-        return None;
-    }
-    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
-}
 
 fn plan(scene: &Scene) -> Plan {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }.plan(scene.left.dims).unwrap()
@@ -61,7 +50,7 @@ fn random(seed: &mut u32, below: u16) -> u16 {
 
 #[test]
 fn candidates_around_an_area_are_those_of_the_whole_frame() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let (mut all, mut same, mut others) = (0, 0, 0);
     let mut seed = 7;
     for scene in &scenes {
@@ -89,7 +78,7 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
 
 #[test]
 fn all_of_the_image_is_the_whole_frame() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
         let (plan, dims) = (plan(scene), scene.left.dims);
         let whole = run(&plan, scene, &Focus::WHOLE);
@@ -104,7 +93,7 @@ fn all_of_the_image_is_the_whole_frame() {
 
 #[test]
 fn nothing_is_matched_where_nothing_is_asked_for() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let scene = &scenes[0];
     let dims = scene.left.dims;
     let (zero, outside) = (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
@@ -117,7 +106,7 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
 
 #[test]
 fn more_areas_than_are_told_apart_lose_none() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let scene = &scenes[0];
     let (plan, dims) = (plan(scene), scene.left.dims);
     let whole = run(&plan, scene, &Focus::WHOLE);
@@ -135,7 +124,7 @@ fn more_areas_than_are_told_apart_lose_none() {
 
 #[test]
 fn every_segment_is_counted_once() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
         let area = Area { left: 60, top: 50, right: 200, bottom: 150 };
         let part = run(&plan(scene), scene, &Focus { areas: Some(&[area]), row_offset_q5: None });
@@ -147,7 +136,7 @@ fn every_segment_is_counted_once() {
 
 #[test]
 fn objects_have_the_depths_of_the_whole_frame() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let (mut all, mut same, mut refusals, mut worst) = (0, 0, 0, 0.0_f64);
     for scene in &scenes {
         let plan = plan(scene);

@@ -7,19 +7,9 @@ use linestereo::{Models, Params};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{FrameScore, Summary};
 use linestereo_sim::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text};
-use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_scene};
+use linestereo_sim::frames::{Perturbation, Scene};
+use linestereo_tests::captured;
 use std::path::PathBuf;
-
-fn scenes() -> Option<Vec<Scene>> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("qvga");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
-        return None;
-    }
-    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
-}
 
 fn engine(scene: &Scene) -> Engine {
     let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
@@ -52,7 +42,7 @@ fn samples(scenes: &[Scene]) -> Vec<SceneSamples> {
 
 #[test]
 fn scenes_that_the_model_has_not_seen() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let samples = samples(&scenes);
     let scores: Vec<FrameScore> = (0..scenes.len())
         .map(|held| {
@@ -75,7 +65,7 @@ fn scenes_that_the_model_has_not_seen() {
 
 #[test]
 fn the_committed_model_is_what_the_frames_give() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     if names.len() != 14 {
         eprintln!("SKIPPED: the model was fitted on 14 scenes, here are {}", names.len());
@@ -89,7 +79,7 @@ fn the_committed_model_is_what_the_frames_give() {
 
 #[test]
 fn rows_exposure_and_noise() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let clean = pooled(&scenes, &Perturbation::default());
     let moved = pooled(&scenes, &Perturbation { row_offset: 1.0, ..Perturbation::default() });
     assert!(moved.segprec1.unwrap() >= clean.segprec1.unwrap() - 1.0, "{moved:?}");

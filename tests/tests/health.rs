@@ -10,26 +10,11 @@ use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_gray, load_scene};
 use linestereo_sim::interchange::{Options, load_rig};
 use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_tests::captured;
 use linestereo_tests::drawn::painted;
 use std::path::PathBuf;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
-
-fn frames(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join(name);
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds {name}/");
-        return None;
-    }
-    Some(folder)
-}
-
-fn scenes() -> Option<Vec<Scene>> {
-    let folder = frames("qvga")?;
-    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
-}
 
 /// One pair after the other through one monitor.
 struct Rig {
@@ -117,7 +102,7 @@ const OFFSETS: [f64; 6] = [0.3, 0.7, 1.5, -0.3, -0.7, -1.5];
 /// [`the_frames_own_rows_by_their_ground_truth`] confirms without the estimator.
 #[test]
 fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let (mut largest, mut plain) = (0.0_f64, 0.0_f64);
     for scene in &scenes {
         let clean = alone(&scene.left, &scene.right, scene.max_disparity);
@@ -147,7 +132,7 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
 /// offset at which the right image at `x - d` is most like the left one in the gradient down the rows.
 #[test]
 fn the_frames_own_rows_by_their_ground_truth() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
         // One step of least squares does not reach its goal: how far it gets, a known shift tells.
         let moved = Scene { right: Interpolation::Sinc.move_down(&scene.right, -0.25), ..scene.clone() };
@@ -456,7 +441,7 @@ fn points_beyond_infinity_are_hinted_at() {
 /// Captured pairs of a robot's camera, rectified on the device. One has a padded strip of black.
 #[test]
 fn captured_pairs_have_no_flag() {
-    let Some(folder) = frames("oakd_lite") else { return };
+    let Some(folder) = captured::folder("oakd_lite") else { return };
     for folder in find_scenes(&folder).unwrap() {
         for width in [None, Some(320)] {
             let scene = load_scene(&folder, width).unwrap();
@@ -469,7 +454,7 @@ fn captured_pairs_have_no_flag() {
 /// Raw frames of a robot, neither undistorted nor rectified: cameras without a fault, and rows that only a rectification could align.
 #[test]
 fn raw_sequences_of_a_robot_show_rows_at_most() {
-    let Some(folder) = frames("tudelft_stereoboard") else { return };
+    let Some(folder) = captured::folder("tudelft_stereoboard") else { return };
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_UNEVEN | HealthFlags::ROWS_DRIFT;
     for (name, min_disparity, expected) in [
         ("db1_forward_take1", -8, HealthFlags::GOOD),
@@ -509,7 +494,7 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
 /// none meets the bound.
 #[test]
 fn rows_of_euroc_pairs_after_rectification() {
-    let Some(folder) = frames("euroc_micro") else { return };
+    let Some(folder) = captured::folder("euroc_micro") else { return };
     let sensors = ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| folder.join(name));
     let calibration = load_rig(&sensors, &Options::default()).unwrap().rig.calibration;
     let mut pairs: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -8,6 +8,7 @@ use linestereo::{Calibration, Dims, Eye, Lens, View};
 use linestereo_sim::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
+use linestereo_tests::captured;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 
@@ -469,13 +470,7 @@ fn aliases_that_repeat_a_list_are_understood() {
 }
 
 fn frames() -> Option<PathBuf> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    if !root.join("euroc_micro").is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds euroc_micro/");
-        return None;
-    }
-    Some(root)
+    captured::folder("euroc_micro").and_then(|folder| Some(folder.parent()?.to_path_buf()))
 }
 
 fn assert_close(found: [[f64; 3]; 3], expected: [[f64; 3]; 3], bound: f64) {

@@ -6,24 +6,12 @@ use linestereo::{
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use linestereo_sim::fitting::{EvidenceLog, fit, scene_samples};
-use linestereo_sim::frames::{Scene, find_scenes, load_scene};
+use linestereo_sim::frames::Scene;
 use linestereo_sim::outline::{Mask, RefinedOutline, refine};
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
-use std::path::PathBuf;
+use linestereo_tests::captured;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
-
-/// The frames' folder, if there is one: see `frames.rs`.
-fn scenes() -> Option<Vec<Scene>> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("qvga");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
-        return None;
-    }
-    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
-}
 
 /// Every object of every scene, by models that have not seen the scene.
 fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
@@ -53,7 +41,7 @@ fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
 
 #[test]
 fn captured_objects_keep_the_promises() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let scores = leave_one_out(&scenes);
     println!("{}", object_table(&scores));
     // The promises: most wrong answers and least covered objects, in percent.

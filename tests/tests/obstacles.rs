@@ -5,8 +5,7 @@ use linestereo::{
     Params, Point, Position, Rig, Sector, Techniques,
 };
 use linestereo_sim::engine::Engine;
-use linestereo_sim::frames::{find_scenes, load_scene};
-use std::path::PathBuf;
+use linestereo_tests::captured;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const FOCAL: f64 = 300.0;
@@ -383,14 +382,7 @@ fn nothing_overflows() {
 /// or is free although something is there.
 #[test]
 fn captured_frames_give_no_ghosts() {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("qvga");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
-        return;
-    }
-    let scenes = find_scenes(&folder).unwrap().into_iter().map(|folder| load_scene(&folder, None).unwrap());
+    let Some(scenes) = captured::qvga() else { return };
     let (mut sectors, mut shown, mut ghosts, mut missed, mut free, mut not_free) = (0, 0, 0, 0, 0, 0);
     let mut least = 1.0_f64;
     for scene in scenes {

@@ -7,7 +7,8 @@ use linestereo::{
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
-use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_scene};
+use linestereo_sim::frames::{Perturbation, Scene};
+use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use std::path::PathBuf;
 
@@ -323,17 +324,6 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
     }
 }
 
-fn scenes() -> Option<Vec<Scene>> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("qvga");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds qvga/");
-        return None;
-    }
-    Some(find_scenes(&folder).unwrap().iter().map(|folder| load_scene(folder, None).unwrap()).collect())
-}
-
 fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
     let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
@@ -345,7 +335,7 @@ fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
 
 #[test]
 fn captured_frames_that_the_model_has_not_seen() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let pixels: Vec<Vec<AskedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
     let scores: Vec<PixelScore> = (0..scenes.len())
         .map(|held| {
@@ -369,7 +359,7 @@ fn captured_frames_that_the_model_has_not_seen() {
 
 #[test]
 fn faults_of_captured_frames_cost_answers_and_not_truth() {
-    let Some(scenes) = scenes() else { return };
+    let Some(scenes) = captured::qvga() else { return };
     let faults = [
         ("noise", Perturbation { noise: 5.0, ..Perturbation::default() }),
         ("darker right image", Perturbation { gain: 0.8, bias: 8.0, ..Perturbation::default() }),

@@ -9,8 +9,8 @@ use linestereo::{
 };
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::load_gray;
+use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
-use std::path::PathBuf;
 
 const LARGEST: Dims = Dims { width: 752, height: 480 };
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -350,13 +350,8 @@ struct Captured {
 }
 
 fn captured() -> Option<Captured> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("robot_pairs/sparsestereo_example");
-    let Ok(xml) = std::fs::read_to_string(folder.join("calib.xml")) else {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds robot_pairs/");
-        return None;
-    };
+    let folder = captured::folder("robot_pairs/sparsestereo_example")?;
+    let xml = std::fs::read_to_string(folder.join("calib.xml")).unwrap();
     let dims = Dims { width: 640, height: 480 };
     let camera = |m: &str, d: &str| {
         let (m, d) = (matrix(&xml, m), matrix(&xml, d));

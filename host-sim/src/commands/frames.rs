@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
-  linestereo frames get                        into frames/: about 115 MB are downloaded, 11 MB stay
+  linestereo frames get                        into frames/: about 115 MB are downloaded, 8 MB stay
   linestereo eval frames --width 320           score what has ground truth (Motorcycle, Aloe)
   linestereo report frames/oakd_lite/toy/left.png frames/oakd_lite/toy/right.png --scene frames/oakd_lite/toy/scene.json -o toy.html
   linestereo calibrate frames/calibration_boards/opencv_chessboard --board 9x6 --square-mm 25
