@@ -510,10 +510,13 @@ fn what_is_missing_or_does_not_fit_is_named() {
     assert!(matches!(error, FrameError::Layout(_, LayoutFault::NotRecognised)), "{error}");
 }
 
+/// A scene's folder, its layout, its files and what the data set calls them, and what `dmin.txt` says.
+type Renamed = (&'static str, Layout, &'static [(&'static str, &'static str)], Option<&'static str>);
+
 /// Real scenes, under their data set's own names, are what they are with a `scene.json`.
 #[test]
 fn captured_scenes_in_their_own_layout() {
-    let cases: [(&str, Layout, &[(&str, &str)], Option<&str>); 4] = [
+    let cases: [Renamed; 4] = [
         (
             "middlebury2003/teddy",
             Layout::Middlebury2003,

@@ -5,8 +5,8 @@ use crate::evaluate::{Shard, ShardFile};
 use crate::frames::{Dataset, StoredPair};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
+use core::num::NonZeroUsize;
 use serde::{Serialize, de::DeserializeOwned};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// Which pairs, on how many threads, and which part of them.

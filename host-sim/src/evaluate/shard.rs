@@ -8,13 +8,13 @@
 //! Which pairs there are is found anew by every part, so that no part waits for another: the head holds a digest of their names.
 
 use core::fmt;
+use core::str::FromStr;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// Written first into every part; another number is another format.
 const FORMAT: u32 = 1;
