@@ -1,8 +1,10 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
+pub mod baselines;
 pub mod board;
 pub mod calibration;
 pub mod commands;
+pub mod compare;
 pub mod directions;
 pub mod draw;
 pub mod engine;

@@ -1,0 +1,116 @@
+//! What every baseline gives: a disparity and a confidence per pixel, or none.
+
+use crate::engine::FrameResult;
+use linestereo::{Confidence, Dims, Disparity, PointClaim};
+use linestereo_wire::{Counts, Health};
+
+/// Disparities of the left image's pixels.
+#[derive(Clone, Debug)]
+pub struct DisparityMap {
+    dims: Dims,
+    disparity: Vec<f32>,
+    confidence: Vec<f32>,
+    occluded: Vec<bool>,
+}
+
+impl DisparityMap {
+    /// A map that knows nothing.
+    #[must_use]
+    pub fn empty(dims: Dims) -> Self {
+        let count = usize::from(dims.width) * usize::from(dims.height);
+        Self { dims, disparity: vec![f32::NAN; count], confidence: vec![0.0; count], occluded: vec![false; count] }
+    }
+
+    /// A map of these disparities, row-major, NaN where there is none; what is not given is unknown. Nothing is said of confidence.
+    #[must_use]
+    pub fn of_values(dims: Dims, values: impl IntoIterator<Item = f32>) -> Self {
+        let mut map = Self::empty(dims);
+        for (value, given) in map.disparity.iter_mut().zip(values) {
+            *value = given;
+        }
+        map
+    }
+
+    /// Width and height.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.dims
+    }
+
+    /// Disparity of each pixel in px, row-major; NaN where there is none.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        &self.disparity
+    }
+
+    pub(super) fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.disparity
+    }
+
+    /// Disparity of a pixel in px; `None` where there is none.
+    #[must_use]
+    pub fn at(&self, x: usize, y: usize) -> Option<f32> {
+        let value = *self.disparity.get(self.index(x, y))?;
+        (x < usize::from(self.dims.width) && value.is_finite()).then_some(value)
+    }
+
+    /// How much is said for a pixel's disparity: 0 next to nothing, 1 everything. Not a probability.
+    #[must_use]
+    pub fn confidence(&self, x: usize, y: usize) -> f32 {
+        self.confidence[self.index(x, y)]
+    }
+
+    /// The left-right check found no partner for the pixel.
+    #[must_use]
+    pub fn is_occluded(&self, x: usize, y: usize) -> bool {
+        self.occluded[self.index(x, y)]
+    }
+
+    /// Pixels with a disparity.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.disparity.iter().filter(|d| d.is_finite()).count()
+    }
+
+    pub(super) fn set(&mut self, x: usize, y: usize, disparity: f32, confidence: f32) {
+        let index = self.index(x, y);
+        self.disparity[index] = disparity;
+        self.confidence[index] = confidence;
+    }
+
+    pub(super) fn clear(&mut self, x: usize, y: usize) {
+        let index = self.index(x, y);
+        self.disparity[index] = f32::NAN;
+    }
+
+    pub(super) fn mark_occluded(&mut self, x: usize, y: usize) {
+        let index = self.index(x, y);
+        self.disparity[index] = f32::NAN;
+        self.occluded[index] = true;
+    }
+
+    /// The map as a result of the core: a point per pixel, no segments. Disparities are rounded to 1/64 px.
+    #[must_use]
+    pub fn to_result(&self) -> FrameResult {
+        let width = usize::from(self.dims.width);
+        let known = self.disparity.iter().enumerate().filter(|(_, d)| d.is_finite());
+        let points = known.map(|(index, &disparity)| PointClaim {
+            x: (index % width) as u16,
+            y: (index / width) as u16,
+            disparity: Disparity::saturating_from_num(disparity),
+            confidence: Confidence::saturating_from_num(self.confidence[index]),
+            source: None,
+        });
+        FrameResult {
+            matches: Vec::new(),
+            points: points.collect(),
+            counts: Counts::default(),
+            health: Health::GOOD,
+            pair: None,
+        }
+    }
+
+    fn index(&self, x: usize, y: usize) -> usize {
+        y * usize::from(self.dims.width) + x
+    }
+}
