@@ -6,6 +6,7 @@
 
 mod batch;
 pub mod calibrate;
+pub mod compare;
 pub mod convert_rig;
 pub mod demo;
 pub mod eval;
@@ -53,6 +54,7 @@ enum Command {
     Run(Box<run::Args>),
     Eval(Box<eval::Args>),
     EvalPixels(eval_pixels::Args),
+    Compare(Box<compare::Args>),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
     Frames(frames::Args),
@@ -78,6 +80,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::EvalPixels(args)) => eval_pixels::run(args),
+        Some(Command::Compare(args)) => compare::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Frames(args)) => frames::run(args),

@@ -8,6 +8,7 @@ mod calibration;
 mod colour;
 mod fan;
 mod legend;
+mod maps;
 mod nearest;
 mod plan;
 mod rows;
@@ -17,6 +18,7 @@ mod text;
 pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
 pub use fan::fan;
+pub use maps::{SceneMaps, maps};
 pub use nearest::nearest;
 pub use plan::plan;
 

@@ -1,0 +1,229 @@
+//! Several methods on the same frames: the core, the baselines and, where it is installed, OpenCV.
+//!
+//! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its time on one thread.
+//!
+//! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its curve of error against yield can be read
+//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least [`LEAST_CLAIMS`] disparities
+//! inside it.
+
+mod opencv;
+mod table;
+
+pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE};
+pub use table::{comparison_table, object_comparison};
+
+use crate::baselines::{DisparityMap, Method, Search};
+use crate::engine::{Engine, FrameResult};
+use crate::evaluate::{
+    FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases, score_objects,
+};
+use crate::frames::{Scene, Truth};
+use crate::outline::Mask;
+use anyhow::Result;
+use core::sync::atomic::{AtomicUsize, Ordering};
+use core::time::Duration;
+use linestereo::{Confidence, Disparity, NoDepth, ObjectDepth};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Timing of a pair stops after this long, or after this many runs.
+const TIMING_BUDGET: Duration = Duration::from_millis(250);
+const TIMING_RUNS: usize = 15;
+/// Fewer disparities make no depth of an object.
+const LEAST_CLAIMS: usize = 5;
+
+/// The core's name among the methods.
+pub const CORE: &str = "linestereo";
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub enum Contender {
+    /// The core.
+    Core,
+    /// A baseline.
+    Baseline(Method),
+}
+
+impl Contender {
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Core => CORE,
+            Self::Baseline(method) => &method.name,
+        }
+    }
+}
+
+/// What one method made of one frame.
+#[derive(Clone, Debug)]
+pub struct MethodScore {
+    /// Name of the method.
+    pub method: String,
+    /// Its scores; of a scene without truth only yield and time.
+    pub score: FrameScore,
+    /// Its answers for the scene's objects.
+    pub objects: Vec<ObjectScore>,
+    /// Its map, for a picture.
+    pub result: FrameResult,
+}
+
+/// One method on all frames.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MethodSummary {
+    /// Name of the method.
+    pub method: String,
+    /// Its scores, pooled.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Does it say how sure it is? Without, its curve of error against yield means nothing.
+    pub has_confidence: bool,
+    /// Depths of objects by what was told of them; empty where no scene has objects.
+    pub objects: Vec<ObjectSummary>,
+}
+
+/// The scores of each method, in the order of the first frame.
+#[must_use]
+pub fn summarise(frames: &[Vec<MethodScore>]) -> Vec<MethodSummary> {
+    let Some(first) = frames.first() else { return Vec::new() };
+    let of = |(i, first): (usize, &MethodScore)| {
+        let scores: Vec<&MethodScore> = frames.iter().map(|frame| &frame[i]).collect();
+        let objects: Vec<ObjectScore> = scores.iter().flat_map(|score| score.objects.iter().cloned()).collect();
+        let mut confidences = scores.iter().flat_map(|score| score.score.confidences.iter());
+        let any = confidences.next();
+        MethodSummary {
+            method: first.method.clone(),
+            summary: Summary::pool(scores.iter().map(|score| &score.score)),
+            has_confidence: confidences.any(|confidence| Some(confidence) != any),
+            objects: Outline::ALL
+                .map(|outline| ObjectSummary::pool(outline, &objects))
+                .into_iter()
+                .filter(|summary| summary.objects > 0)
+                .collect(),
+        }
+    };
+    first.iter().enumerate().map(of).collect()
+}
+
+/// Matches a scene by every contender and by OpenCV. `core` makes the core's engine for a scene.
+pub fn compare_scene(
+    scene: &Scene,
+    contenders: &[Contender],
+    opencv: Option<&OpenCv>,
+    core: impl Fn(&Scene) -> Result<Engine>,
+) -> Result<Vec<MethodScore>> {
+    let truth = scene.truth.clone().unwrap_or_else(|| unknown(scene));
+    let cases = if scene.truth.is_some() { object_cases(scene)? } else { Vec::new() };
+    let score = |method: &str, result: FrameResult, milliseconds: f64, objects: Vec<ObjectScore>| {
+        let mut score = FrameScore::new(&scene.name, &truth, &result);
+        score.milliseconds = Some(milliseconds);
+        MethodScore { method: method.to_owned(), score, objects, result }
+    };
+    let mut scores = Vec::new();
+    for contender in contenders {
+        scores.push(match contender {
+            Contender::Core => {
+                let mut engine = core(scene)?;
+                let (left, right) = (scene.left.view()?, scene.right.view()?);
+                let milliseconds = median_time(|| engine.run_in_place(left, right).map(|_| ()))?;
+                let result = engine.run(left, right)?;
+                let objects = score_objects(&mut engine, &cases);
+                score(CORE, result, milliseconds, objects)
+            }
+            Contender::Baseline(method) => {
+                let mut map = DisparityMap::empty(scene.left.dims);
+                let milliseconds = median_time(|| {
+                    map = method.run(&scene.left, &scene.right, scene.max_disparity);
+                    Ok::<_, anyhow::Error>(())
+                })?;
+                score(&method.name, map.to_result(), milliseconds, objects_of(&map, &cases))
+            }
+        });
+    }
+    if let Some(opencv) = opencv {
+        let search = Search::up_to(scene.left.dims, scene.max_disparity);
+        for found in opencv.run(&scene.left, &scene.right, search)? {
+            scores.push(score(found.name, found.map.to_result(), found.milliseconds, objects_of(&found.map, &cases)));
+        }
+    }
+    Ok(scores)
+}
+
+/// Does `work` for every index below `count` on all cores; results in order. The first error ends it.
+pub fn on_all_cores<T: Send>(count: usize, work: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(count)));
+    let worker = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                return;
+            }
+            let result = work(index);
+            if result.is_err() {
+                next.store(count, Ordering::Relaxed);
+            }
+            done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+        }
+    };
+    std::thread::scope(|scope| {
+        (0..threads).for_each(|_| {
+            scope.spawn(worker);
+        });
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+fn median_time<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    while times.is_empty() || (times.len() < TIMING_RUNS && begin.elapsed() < TIMING_BUDGET) {
+        let start = Instant::now();
+        run()?;
+        times.push(start.elapsed());
+    }
+    times.sort();
+    Ok(1e3 * times[times.len() / 2].as_secs_f64())
+}
+
+/// Truth that knows nothing: yields can be counted against it.
+fn unknown(scene: &Scene) -> Truth {
+    let count = scene.left.pixels.len();
+    Truth::new(scene.left.dims, vec![f32::NAN; count], vec![false; count])
+}
+
+fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
+    let answer = |case: &ObjectCase| {
+        let mut inside: Vec<f32> = case.region().map_or(Vec::new(), |region| {
+            let mask = Mask::of(&region, map.dims());
+            let values = mask.pixels().iter().zip(map.values());
+            values.filter(|(inside, value)| **inside && value.is_finite()).map(|(_, &value)| value).collect()
+        });
+        case.score(&median_depth(&mut inside), &[])
+    };
+    cases.iter().map(answer).collect()
+}
+
+/// A median and how many values it has; nothing is known of its confidence.
+fn median_depth(values: &mut [f32]) -> ObjectDepth {
+    let middle = values.len() / 2;
+    let disparity = if values.len() < LEAST_CLAIMS {
+        Err(NoDepth::LittleSupport)
+    } else {
+        Ok(Disparity::saturating_from_num(*values.select_nth_unstable_by(middle, f32::total_cmp).1))
+    };
+    ObjectDepth {
+        label: 0,
+        disparity,
+        sigma: Disparity::ZERO,
+        slope_q10: [0; 2],
+        spread: Disparity::ZERO,
+        depth: None,
+        depth_sigma: None,
+        nearest: None,
+        support: u16::try_from(values.len()).unwrap_or(u16::MAX),
+        confidence: Confidence::ZERO,
+    }
+}

@@ -1,0 +1,40 @@
+//! Our StereoBM against the installed OpenCV's: the rival that users know is not a straw man.
+//!
+//! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else `python3`).
+
+use linestereo::Dims;
+use linestereo_sim::baselines::{Search, StereoBm};
+use linestereo_sim::compare::OpenCv;
+use linestereo_sim::engine::GrayImage;
+use linestereo_sim::scene::{self, Kind, Sensor};
+
+fn pairs() -> Vec<(GrayImage, GrayImage)> {
+    let sizes = [(320, 240), (161, 121), (200, 99)];
+    let render = |(seed, (width, height)): (u64, (u16, u16))| {
+        let dims = Dims { width, height };
+        let sensor = Sensor { noise: 2.0, seed, ..Sensor::default() };
+        let pair = scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor);
+        (pair.left, pair.right)
+    };
+    (1..).zip(sizes).map(render).collect()
+}
+
+#[test]
+fn stereo_bm_is_opencvs_number_for_number() {
+    let opencv = match OpenCv::find(None) {
+        Ok(opencv) => opencv,
+        Err(why) => return eprintln!("SKIPPED: {why}"),
+    };
+    for (left, right) in pairs() {
+        let search = Search::up_to(left.dims, 48);
+        let found = opencv.run(&left, &right, search).unwrap();
+        for (name, ours) in [("opencv-bm", StereoBm::default()), ("opencv-bm-strict", StereoBm::strict())] {
+            let theirs = &found.iter().find(|map| map.name == name).unwrap().map;
+            let map = ours.run(&left, &right, search);
+            let equal = |(ours, theirs): (&f32, &f32)| ours == theirs || ours.is_nan() && theirs.is_nan();
+            let different = map.values().iter().zip(theirs.values()).filter(|&pair| !equal(pair)).count();
+            assert_eq!(different, 0, "{name} of {}, OpenCV {}: {} values", left.dims, opencv.version(), map.count());
+            assert!(map.count() > 500, "{name} of {}: {} values say little", left.dims, map.count());
+        }
+    }
+}
