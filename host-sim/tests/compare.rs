@@ -30,7 +30,8 @@ fn scores_a_table_a_picture_and_json() {
     let text = stdout(&call(at, &[&methods[..], &["--picture", "maps.png", "--json", "scores.json"]].concat()));
     assert!(text.starts_with("2 pairs\n"), "{text}");
     for method in ["linestereo", "bm", "census", "sgm4"] {
-        assert_eq!(text.lines().filter(|line| line.split_whitespace().next() == Some(method)).count(), 1, "{text}");
+        // One for points, one for objects.
+        assert_eq!(text.lines().filter(|line| line.split_whitespace().next() == Some(method)).count(), 2, "{text}");
     }
     let json: Value = serde_json::from_slice(&std::fs::read(at.join("scores.json")).unwrap()).unwrap();
     assert_eq!((json["frames"].as_u64(), json["scenes"].as_array().map(Vec::len)), (Some(2), Some(2)));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! e(u) = L(u) - mean L - (R(u - d) - mean R)           over a window, R between pixels by a straight line
-//! d   += sum e R' / sum R'^2                           R' = slope of R along the row; Gauss-Newton on sum e^2
+//! d   -= sum e R' / sum (R' - mean R')^2               R' = slope of R along the row; Gauss-Newton on sum e^2
 //! ```
 //! until a step is below 0.02 px, at most [`STEPS`] times. A disparity that moves by more than 1 px, or whose differences grow, keeps its
 //! first value.
@@ -14,7 +14,7 @@ use crate::baselines::map::DisparityMap;
 use crate::engine::GrayImage;
 
 /// Most steps of a pixel.
-const STEPS: usize = 4;
+const STEPS: usize = 6;
 /// Shorter steps end the descent, px.
 const SMALL_STEP: f32 = 0.02;
 /// Farthest from where it began, px.
@@ -84,13 +84,15 @@ impl WindowPair<'_> {
         let count = self.values.len() as f32;
         let mean = |i: usize| self.values.iter().map(|v| v[i]).sum::<f32>() / count;
         let bias = mean(0) - mean(1);
+        // Means move with the window, so that a slope that all pixels share says nothing.
+        let common = mean(2);
         let (mut squares, mut numerator, mut denominator) = (0.0, 0.0, 0.0);
         for [l, r, slope] in &self.values {
             let e = l - r - bias;
             squares += e * e;
             // The right window moves left as the disparity grows: its value falls by the slope.
             numerator -= e * slope;
-            denominator += slope * slope;
+            denominator += (slope - common).powi(2);
         }
         (denominator > 0.0).then(|| (squares, numerator / denominator))
     }
