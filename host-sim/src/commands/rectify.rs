@@ -60,15 +60,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let image = args.view.image(&args.rig, None, ANY_RANGE)?;
     let mut rectifier = PairRectifier::new(image.rectification())?;
-    print(&summary(image.rectification(), &rectifier))?;
-    match (&args.right, &args.out) {
-        (Some(right), _) => one(args, &mut rectifier, right),
-        (None, Some(out)) => folder(args, out, &mut rectifier),
+    let summary = summary(image.rectification(), &rectifier);
+    let written = match (&args.right, &args.out) {
+        (Some(right), _) => one(args, &mut rectifier, right)?,
+        (None, Some(out)) => folder(args, out, &mut rectifier)?,
         (None, None) => unreachable!("clap asks for one of them"),
-    }
+    };
+    print(&(summary + &written))
 }
 
-fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<()> {
+/// What was written, in words.
+fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<String> {
     let written: Vec<&PathBuf> = [&args.out_left, &args.out_right, &args.picture].into_iter().flatten().collect();
     if written.is_empty() {
         bail!("nothing is asked for; give --out-left and --out-right, or --picture");
@@ -84,10 +86,10 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<()> {
         output.add(path, &pair.picture()?)?;
     }
     output.commit()?;
-    written.into_iter().try_for_each(|path| print(&format!("wrote {}\n", path.display())))
+    Ok(written.into_iter().map(|path| format!("wrote {}\n", path.display())).collect())
 }
 
-fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<()> {
+fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
     let pairs = find_pairs(root)?;
     if pairs.is_empty() {
@@ -111,7 +113,7 @@ fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<()> 
         progress.inc(1);
     }
     progress.finish_and_clear();
-    print(&format!("{} pairs: {}\n", pairs.len(), out.display()))
+    Ok(format!("{} pairs: {}\n", pairs.len(), out.display()))
 }
 
 /// A pair before and after.
