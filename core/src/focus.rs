@@ -1,12 +1,13 @@
 //! Which part of a pair is matched: a detector says where depth is needed, and the rest of the frame costs nothing.
 //!
-//! In: areas of the left image. Out: where edges have to start in both images, and which segments are matched, so that the candidates in and
-//! just around the areas are those of a run over the whole frame.
+//! In: areas of the left image. Out: where edges have to start in both images, which segments are matched, and the pixels that their windows may
+//! look at, so that the candidates that speak of the areas are those of a run over the whole frame.
 //!
 //! ```text
 //! matched   what can speak of an object in an area: a window's middle lies in it
-//! left      edges that start within a window, a square of selection and a scan of that: every rival for a square is known
+//! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every rival is known
 //! right     edges that start on the rows of those segments, to the left by the disparity range: every vote is known
+//! rows      gradients and census codes in the columns that windows reach, searching there and back
 //! ```
 //!
 //! # Source
@@ -20,8 +21,6 @@ use crate::objects::witness::{OBJECT_REACH, may_speak};
 use crate::params::Params;
 use heapless::Vec;
 
-/// What is matched lies so near to an area, px.
-const REACH: u16 = OBJECT_REACH;
 /// How far a right segment may begin beyond what its left one says, px.
 const VOTES: u16 = 8;
 
@@ -69,9 +68,9 @@ impl Sought {
 
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        // The middle of what is matched lies within REACH of the area, and its rivals' middles in the same squares.
+        // The middle of what is matched lies within OBJECT_REACH of the area, and its rivals' middles in the same squares.
         let squares = |area: Area| {
-            let Area { left, top, right, bottom } = area.grown(REACH, self.dims);
+            let Area { left, top, right, bottom } = area.grown(OBJECT_REACH, self.dims);
             let before = |at: u16| at - at.checked_rem(cell).unwrap_or(0);
             let after = |at: u16| before(at.saturating_add(cell - 1));
             Area { left: before(left), top: before(top), right: after(right), bottom: after(bottom) }

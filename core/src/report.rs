@@ -274,8 +274,7 @@ impl Candidate {
         let [left, right] = self.sides.each_ref().map(|side| side.as_ref().filter(|s| !s.rejected));
         match (left, right) {
             (Some(l), Some(r)) => {
-                let sum = |side: &Side| side.disparity_q6.iter().map(|&d| i32::from(d)).sum::<i32>();
-                let two_surfaces = (sum(l) - sum(r)).abs() > TWO_SURFACES_Q6;
+                let two_surfaces = (l.sum_q6() - r.sum_q6()).abs() > TWO_SURFACES_Q6;
                 Some(match (two_surfaces, r.edge_probability_q16 > l.edge_probability_q16) {
                     (false, _) => Owner::Both,
                     (true, true) => Owner::Right,

@@ -16,7 +16,7 @@
 //! Quadratic in the claims of 2 * [`REACH`] rows.
 
 use super::evidence::log2_mean_q8;
-use super::{Candidate, Side, narrow};
+use super::{Candidate, Side, about_length, narrow};
 use crate::lines::MAX_ROWS;
 
 /// Distance at which a neighbour's word counts nothing, px.
@@ -69,9 +69,7 @@ impl Place {
 
     /// Lets the claims of two segments speak of each other.
     fn weigh(&mut self, other: &mut Self) {
-        let dx = i32::from(other.x - self.x).abs();
-        let dy = i32::from(other.y - self.y).abs();
-        let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3); // within 7 % of the length
+        let distance = about_length(i32::from(other.x - self.x), i32::from(other.y - self.y));
         if distance >= REACH {
             return;
         }
@@ -99,8 +97,7 @@ impl Claim {
     const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
 
     fn new(side: &Side) -> Self {
-        let [d0, d1] = side.disparity_q6;
-        Self { d_q6: narrow((i32::from(d0) + i32::from(d1)) >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
+        Self { d_q6: narrow(side.sum_q6() >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
     }
 
     fn weigh(&mut self, other: &mut Self, distance: i32) {

@@ -81,6 +81,12 @@ impl Candidate {
 }
 
 impl Candidate {
+    /// How far the two sides' disparities lie apart, summed over both ends, 1/64 px; `None` without both.
+    pub(crate) fn sides_apart_q6(&self) -> Option<i32> {
+        let [Some(a), Some(b)] = &self.sides else { return None };
+        Some((a.sum_q6() - b.sum_q6()).abs())
+    }
+
     /// Do the ends of every side's line lie at usable columns of the right image?
     fn ends_where_usable(&self, band: &Band<'_>) -> bool {
         let (x0, y0, x1, y1) = self.segment.ends_q5();
@@ -93,6 +99,12 @@ impl Candidate {
             })
         })
     }
+}
+
+/// Length of a vector, within 7 %.
+pub(crate) fn about_length(dx: i32, dy: i32) -> i32 {
+    let (dx, dy) = (dx.abs(), dy.abs());
+    dx.max(dy) + ((3 * dx.min(dy)) >> 3)
 }
 
 /// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
@@ -142,6 +154,12 @@ impl Side {
 }
 
 impl Side {
+    /// Disparities of both ends together, 1/64 px.
+    pub(crate) fn sum_q6(&self) -> i32 {
+        let [d0, d1] = self.disparity_q6;
+        i32::from(d0) + i32::from(d1)
+    }
+
     /// Probability that the pixels next to the edge are within 1 px, neighbours included; 0 before a run has ended.
     #[must_use]
     pub fn confidence(&self) -> Confidence {

@@ -16,6 +16,7 @@
 //! # Cost
 //! [`HYPOTHESES`] comparisons a claim at 12 instructions, and four passes at 30.
 
+use crate::matching::about_length;
 use crate::matching::consistency::Place;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
@@ -102,9 +103,7 @@ impl Hypothesis {
 
     /// Largest difference of disparity to a claim there that agrees.
     fn tolerance_q6(&self, x: i32, y: i32) -> i32 {
-        let (dx, dy) = ((x - self.x).abs(), (y - self.y).abs());
-        let distance = dx.max(dy) + ((3 * dx.min(dy)) >> 3); // within 7 % of the length
-        TOLERANCE_Q6 + ((5 * distance) >> 1)
+        TOLERANCE_Q6 + ((5 * about_length(x - self.x, y - self.y)) >> 1)
     }
 }
 

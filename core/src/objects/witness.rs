@@ -20,8 +20,8 @@ use super::region::Area;
 use crate::confidence::Models;
 use crate::image::Dims;
 use crate::lines::Segment;
+use crate::matching::Candidate;
 use crate::matching::consistency::Place;
-use crate::matching::{Candidate, Side};
 
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
 pub(crate) const OBJECT_REACH: u16 = 6;
@@ -113,9 +113,7 @@ fn pixels_inside(segment: &Segment, contains: impl Fn(i32, i32) -> bool) -> [u16
 
 /// Do both sides have the same disparity?
 fn is_agreed(candidate: &Candidate) -> bool {
-    let [Some(a), Some(b)] = &candidate.sides else { return false };
-    let sum = |side: &Side| side.disparity_q6.iter().map(|&d| i32::from(d)).sum::<i32>();
-    (sum(a) - sum(b)).abs() < 2 * SAME_Q6
+    candidate.sides_apart_q6().is_some_and(|apart| apart < 2 * SAME_Q6)
 }
 
 /// 1/256; at most 307.

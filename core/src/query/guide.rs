@@ -20,7 +20,7 @@ use crate::lines::MAX_ROWS;
 use crate::matching::evidence::log2_mean_q8;
 use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
-use crate::matching::{Candidate, Side};
+use crate::matching::{Candidate, Side, about_length};
 use crate::objects::Region;
 use crate::units::quotient;
 use heapless::Vec;
@@ -124,8 +124,7 @@ impl Guide {
         }
         let foot = Foot::new(candidate, x, y);
         let (dx, dy) = (x - foot.x, y - foot.y);
-        let (longer, shorter) = (dx.abs().max(dy.abs()), dx.abs().min(dy.abs()));
-        let distance = longer + ((3 * shorter) >> 3); // within 7 % of the length
+        let distance = about_length(dx, dy);
         if distance >= REACH {
             return;
         }
@@ -210,11 +209,7 @@ impl Guide {
 
 /// Does another surface begin at the edge, as far as is known?
 fn has_two_surfaces(candidate: &Candidate) -> bool {
-    let sum = |side: &Side| side.disparity_q6.iter().map(|&d| i32::from(d)).sum::<i32>();
-    match &candidate.sides {
-        [Some(a), Some(b)] => (sum(a) - sum(b)).abs() > TWO_SURFACES_Q6,
-        _ => true,
-    }
+    candidate.sides_apart_q6().is_none_or(|apart| apart > TWO_SURFACES_Q6)
 }
 
 impl Word {

@@ -7,7 +7,7 @@
 //! | `Block` | the blocking distance in every sector in view | stops at once, on the spot | stops at once; backs away from what is nearer than its margin |
 //! | `Unknown` | obstacles seen before, while they are kept; nothing else | stops after 0.5 s, never holds | free as soon as nothing is kept |
 //!
-//! Rules, parameters and sources are in `docs/autopilots.md`; `tests/tests/mavlink.rs` holds every cell of this table.
+//! Rules, parameters and sources are in `docs/autopilots.md`; `wire/tests/autopilots.rs` holds every cell of this table.
 
 use super::frame::Sender;
 use super::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
@@ -57,7 +57,7 @@ pub struct AutopilotParams {
     /// Where [`Policy::Block`] sees obstacles, cm; from `min_distance_cm` to below the range. At most PX4's CP_DIST; as far as ArduPilot's
     /// AVOID_MARGIN, if it shall not back away.
     pub block_cm: u16,
-    /// An obstacle stands in the sectors beside its own as well: PX4 up to 1.15 reads every second sector only, and vehicles are wide.
+    /// An obstacle stands in the sectors beside its own as well: PX4 with bins of 10 degrees reads every second sector only, and vehicles are wide.
     pub widen: bool,
     /// Send DISTANCE_SENSOR as well: the nearest obstacle of the three sectors ahead. ArduPilot puts both messages into one boundary: there one
     /// of them is enough.
