@@ -52,6 +52,25 @@ fn parts_together_are_the_whole_to_the_last_byte() {
 }
 
 #[test]
+fn parts_of_a_comparison_are_the_whole_too() {
+    let folder = scenes();
+    let at = folder.path();
+    let options = ["compare", "set", "--methods", "linestereo,bm,sparse-block", "--no-times"];
+    let whole = succeed(at, &[&options[..], &["--json", "whole.json"]].concat());
+    // Refused objects have no numbers: those go through the parts as well.
+    assert!(whole.contains("objects: % wrong / % covered"), "{whole}");
+    for (shard, file) in [("1/2", "one"), ("2/2", "two")] {
+        succeed(at, &[&options[..], &["--shard", shard, "--json", file]].concat());
+    }
+    assert_eq!(succeed(at, &["compare", "--merge", "one", "two", "--json", "merged.json"]), whole);
+    assert!(fs::read(at.join("merged.json")).unwrap() == fs::read(at.join("whole.json")).unwrap());
+    let line = refused(at, &["eval", "--merge", "one", "two"]);
+    assert!(line.contains("one is no part of an evaluation"), "{line}");
+    let line = refused(at, &["compare", "--merge", "one", "two", "--picture", "maps.png"]);
+    assert!(line.contains("--picture"), "{line}");
+}
+
+#[test]
 fn times_are_measured_unless_told_otherwise() {
     let folder = scenes();
     for (more, present) in [(None, true), (Some("--no-times"), false)] {

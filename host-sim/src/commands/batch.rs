@@ -1,4 +1,4 @@
-//! Options of evaluations over many pairs, the same for every command that scores: folders, threads, parts.
+//! Evaluations over many pairs, the same for every command that scores: which pairs, on how many threads, in how many parts.
 
 use super::print;
 use crate::evaluate::{Shard, ShardFile};
@@ -9,13 +9,10 @@ use core::num::NonZeroUsize;
 use serde::{Serialize, de::DeserializeOwned};
 use std::path::{Path, PathBuf};
 
-/// Which pairs, on how many threads, and which part of them.
+/// On how many threads, and which part of the pairs.
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Many pairs")]
 pub(super) struct BatchArgs {
-    /// Folders to search for pairs with ground truth, at any depth and in any layout.
-    #[arg(required_unless_present = "merge", value_name = "FOLDER")]
-    pub(super) folders: Vec<PathBuf>,
     /// Use so many threads [default: all cores].
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -23,7 +20,7 @@ pub(super) struct BatchArgs {
     #[arg(long, value_name = "K/N", requires = "json")]
     pub(super) shard: Option<Shard>,
     /// Put the parts of an evaluation together, which --shard wrote.
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["folders", "shard", "threads"])]
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["shard", "threads"])]
     pub(super) merge: Vec<PathBuf>,
 }
 
@@ -39,16 +36,16 @@ impl BatchArgs {
         self.threads.map(NonZeroUsize::get)
     }
 
-    /// The pairs of this part with their places among all.
-    pub(super) fn part(&self, pairs: Vec<StoredPair>) -> Vec<(usize, StoredPair)> {
+    /// The items of this part with their places among all.
+    pub(super) fn part<T>(&self, items: Vec<T>) -> (Vec<usize>, Vec<T>) {
         let shard = self.shard.unwrap_or(Shard::WHOLE);
-        pairs.into_iter().enumerate().filter(|(place, _)| shard.holds(*place)).collect()
+        items.into_iter().enumerate().filter(|(place, _)| shard.holds(*place)).unzip()
     }
 }
 
-/// Finds the pairs with ground truth; none is an error.
-pub(super) fn collect(folders: &[PathBuf]) -> Result<Collected> {
-    let (mut pairs, mut notes, mut without, mut alone) = (Vec::new(), Vec::new(), 0, 0);
+/// Finds the pairs with ground truth. Where there is none at all, it is an error if truth is needed, and every pair is taken if not.
+pub(super) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collected> {
+    let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for folder in folders {
         let found = Dataset::find(folder)?;
         for (layout, count) in found.layouts() {
@@ -58,14 +55,18 @@ pub(super) fn collect(folders: &[PathBuf]) -> Result<Collected> {
         }
         let (scored, rest): (Vec<_>, Vec<_>) = found.pairs.into_iter().partition(StoredPair::has_truth);
         pairs.extend(scored);
-        without += rest.len();
+        without.extend(rest);
         alone += found.alone;
+    }
+    if pairs.is_empty() && !needs_truth {
+        core::mem::swap(&mut pairs, &mut without);
     }
     if pairs.is_empty() {
         let list: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
         bail!("no pair with ground truth below {}; see --help", list.join(", "));
     }
-    if without > 0 {
+    if !without.is_empty() {
+        let without = without.len();
         notes.push(format!("{without} pairs without ground truth were left out"));
     }
     if alone > 0 {

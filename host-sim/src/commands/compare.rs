@@ -1,21 +1,19 @@
 //! `linestereo compare`: the core, the classic methods and OpenCV on the same frames.
 
+use super::batch::{BatchArgs, collect};
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
 use crate::compare::{
-    CORE, Contender, MethodScore, MethodSummary, OpenCv, compare_scene, comparison_table, object_comparison,
-    on_all_cores, summarise,
+    CORE, Contender, MethodScore, MethodSummary, OpenCv, compare_scene, comparison_table, object_comparison, summarise,
 };
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::frames::{
-    Scene, area_average, check_same_size, check_size, check_usable, find_scenes, has_truth, load_gray, load_scene,
-};
+use crate::evaluate::{ShardFile, ShardHead, for_each_pair};
+use crate::frames::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
-use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Disparity range of two image files.
@@ -31,6 +29,8 @@ Examples:
   linestereo compare frames/qvga --methods linestereo,census,ncc --window 9x9
   linestereo compare frames/qvga --after-steps                   what each after-step does to the scores
   linestereo compare frames/qvga --methods sad --left-right 1 --after speckle,median
+  linestereo compare kitti/training --width 640 --no-times --shard 3/16 --json part3.json   a part; docs/scale.md
+  linestereo compare --merge part*.json                          all parts: the same bytes as without --shard
 
 Methods:
   linestereo       the core: claims of p >= 0.9
@@ -55,8 +55,8 @@ Columns:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Two rectified images, or folders to search for scene.json, at any depth.
-    #[arg(required = true, value_name = "LEFT RIGHT | FOLDER")]
+    /// Two rectified images, or folders to search for pairs, at any depth and in any layout.
+    #[arg(required_unless_present = "merge", conflicts_with = "merge", value_name = "LEFT RIGHT | FOLDER")]
     inputs: Vec<PathBuf>,
     /// Methods to compare, or "all".
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -89,7 +89,7 @@ pub struct Args {
     #[arg(long, value_name = "PX")]
     pushbroom: Option<u16>,
     /// Draw all maps side by side; scenes beyond the first 16 are not drawn.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", conflicts_with_all = ["shard", "merge"])]
     picture: Option<PathBuf>,
     /// Write the scores as JSON to FILE, or to stdout in place of the tables with "-".
     #[arg(long, value_name = "FILE")]
@@ -100,6 +100,11 @@ pub struct Args {
     /// Search disparities 0 .. N [default: the scene file's, 64 for two images].
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
+    /// Match every pair once and leave the times out: they differ from run to run.
+    #[arg(long)]
+    no_times: bool,
+    #[command(flatten)]
+    batch: BatchArgs,
     #[command(flatten)]
     method: MethodArgs,
 }
@@ -120,39 +125,65 @@ struct JsonScene {
     methods: Vec<MethodSummary>,
 }
 
-/// What is matched: a pair of files, or a scene's folder below one that was given.
+/// What is matched: a pair of files, or one of a data set.
 enum Source {
-    Pair(PathBuf, PathBuf),
-    Folder { root: PathBuf, folder: PathBuf },
+    Files(PathBuf, PathBuf),
+    Stored(StoredPair),
+}
+
+impl Source {
+    fn name(&self) -> String {
+        match self {
+            Self::Files(left, _) => {
+                left.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+            }
+            Self::Stored(pair) => pair.name.clone(),
+        }
+    }
 }
 
 /// A scene with what every method made of it.
+#[derive(Serialize, Deserialize)]
 struct Compared {
-    scene: Scene,
+    name: String,
     scores: Vec<MethodScore>,
+    /// For a picture.
+    #[serde(skip)]
+    scene: Option<Scene>,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    if !args.batch.merge.is_empty() {
+        let (head, compared) = ShardFile::merge(&args.batch.merge)?;
+        return args.write(&compared, &head);
+    }
     let contenders = if args.after_steps { after_steps() } else { args.contenders()? };
     let opencv = if args.opencv { Some(OpenCv::find(args.python.as_deref())) } else { None };
-    let missing = match &opencv {
-        Some(Err(error)) => format!("\nwithout OpenCV: {error}\n"),
-        _ => String::new(),
-    };
+    let (sources, mut notes) = args.sources()?;
+    match &opencv {
+        Some(Ok(opencv)) => notes.push(format!("OpenCV {}", opencv.version())),
+        Some(Err(error)) => notes.push(format!("without OpenCV: {error}")),
+        None => {}
+    }
     let opencv = opencv.and_then(Result::ok);
-    let sources = args.sources()?;
-    let progress = progress_bar(sources.len());
-    let compared = on_all_cores(sources.len(), |index| {
-        let mut compared = args.compare(&sources[index], &contenders, opencv.as_ref())?;
-        if args.picture.is_none() || index >= DRAWN {
-            compared.scores.iter_mut().for_each(|score| score.result.points = Vec::new());
-        }
-        progress.inc(1);
-        Ok(compared)
+    let names: Vec<String> = sources.iter().map(Source::name).collect();
+    let head = ShardHead::new("compare", args.options(), names.iter().map(String::as_str), notes);
+    let (places, sources) = args.batch.part(sources);
+    let items: Vec<(usize, Source)> = sources.into_iter().enumerate().collect();
+    let name = |(_, source): &(usize, Source)| source.name();
+    let compared = for_each_pair(&items, args.batch.threads(), name, |(index, source)| {
+        let is_drawn = args.picture.is_some() && *index < DRAWN;
+        args.compare(source, &contenders, opencv.as_ref(), is_drawn)
     })?;
-    progress.finish_and_clear();
-    args.write(&compared, &missing, opencv.as_ref())
+    match args.batch.shard {
+        Some(shard) => {
+            let count = compared.len();
+            let file = ShardFile::new(head, shard, places.into_iter().zip(compared).collect());
+            super::batch::write_part(&file, args.json.as_deref(), shard, count)
+        }
+        None => args.write(&compared, &head),
+    }
 }
 
 impl Args {
@@ -207,51 +238,55 @@ impl Args {
         Ok(method)
     }
 
-    fn sources(&self) -> Result<Vec<Source>> {
+    /// Every option that changes a result.
+    fn options(&self) -> String {
+        let Self { methods, opencv, after_steps, window, cross, after, least_confidence, left_right, .. } = self;
+        let Self { pushbroom, width, max_disparity, no_times, method, .. } = self;
+        format!(
+            "{methods:?}, OpenCV {opencv}, after-steps {after_steps}, {window:?}, {cross}, {after:?}, {least_confidence:?}, {left_right:?}, \
+             {pushbroom:?}, {width:?}, {max_disparity:?}, no times {no_times}, {method:?}"
+        )
+    }
+
+    /// What is matched, and what there is to say of it.
+    fn sources(&self) -> Result<(Vec<Source>, Vec<String>)> {
         if let [left, right] = self.inputs.as_slice()
             && left.is_file()
             && right.is_file()
         {
-            return Ok(vec![Source::Pair(left.clone(), right.clone())]);
-        }
-        let (mut with, mut without) = (Vec::new(), Vec::new());
-        for root in &self.inputs {
-            for folder in find_scenes(root)? {
-                let list = if has_truth(&folder)? { &mut with } else { &mut without };
-                list.push(Source::Folder { root: root.clone(), folder });
-            }
+            return Ok((vec![Source::Files(left.clone(), right.clone())], Vec::new()));
         }
         // Without any truth there are still yields, times and pictures.
-        let sources = if with.is_empty() { without } else { with };
-        if sources.is_empty() {
-            let inputs: Vec<String> = self.inputs.iter().map(|input| input.display().to_string()).collect();
-            bail!("no folder with a scene.json below {}; give two images or such folders", inputs.join(", "));
-        }
-        Ok(sources)
+        let found = collect(&self.inputs, false)?;
+        Ok((found.pairs.into_iter().map(Source::Stored).collect(), found.notes))
     }
 
-    fn compare(&self, source: &Source, contenders: &[Contender], opencv: Option<&OpenCv>) -> Result<Compared> {
+    fn compare(
+        &self,
+        source: &Source,
+        contenders: &[Contender],
+        opencv: Option<&OpenCv>,
+        is_drawn: bool,
+    ) -> Result<Compared> {
         let scene = self.load(source)?;
         let engine = |scene: &Scene| {
             engine_with(&self.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
                 .with_context(|| scene.name.clone())
         };
-        let scores = compare_scene(&scene, contenders, opencv, engine)?;
-        Ok(Compared { scene, scores })
+        let mut scores = compare_scene(&scene, contenders, opencv, !self.no_times, engine)?;
+        if !is_drawn {
+            scores.iter_mut().for_each(|score| score.result.points = Vec::new());
+        }
+        Ok(Compared { name: scene.name.clone(), scores, scene: is_drawn.then_some(scene) })
     }
 
     fn load(&self, source: &Source) -> Result<Scene> {
         let mut scene = match source {
-            Source::Pair(left, right) => self.load_pair(left, right)?,
-            Source::Folder { root, folder } => {
-                let mut scene = load_scene(folder, self.width)?;
-                // Sets hold scenes of the same name: the path below the given folder tells them apart.
-                let below_root = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
-                if !below_root.is_empty() {
-                    scene.name = below_root;
-                }
-                check_usable(&folder.join("left"), &scene.left)?;
-                check_usable(&folder.join("right"), &scene.right)?;
+            Source::Files(left, right) => self.load_pair(left, right)?,
+            Source::Stored(pair) => {
+                let scene = pair.load(self.width)?;
+                check_usable(&pair.folder.join("left"), &scene.left)?;
+                check_usable(&pair.folder.join("right"), &scene.right)?;
                 scene
             }
         };
@@ -286,7 +321,8 @@ impl Args {
         })
     }
 
-    fn write(&self, compared: &[Compared], missing: &str, opencv: Option<&OpenCv>) -> Result<()> {
+    /// Tables and JSON; of merged parts the same as of everything at once.
+    fn write(&self, compared: &[Compared], head: &ShardHead) -> Result<()> {
         let frames: Vec<Vec<MethodScore>> = compared.iter().map(|compared| compared.scores.clone()).collect();
         let methods = summarise(&frames);
         let count = frames.len();
@@ -296,10 +332,9 @@ impl Args {
         if !objects.is_empty() {
             text.push_str(&format!("\n{objects}"));
         }
-        if let Some(opencv) = opencv {
-            text.push_str(&format!("\nOpenCV {}\n", opencv.version()));
+        for note in &head.notes {
+            text.push_str(&format!("\n{note}\n"));
         }
-        text.push_str(missing);
         let mut output = OutputFiles::new();
         if let Some(path) = &self.picture {
             output.add(path, &draw::png(&picture(compared))?)?;
@@ -310,7 +345,7 @@ impl Args {
                 .iter()
                 .zip(&frames)
                 .map(|(compared, frame)| JsonScene {
-                    scene: compared.scene.name.clone(),
+                    scene: compared.name.clone(),
                     methods: summarise(core::slice::from_ref(frame)),
                 })
                 .collect();
@@ -367,11 +402,9 @@ fn picture(compared: &[Compared]) -> image::RgbImage {
     let scenes: Vec<draw::SceneMaps<'_>> = drawn
         .iter()
         .zip(&maps)
-        .map(|(Compared { scene, .. }, maps)| draw::SceneMaps {
-            name: &scene.name,
-            left: &scene.left,
-            max_disparity: scene.max_disparity,
-            maps,
+        .filter_map(|(compared, maps)| {
+            let scene = compared.scene.as_ref()?;
+            Some(draw::SceneMaps { name: &scene.name, left: &scene.left, max_disparity: scene.max_disparity, maps })
         })
         .collect();
     draw::maps(&scenes)
@@ -389,10 +422,4 @@ fn parse_step(text: &str) -> Result<AfterStep, String> {
     let names: Vec<&str> = AfterStep::ALL.iter().map(|step| step.name()).collect();
     let step = AfterStep::ALL.into_iter().find(|step| step.name() == text);
     step.ok_or_else(|| format!("there is no step {text}; give {}", names.join(", ")))
-}
-
-/// On stderr, and only when that is a terminal.
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -55,6 +55,9 @@ model that has not seen it.";
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
+    /// Folders to search for pairs with ground truth, at any depth and in any layout.
+    #[arg(required_unless_present = "merge", conflicts_with = "merge", value_name = "FOLDER")]
+    folders: Vec<PathBuf>,
     /// Write the scores as JSON to FILE, or to stdout in place of the tables with "-".
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -164,14 +167,14 @@ pub fn run(args: &Args) -> Result<()> {
         let (head, outcomes) = ShardFile::merge(&args.batch.merge)?;
         return write_results(args, &head, outcomes);
     }
-    let found = collect(&args.batch.folders)?;
+    let found = collect(&args.folders, true)?;
     if args.objects {
         let load = |pair: &StoredPair| load(pair, args);
         let (method, json) = (&args.method, args.json.as_deref());
         return super::eval_objects::run(&found.pairs, args.batch.threads(), load, method, &perturbation, json);
     }
     let head = head(args, &found);
-    let (places, pairs): (Vec<usize>, Vec<StoredPair>) = args.batch.part(found.pairs).into_iter().unzip();
+    let (places, pairs) = args.batch.part(found.pairs);
     let machine = args.on.as_deref().map(|name| Machine::new(board::named(name)?)).transpose()?;
     let name = |pair: &StoredPair| pair.name.clone();
     let mut outcomes = for_each_pair(&pairs, args.batch.threads(), name, |pair| {

@@ -20,10 +20,9 @@ use crate::evaluate::{
 use crate::frames::{Scene, Truth};
 use crate::outline::Mask;
 use anyhow::Result;
-use core::sync::atomic::{AtomicUsize, Ordering};
 use core::time::Duration;
 use linestereo::{Confidence, Disparity, NoDepth, ObjectDepth};
-use std::sync::{Mutex, PoisonError};
+use linestereo_wire::{Counts, Health};
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.
@@ -55,8 +54,8 @@ impl Contender {
     }
 }
 
-/// What one method made of one frame.
-#[derive(Clone, Debug)]
+/// What one method made of one frame; as JSON it keeps every bit of the scores, but not the map.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct MethodScore {
     /// Name of the method.
     pub method: String,
@@ -65,7 +64,13 @@ pub struct MethodScore {
     /// Its answers for the scene's objects.
     pub objects: Vec<ObjectScore>,
     /// Its map, for a picture.
+    #[serde(skip, default = "no_map")]
     pub result: FrameResult,
+}
+
+fn no_map() -> FrameResult {
+    let (matches, points) = (Vec::new(), Vec::new());
+    FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None }
 }
 
 /// One method on all frames.
@@ -105,18 +110,19 @@ pub fn summarise(frames: &[Vec<MethodScore>]) -> Vec<MethodSummary> {
     first.iter().enumerate().map(of).collect()
 }
 
-/// Matches a scene by every contender and by OpenCV. `core` makes the core's engine for a scene.
+/// Matches a scene by every contender and by OpenCV, once if it is not timed. `core` makes the core's engine for a scene.
 pub fn compare_scene(
     scene: &Scene,
     contenders: &[Contender],
     opencv: Option<&OpenCv>,
+    timed: bool,
     core: impl Fn(&Scene) -> Result<Engine>,
 ) -> Result<Vec<MethodScore>> {
     let truth = scene.truth.clone().unwrap_or_else(|| unknown(scene));
     let cases = if scene.truth.is_some() { object_cases(scene)? } else { Vec::new() };
     let score = |method: &str, result: FrameResult, milliseconds: f64, objects: Vec<ObjectScore>| {
         let mut score = FrameScore::new(&scene.name, &truth, &result);
-        score.milliseconds = Some(milliseconds);
+        score.milliseconds = timed.then_some(milliseconds);
         MethodScore { method: method.to_owned(), score, objects, result }
     };
     let mut scores = Vec::new();
@@ -125,14 +131,14 @@ pub fn compare_scene(
             Contender::Core => {
                 let mut engine = core(scene)?;
                 let (left, right) = (scene.left.view()?, scene.right.view()?);
-                let milliseconds = median_time(|| engine.run_in_place(left, right).map(|_| ()))?;
+                let milliseconds = median_time(timed, || engine.run_in_place(left, right).map(|_| ()))?;
                 let result = engine.run(left, right)?;
                 let objects = score_objects(&mut engine, &cases);
                 score(CORE, result, milliseconds, objects)
             }
             Contender::Baseline(method) => {
                 let mut map = DisparityMap::empty(scene.left.dims);
-                let milliseconds = median_time(|| {
+                let milliseconds = median_time(timed, || {
                     map = method.run(&scene.left, &scene.right, scene.max_disparity);
                     Ok::<_, anyhow::Error>(())
                 })?;
@@ -149,37 +155,12 @@ pub fn compare_scene(
     Ok(scores)
 }
 
-/// Does `work` for every index below `count` on all cores; results in order. The first error ends it.
-pub fn on_all_cores<T: Send>(count: usize, work: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(count)));
-    let worker = || {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= count {
-                return;
-            }
-            let result = work(index);
-            if result.is_err() {
-                next.store(count, Ordering::Relaxed);
-            }
-            done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        (0..threads).for_each(|_| {
-            scope.spawn(worker);
-        });
-    });
-    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, result)| result).collect()
-}
-
-fn median_time<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
+/// Of several runs if it is timed, else of one.
+fn median_time<E>(timed: bool, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
+    let most = if timed { TIMING_RUNS } else { 1 };
     let begin = Instant::now();
     let mut times = Vec::new();
-    while times.is_empty() || (times.len() < TIMING_RUNS && begin.elapsed() < TIMING_BUDGET) {
+    while times.is_empty() || (times.len() < most && begin.elapsed() < TIMING_BUDGET) {
         let start = Instant::now();
         run()?;
         times.push(start.elapsed());

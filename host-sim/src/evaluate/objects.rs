@@ -5,6 +5,7 @@
 //! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
 
 use super::frame::median;
+use super::packed::PackedObject;
 use crate::engine::Engine;
 use crate::frames::{FrameError, Scene, load_values};
 use crate::outline::{Mask, RefinedOutline, refine};
@@ -20,7 +21,7 @@ const SLOPPY_PX: usize = 2;
 const WRONG_PX: f32 = 1.0;
 
 /// What the core is told of an object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
     /// Its mask.
@@ -115,8 +116,9 @@ impl ObjectCase {
     }
 }
 
-/// What one answer is worth.
-#[derive(Clone, Debug)]
+/// What one answer is worth; as JSON it keeps every bit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(into = "PackedObject", try_from = "PackedObject")]
 pub struct ObjectScore {
     /// Scene and object.
     pub name: String,

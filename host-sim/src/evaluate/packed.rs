@@ -1,11 +1,13 @@
-//! A frame's score as JSON that gives back the same bits: shards of a large evaluation are merged exactly.
+//! The scores of a frame and of an object as JSON that gives back the same bits: parts of a large evaluation are merged exactly.
 //!
 //! Decimal numbers need not come back as they went; lists of floats are their bytes, little endian, in base64. A point with truth is
 //! its probability and its error, negative where the true match is hidden; a cell without a claim is a NaN.
 
 use super::frame::{CellScore, FrameScore, PointScore, SegmentScore};
+use super::objects::{ObjectScore, Outline};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use linestereo::NoDepth;
 use serde::{Deserialize, Serialize};
 
 /// [`FrameScore`] as it is stored.
@@ -64,6 +66,57 @@ impl TryFrom<PackedScore> for FrameScore {
             milliseconds: stored.milliseconds_bits.map(f64::from_bits),
             instructions: stored.instructions,
             cells: unpacked(&stored.cells)?.into_iter().map(cell).collect(),
+        })
+    }
+}
+
+/// [`ObjectScore`] as it is stored.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct PackedObject {
+    name: String,
+    outline: Outline,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+    wrong: bool,
+    support: u16,
+    /// Both ends of the range, disparity, error, relative error, standard deviation, probability.
+    values: String,
+    overlap_bits: [u64; 2],
+}
+
+impl From<ObjectScore> for PackedObject {
+    fn from(score: ObjectScore) -> Self {
+        let ObjectScore { name, outline, refused, range, disparity, wrong, error, relative, .. } = score;
+        let refused = refused.map(|reason| reason.name().to_owned());
+        let values = packed([range.0, range.1, disparity, error, relative, score.sigma, score.confidence]);
+        let overlap_bits = score.overlap.map(f64::to_bits);
+        Self { name, outline, refused, wrong, support: score.support, values, overlap_bits }
+    }
+}
+
+impl TryFrom<PackedObject> for ObjectScore {
+    type Error = &'static str;
+
+    fn try_from(stored: PackedObject) -> Result<Self, Self::Error> {
+        let named = |name: String| NoDepth::ALL.into_iter().find(|reason| reason.name() == name);
+        let refused = stored.refused.map(|name| named(name).ok_or("a reason that is not known")).transpose()?;
+        let values = <[f32; 7]>::try_from(unpacked(&stored.values)?).map_err(|_| "an object has other values")?;
+        let [low, high, disparity, error, relative, sigma, confidence] = values;
+        let PackedObject { name, outline, wrong, support, .. } = stored;
+        let (range, overlap) = ((low, high), stored.overlap_bits.map(f64::from_bits));
+        Ok(Self {
+            name,
+            outline,
+            refused,
+            range,
+            disparity,
+            wrong,
+            error,
+            relative,
+            sigma,
+            confidence,
+            support,
+            overlap,
         })
     }
 }

@@ -206,7 +206,10 @@ impl ShardHead {
         let parts = [
             (self.command == other.command, "command or version"),
             (self.options == other.options, "set of options"),
-            (self.names == other.names && self.pairs == other.pairs && self.notes == other.notes, "data set"),
+            (
+                self.names == other.names && self.pairs == other.pairs && self.notes == other.notes,
+                "data set (or OpenCV)",
+            ),
         ];
         parts.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
     }
