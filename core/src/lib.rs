@@ -6,14 +6,22 @@
 //!
 //! ```text
 //! Params -> plan -> Plan            once: every check, every float
+//! Calibration -> Rectification      once: the rig's geometry as a mesh for each camera
 //!
-//! left, right                       per pair: integers only, memory is the caller's
+//! raw rows                          as they come: integers only, memory is the caller's
+//!   rectify     a few raw rows held, rectified rows out
+//! left, right                       per pair
+//!   health      is the pair fit to be matched and believed?
+//!   focus       the whole frame, or around what a detector asks for
 //!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square
 //!   matching    row offset of the pair; per segment: window, census, search back, halves, votes of right segments,
 //!               ownership of each side; margin between the techniques (Eq. 13)
 //!   consistency what neighbours say of each other; one right position explains one left position
 //!   confidence  evidence -> probability of being within 1 px
 //!   report      matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
+//! what a robot asks                 of the candidates of the last pair
+//!   objects     the depth of boxes and masks
+//!   query       the depth of one pixel
 //!   obstacles   the nearest obstacle of each direction, kept over pairs
 //! ```
 //!
