@@ -9,13 +9,16 @@
 
 mod calibration;
 mod camera;
+mod grid;
 mod mesh;
+mod nodes;
 mod rectification;
 mod rows;
 mod turn;
 
 pub use calibration::{Calibration, CalibrationError, Eye};
 pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
-pub use mesh::{Mesh, MeshError, fine_mesh_nodes, mesh_nodes};
+pub use mesh::{Mesh, MeshError};
+pub use nodes::{fine_mesh_nodes, mesh_nodes};
 pub use rectification::{Rectification, RectifyError, View};
 pub use rows::{Band, RowError};

@@ -14,7 +14,8 @@
 //! # Bounds
 //! See [`portable::bilinear`](crate::kernel::portable::bilinear).
 
-use super::mesh::{Knots, Mesh, MeshPlan, Node, Piece};
+use super::mesh::{Mesh, MeshPlan};
+use super::nodes::{Knots, Node, Piece};
 use crate::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 use core::fmt;
 use core::ops::Range;
