@@ -1,11 +1,12 @@
 //! `linestereo eval-pixels`: depth at random pixels against ground truth, and the constants of its confidence model.
 
+use super::batch::collect;
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::engine::Engine;
 use crate::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::frames::{Scene, find_scenes, has_truth, load_scene};
+use crate::frames::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -81,24 +82,11 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn load(args: &Args) -> Result<Vec<Scene>> {
-    let mut scenes = Vec::new();
-    for root in &args.folders {
-        for folder in find_scenes(root)? {
-            if has_truth(&folder)? {
-                let mut scene = load_scene(&folder, args.width)?;
-                // Sets hold scenes of the same name: the path below the given folder tells them apart.
-                let below_root = folder.strip_prefix(root).unwrap_or(&folder).display().to_string();
-                scene.name = if below_root.is_empty() { scene.name } else { below_root };
-                scenes.push(scene);
-            }
-        }
+    let pairs = collect(&args.folders, true)?.pairs;
+    if args.leave_one_out && pairs.len() < 2 {
+        bail!("one scene with truth alone: none can be left out; give more");
     }
-    let least = if args.leave_one_out { 2 } else { 1 };
-    if scenes.len() < least {
-        let roots: Vec<_> = args.folders.iter().map(|root| root.display().to_string()).collect();
-        bail!("fewer than {least} scenes with truth below {}; give others", roots.join(", "));
-    }
-    Ok(scenes)
+    Ok(pairs.iter().map(|pair| pair.load(args.width)).collect::<Result<_, _>>()?)
 }
 
 fn engine(args: &Args, scene: &Scene) -> Result<Engine> {

@@ -1,10 +1,11 @@
 //! `linestereo fit-confidence`: the confidence model's constants from frames with truth.
 
+use super::batch::collect;
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::evaluate::{FrameScore, Summary, report, scene_table};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text};
-use crate::frames::{Scene, find_scenes, has_truth, load_scene};
+use crate::frames::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -69,20 +70,12 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn load(roots: &[PathBuf]) -> Result<Vec<Scene>> {
-    let mut scenes = Vec::new();
-    for root in roots {
-        for folder in find_scenes(root)? {
-            if has_truth(&folder)? {
-                scenes.push(load_scene(&folder, None)?);
-            }
-        }
+fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
+    let pairs = collect(folders, true)?.pairs;
+    if pairs.len() < 2 {
+        bail!("one scene with truth alone: none can be left out; give more");
     }
-    if scenes.len() < 2 {
-        let roots: Vec<_> = roots.iter().map(|root| root.display().to_string()).collect();
-        bail!("fewer than two scenes with truth below {}: none can be left out; give more", roots.join(", "));
-    }
-    Ok(scenes)
+    Ok(pairs.iter().map(|pair| pair.load(None)).collect::<Result<_, _>>()?)
 }
 
 /// The claims of one scene, whatever their confidence.

@@ -3,7 +3,7 @@
 //! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its time on one thread.
 //!
 //! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its curve of error against yield can be read
-//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least [`LEAST_CLAIMS`] disparities
+//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least `LEAST_CLAIMS` disparities
 //! inside it.
 
 mod opencv;
