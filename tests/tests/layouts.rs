@@ -440,6 +440,7 @@ fn damaged_arrays_are_named() {
     let good = npy("<f4", "(20, 48)", &floats(&values(f32::NAN)));
     assert!(matches!(fault(&good[..good.len() - 4]), DisparityFault::Truncated { .. }));
     assert!(matches!(fault(&npy("<f4", "(60000, 60000)", &[0; 8])), DisparityFault::Truncated { .. }));
+    assert_eq!(fault(&npy("<f4", "(99999, 2)", &[0; 8])), DisparityFault::Shape(vec![99_999, 2]));
     assert_eq!(fault(&npy("<f4", "(4,)", &[0; 16])), DisparityFault::Shape(vec![4]));
     assert_eq!(fault(&npy("<f4", "(2, 1, 2, 1)", &[0; 16])), DisparityFault::Shape(vec![2, 1, 2, 1]));
     assert!(matches!(fault(&npy("<c8", "(2, 1)", &[0; 16])), DisparityFault::ElementType(_)));
@@ -450,6 +451,49 @@ fn damaged_arrays_are_named() {
     let DisparityFault::Arrays(mut names) = fault(&two) else { panic!() };
     names.sort();
     assert_eq!(names, ["a", "b"]);
+}
+
+/// Whatever a file holds, it is read or named.
+#[test]
+fn changed_bytes_are_no_crash() {
+    let array = npy("<f4", "(20, 48)", &floats(&values(f32::NAN)));
+    let files = [pfm(&values(f32::INFINITY), "-1", false), npz(&[("d", array.clone())]), array];
+    let set = tempfile::tempdir().unwrap();
+    let path = set.path().join("d.pfm");
+    let (mut read, mut named) = (0, 0);
+    let mut load = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        match load_disparities(&path) {
+            Ok((dims, values)) => {
+                assert_eq!(values.len(), usize::from(dims.width) * usize::from(dims.height));
+                read += 1;
+            }
+            Err(FrameError::Disparities(..)) => named += 1,
+            Err(other) => panic!("{other}"),
+        }
+    };
+    for file in &files {
+        // Headers stand in front, those of archives at both ends.
+        let places = (0..file.len()).filter(|&place| place < 140 || place + 140 > file.len());
+        for place in places {
+            for value in [0, b'9', 0xff, file[place] ^ 1] {
+                let mut changed = file.clone();
+                changed[place] = value;
+                load(&changed);
+            }
+            load(&file[..place]);
+        }
+    }
+    let many = |shape: &str| npy("<f4", shape, &[0; 64]);
+    for shape in
+        ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(65535, 65535)", "(9, 9, 9, 9)", "(0, 0)", "(-1, 4)"]
+    {
+        load(&many(shape));
+    }
+    load(&npy("<f4", &"(".repeat(9000), &[]));
+    load(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}");
+    println!("{read} read, {named} named");
+    assert!(read > 500 && named > 500, "{read} read, {named} named");
 }
 
 #[test]

@@ -34,7 +34,9 @@ const ARRAY_NAMES: [&str; 4] = ["disp", "disparity", "gt", "arr_0"];
 /// No disparity is smaller or larger than this, px: a wrong byte order gives numbers of any size.
 const PLAUSIBLE_PX: core::ops::Range<f32> = 1e-4..1e5;
 /// Larger arrays are no images.
-const MAX_ARRAY_BYTES: u64 = 1 << 32;
+const MAX_ARRAY_BYTES: u64 = 1 << 30;
+/// Longer headers are no plain array's; NumPy itself reads no longer ones.
+const MAX_HEADER_BYTES: usize = 10_000;
 
 /// What is wrong with a file of disparities.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -192,6 +194,7 @@ fn zipped(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
 
 fn array(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let broken = |error: std::io::Error| DisparityFault::Array(error.to_string());
+    check_header(bytes)?;
     let file = NpyFile::new(bytes).map_err(broken)?;
     let shape = || DisparityFault::Shape(file.shape().to_vec());
     let sides: Vec<u64> = match file.shape() {
@@ -212,6 +215,27 @@ fn array(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
         values
     };
     Ok((Dims { width, height }, values))
+}
+
+/// Refuses headers that a library may take memory for, or compute with, before it knows that the file is too short for them.
+fn check_header(bytes: &[u8]) -> Result<(), DisparityFault> {
+    // Version 1 has two bytes for the length of its header, the others four.
+    let length = match bytes.get(6..12) {
+        Some([1, _, low, high, ..]) => usize::from(u16::from_le_bytes([*low, *high])),
+        Some([_, _, length @ ..]) => length.iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
+        _ => return Err(DisparityFault::Array("its header is cut off".to_owned())),
+    };
+    if length > MAX_HEADER_BYTES {
+        return Err(DisparityFault::Array(format!("its header has {length} bytes")));
+    }
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(12 + length)]);
+    let list = text.split_once("shape").and_then(|(_, rest)| rest.split_once(['(', '['])?.1.split([')', ']']).next());
+    let numbers = list.into_iter().flat_map(|list| list.split(',')).map(str::trim).filter(|number| !number.is_empty());
+    let sides: Vec<u64> = numbers.map(|number| number.parse().unwrap_or(u64::MAX)).collect();
+    if sides.len() > 3 || sides.iter().any(|&side| side > u64::from(u16::MAX)) {
+        return Err(DisparityFault::Shape(sides));
+    }
+    Ok(())
 }
 
 /// Every number of an array as a float, if a file of so many bytes can hold them.
