@@ -1,23 +1,16 @@
 //! `linestereo compare` as a user calls it.
 
+mod support;
+
 use serde_json::Value;
+use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn call(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use support::{refused, succeed};
 
 /// Two scenes with truth.
 fn scenes(folder: &Path) {
-    for name in ["a", "b"] {
-        let output = call(folder, &["scene", name, "--size", "160x120"]);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for (name, seed) in [("a", "1"), ("b", "2")] {
+        succeed(folder, &["scene", name, "--size", "160x120", "--seed", seed]);
     }
 }
 
@@ -27,13 +20,13 @@ fn scores_a_table_a_picture_and_json() {
     let at = folder.path();
     scenes(at);
     let methods = ["compare", ".", "--methods", "linestereo,bm,census,sgm4", "--window", "5x5"];
-    let text = stdout(&call(at, &[&methods[..], &["--picture", "maps.png", "--json", "scores.json"]].concat()));
+    let text = succeed(at, &[&methods[..], &["--picture", "maps.png", "--json", "scores.json"]].concat());
     assert!(text.starts_with("2 pairs\n"), "{text}");
     for method in ["linestereo", "bm", "census", "sgm4"] {
         // One for points, one for objects.
         assert_eq!(text.lines().filter(|line| line.split_whitespace().next() == Some(method)).count(), 2, "{text}");
     }
-    let json: Value = serde_json::from_slice(&std::fs::read(at.join("scores.json")).unwrap()).unwrap();
+    let json: Value = serde_json::from_slice(&fs::read(at.join("scores.json")).unwrap()).unwrap();
     assert_eq!((json["frames"].as_u64(), json["scenes"].as_array().map(Vec::len)), (Some(2), Some(2)));
     let census = &json["methods"][2];
     assert_eq!((census["method"].as_str(), census["has_confidence"].as_bool()), (Some("census"), Some(true)));
@@ -49,8 +42,7 @@ fn the_same_scores_whatever_the_number_of_threads_and_runs() {
     let at = folder.path();
     scenes(at);
     let scores = || {
-        let json =
-            stdout(&call(at, &["compare", ".", "--methods", "bm,scan-line,sparse-block,pushbroom", "--json", "-"]));
+        let json = succeed(at, &["compare", ".", "--methods", "bm,scan-line,sparse-block,pushbroom", "--json", "-"]);
         let json: Value = serde_json::from_str(&json).unwrap();
         let methods = json["methods"].as_array().unwrap().clone();
         methods.into_iter().map(|m| (m["method"].clone(), m["all"].clone(), m["curve"].clone())).collect::<Vec<_>>()
@@ -63,10 +55,8 @@ fn two_images_need_no_truth() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     scenes(at);
-    let text = stdout(&call(
-        at,
-        &["compare", "a/left.png", "a/right.png", "--methods", "linestereo,sad", "--max-disparity", "48"],
-    ));
+    let text =
+        succeed(at, &["compare", "a/left.png", "a/right.png", "--methods", "linestereo,sad", "--max-disparity", "48"]);
     let sad = text.lines().find(|line| line.starts_with("sad")).unwrap();
     assert!(sad.contains("-/-"), "{text}"); // a yield, and nothing to be right or wrong against
     assert!(sad.split_whitespace().nth(1).unwrap().parse::<u32>().unwrap() > 1000, "{text}");
@@ -77,7 +67,7 @@ fn after_steps_have_a_table_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     scenes(at);
-    let text = stdout(&call(at, &["compare", "a", "--after-steps"]));
+    let text = succeed(at, &["compare", "a", "--after-steps"]);
     for step in
         ["parabola", "equiangular", "gradient descent", "median", "speckle", "left-right", "neighbours", "surfaces"]
     {
@@ -90,7 +80,7 @@ fn without_opencv_it_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     scenes(at);
-    let text = stdout(&call(at, &["compare", "a", "--methods", "bm", "--opencv", "--python", "no-such-python"]));
+    let text = succeed(at, &["compare", "a", "--methods", "bm", "--opencv", "--python", "no-such-python"]);
     assert!(text.contains("without OpenCV: cannot run no-such-python") && text.contains("--python"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("bm ")), "{text}");
 }
@@ -108,9 +98,16 @@ fn what_is_wrong_is_one_line() {
         (&["compare", "a", "--least-confidence", "2"], "--least-confidence is 2; give 0 to 1"),
         (&["compare", "none"], "none"),
     ] {
-        let output = call(at, arguments);
-        let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{error}");
-        assert!(error.starts_with("linestereo: ") && error.lines().count() == 1 && error.contains(what), "{error}");
+        let error = refused(at, arguments);
+        assert!(error.contains(what), "{error}");
     }
+}
+
+#[test]
+fn a_part_without_opencv_would_not_fit_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    scenes(at);
+    let part = ["compare", "a", "--shard", "1/2", "--json", "part.json", "--opencv", "--python", "no-such-python"];
+    assert!(refused(at, &part).contains("cannot run no-such-python"));
 }

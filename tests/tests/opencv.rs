@@ -7,7 +7,9 @@ use linestereo_sim::baselines::{Search, StereoBm};
 use linestereo_sim::compare::OpenCv;
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_tests::captured;
 
+/// Drawn ones of even and odd sizes, and captured ones where there are any.
 fn pairs() -> Vec<(GrayImage, GrayImage)> {
     let sizes = [(320, 240), (161, 121), (200, 99)];
     let render = |(seed, (width, height)): (u64, (u16, u16))| {
@@ -16,7 +18,8 @@ fn pairs() -> Vec<(GrayImage, GrayImage)> {
         let pair = scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor);
         (pair.left, pair.right)
     };
-    (1..).zip(sizes).map(render).collect()
+    let captured = captured::qvga().into_iter().flatten().map(|scene| (scene.left, scene.right));
+    (1..).zip(sizes).map(render).chain(captured).collect()
 }
 
 #[test]
@@ -27,7 +30,7 @@ fn stereo_bm_is_opencvs_number_for_number() {
     };
     for (left, right) in pairs() {
         let search = Search::up_to(left.dims, 48);
-        let found = opencv.run(&left, &right, search).unwrap();
+        let found = opencv.run(&left, &right, search, 1).unwrap();
         for (name, ours) in [("opencv-bm", StereoBm::default()), ("opencv-bm-strict", StereoBm::strict())] {
             let theirs = &found.iter().find(|map| map.name == name).unwrap().map;
             let map = ours.run(&left, &right, search);

@@ -1,18 +1,19 @@
 //! `linestereo compare`: the core, the classic methods and OpenCV on the same frames.
 
-use super::batch::{BatchArgs, collect};
+use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
 use crate::compare::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, compare_scene, comparison_table, object_comparison, summarise,
+    time_scene,
 };
 use crate::draw;
-use crate::engine::FrameResult;
-use crate::evaluate::{ShardFile, ShardHead, for_each_pair};
+use crate::engine::{Engine, FrameResult, GrayImage};
+use crate::evaluate::{ShardFile, ShardHead, for_each_pair, progress_bar};
 use crate::frames::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
 use crate::output::OutputFiles;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,7 @@ Examples:
   linestereo compare frames/qvga --methods linestereo,census,ncc --window 9x9
   linestereo compare frames/qvga --after-steps                   what each after-step does to the scores
   linestereo compare frames/qvga --methods sad --left-right 1 --after speckle,median
-  linestereo compare kitti/training --width 640 --no-times --shard 3/16 --json part3.json   a part; docs/scale.md
+  linestereo compare sets --no-times --shard 3/16 --json part3.json   a sixteenth, on one of 16 machines
   linestereo compare --merge part*.json                          all parts: the same bytes as without --shard
 
 Methods:
@@ -47,11 +48,11 @@ Columns:
   vis, allGT       % of claims more than 1 / 2 px off: visible ones; all with truth
   top N            allGT of the N most confident claims a frame; confidence of a baseline is its uniqueness,
                    1 - cost / cost of the best place elsewhere. OpenCV tells none.
-  ms               median time of a pair on one thread, while other threads match other pairs";
+  ms               median time of a pair on one thread, with nothing else running";
 
 /// Match the same frames by several methods: scores, times and pictures side by side.
 ///
-/// One pair per thread, on all cores.
+/// Give two rectified images, or folders of any layout with ground truth: those are matched on all cores.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -97,10 +98,10 @@ pub struct Args {
     /// Reduce images to this width by area averaging; truth, range and rig follow.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
-    /// Search disparities 0 .. N [default: the scene file's, 64 for two images].
+    /// Search disparities 0 .. N [default: the data set's, 64 for two images].
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
-    /// Match every pair once and leave the times out: they differ from run to run.
+    /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
     #[arg(long)]
     no_times: bool,
     #[command(flatten)]
@@ -125,64 +126,99 @@ struct JsonScene {
     methods: Vec<MethodSummary>,
 }
 
-/// What is matched: a pair of files, or one of a data set.
-enum Source {
-    Files(PathBuf, PathBuf),
-    Stored(StoredPair),
-}
-
-impl Source {
-    fn name(&self) -> String {
-        match self {
-            Self::Files(left, _) => {
-                left.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
-            }
-            Self::Stored(pair) => pair.name.clone(),
-        }
-    }
-}
-
-/// A scene with what every method made of it.
+/// What every method made of one pair.
 #[derive(Serialize, Deserialize)]
 struct Compared {
     name: String,
-    scores: Vec<MethodScore>,
-    /// For a picture.
+    methods: Vec<MethodScore>,
+    /// Left image and range, for the picture.
     #[serde(skip)]
-    scene: Option<Scene>,
+    drawn: Option<(GrayImage, u16)>,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if !args.batch.merge.is_empty() {
         let (head, compared) = ShardFile::merge(&args.batch.merge)?;
-        return args.write(&compared, &head);
+        return args.write(compared, &head.notes);
     }
     let contenders = if args.after_steps { after_steps() } else { args.contenders()? };
-    let opencv = if args.opencv { Some(OpenCv::find(args.python.as_deref())) } else { None };
-    let (sources, mut notes) = args.sources()?;
-    match &opencv {
-        Some(Ok(opencv)) => notes.push(format!("OpenCV {}", opencv.version())),
-        Some(Err(error)) => notes.push(format!("without OpenCV: {error}")),
-        None => {}
+    let mut notes = Vec::new();
+    let opencv = args.opencv(&mut notes)?;
+    let rivals = Rivals { args, contenders, opencv };
+    if let [left, right] = args.inputs.as_slice()
+        && left.is_file()
+        && right.is_file()
+    {
+        let scene = args.load_pair(left, right)?;
+        let mut compared = rivals.compare(&scene, true)?;
+        rivals.time(&scene, &mut compared)?;
+        return args.write(vec![compared], &notes);
     }
-    let opencv = opencv.and_then(Result::ok);
-    let names: Vec<String> = sources.iter().map(Source::name).collect();
-    let head = ShardHead::new("compare", args.options(), names.iter().map(String::as_str), notes);
-    let (places, sources) = args.batch.part(sources);
-    let items: Vec<(usize, Source)> = sources.into_iter().enumerate().collect();
-    let name = |(_, source): &(usize, Source)| source.name();
-    let compared = for_each_pair(&items, args.batch.threads(), name, |(index, source)| {
-        let is_drawn = args.picture.is_some() && *index < DRAWN;
-        args.compare(source, &contenders, opencv.as_ref(), is_drawn)
+    // Without any truth there are still yields, times and pictures.
+    let found = collect(&args.inputs, false)?;
+    notes.splice(..0, found.notes);
+    let head = ShardHead::new("compare", args.words(), found.pairs.iter().map(|pair| pair.name.as_str()), notes);
+    let (places, pairs) = args.batch.part(found.pairs);
+    let pairs: Vec<(usize, StoredPair)> = pairs.into_iter().enumerate().collect();
+    let name = |(_, pair): &(usize, StoredPair)| pair.name.clone();
+    let mut compared = for_each_pair(&pairs, args.batch.threads(), name, |(place, pair)| {
+        rivals.compare(&args.load(pair)?, args.picture.is_some() && *place < DRAWN)
     })?;
+    if !args.no_times {
+        let progress = progress_bar(pairs.len());
+        for ((_, pair), compared) in pairs.iter().zip(&mut compared) {
+            progress.set_message(format!("timing {}", pair.name));
+            rivals.time(&args.load(pair)?, compared)?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+    }
     match args.batch.shard {
         Some(shard) => {
             let count = compared.len();
-            let file = ShardFile::new(head, shard, places.into_iter().zip(compared).collect());
-            super::batch::write_part(&file, args.json.as_deref(), shard, count)
+            write_part(
+                &ShardFile::new(head, shard, places.into_iter().zip(compared).collect()),
+                args.json.as_deref(),
+                shard,
+                count,
+            )
         }
-        None => args.write(&compared, &head),
+        None => args.write(compared, &head.notes),
+    }
+}
+
+/// Everything that matches.
+struct Rivals<'a> {
+    args: &'a Args,
+    contenders: Vec<Contender>,
+    opencv: Option<OpenCv>,
+}
+
+impl Rivals<'_> {
+    fn engine(&self, scene: &Scene) -> Result<Engine> {
+        engine_with(&self.args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+            .with_context(|| scene.name.clone())
+    }
+
+    fn compare(&self, scene: &Scene, draw: bool) -> Result<Compared> {
+        let mut methods = compare_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| self.engine(scene))?;
+        if !draw {
+            methods.iter_mut().for_each(|score| score.result = None);
+        }
+        let drawn = draw.then(|| (scene.left.clone(), scene.max_disparity));
+        Ok(Compared { name: scene.name.clone(), methods, drawn })
+    }
+
+    fn time(&self, scene: &Scene, compared: &mut Compared) -> Result<()> {
+        if self.args.no_times {
+            return Ok(());
+        }
+        let times = time_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| self.engine(scene))?;
+        for (score, milliseconds) in compared.methods.iter_mut().zip(times) {
+            score.score.milliseconds = Some(milliseconds);
+        }
+        Ok(())
     }
 }
 
@@ -238,66 +274,51 @@ impl Args {
         Ok(method)
     }
 
+    /// OpenCV if it is asked for; what is to be said of it joins the notes.
+    fn opencv(&self, notes: &mut Vec<String>) -> Result<Option<OpenCv>> {
+        if !self.opencv {
+            return Ok(None);
+        }
+        match OpenCv::find(self.python.as_deref()) {
+            Ok(opencv) => {
+                notes.push(format!("OpenCV {}", opencv.version()));
+                Ok(Some(opencv))
+            }
+            // A part without it would not fit the others.
+            Err(error) if self.batch.shard.is_some() => Err(error.into()),
+            Err(error) => {
+                notes.push(format!("without OpenCV: {error}"));
+                Ok(None)
+            }
+        }
+    }
+
     /// Every option that changes a result.
-    fn options(&self) -> String {
-        let Self { methods, opencv, after_steps, window, cross, after, least_confidence, left_right, .. } = self;
-        let Self { pushbroom, width, max_disparity, no_times, method, .. } = self;
+    fn words(&self) -> String {
+        let Self { methods, after_steps, window, cross, after, least_confidence, left_right, pushbroom, .. } = self;
+        let Self { opencv, width, max_disparity, no_times, method, .. } = self;
         format!(
-            "{methods:?}, OpenCV {opencv}, after-steps {after_steps}, {window:?}, {cross}, {after:?}, {least_confidence:?}, {left_right:?}, \
-             {pushbroom:?}, {width:?}, {max_disparity:?}, no times {no_times}, {method:?}"
+            "methods {methods:?}, after-steps {after_steps}, window {window:?}, cross {cross}, after {after:?}, \
+             least confidence {least_confidence:?}, left-right {left_right:?}, pushbroom {pushbroom:?}, opencv {opencv}, \
+             width {width:?}, range {max_disparity:?}, no times {no_times}, {method:?}"
         )
     }
 
-    /// What is matched, and what there is to say of it.
-    fn sources(&self) -> Result<(Vec<Source>, Vec<String>)> {
-        if let [left, right] = self.inputs.as_slice()
-            && left.is_file()
-            && right.is_file()
-        {
-            return Ok((vec![Source::Files(left.clone(), right.clone())], Vec::new()));
-        }
-        // Without any truth there are still yields, times and pictures.
-        let found = collect(&self.inputs, false)?;
-        Ok((found.pairs.into_iter().map(Source::Stored).collect(), found.notes))
-    }
-
-    fn compare(
-        &self,
-        source: &Source,
-        contenders: &[Contender],
-        opencv: Option<&OpenCv>,
-        is_drawn: bool,
-    ) -> Result<Compared> {
-        let scene = self.load(source)?;
-        let engine = |scene: &Scene| {
-            engine_with(&self.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
-                .with_context(|| scene.name.clone())
-        };
-        let mut scores = compare_scene(&scene, contenders, opencv, !self.no_times, engine)?;
-        if !is_drawn {
-            scores.iter_mut().for_each(|score| score.result.points = Vec::new());
-        }
-        Ok(Compared { name: scene.name.clone(), scores, scene: is_drawn.then_some(scene) })
-    }
-
-    fn load(&self, source: &Source) -> Result<Scene> {
-        let mut scene = match source {
-            Source::Files(left, right) => self.load_pair(left, right)?,
-            Source::Stored(pair) => {
-                let scene = pair.load(self.width)?;
-                check_usable(&pair.folder.join("left"), &scene.left)?;
-                check_usable(&pair.folder.join("right"), &scene.right)?;
-                scene
-            }
-        };
-        scene.max_disparity = self.max_disparity.unwrap_or(scene.max_disparity);
-        if scene.max_disparity == 0 || scene.max_disparity >= scene.left.dims.width {
-            let (range, dims) = (scene.max_disparity, scene.left.dims);
-            return Err(anyhow!(
-                "a disparity range of {range} does not fit an image of {dims}; change --max-disparity"
-            ));
-        }
+    /// The scene as it is to be matched.
+    fn load(&self, pair: &StoredPair) -> Result<Scene> {
+        let mut scene = pair.load(self.width)?;
+        check_usable(&scene.folder.join("left"), &scene.left)?;
+        check_usable(&scene.folder.join("right"), &scene.right)?;
+        scene.max_disparity = self.range(&scene)?;
         Ok(scene)
+    }
+
+    fn range(&self, scene: &Scene) -> Result<u16> {
+        let (range, dims) = (self.max_disparity.unwrap_or(scene.max_disparity), scene.left.dims);
+        if range == 0 || range >= dims.width {
+            bail!("a disparity range of {range} does not fit an image of {dims}; change --max-disparity");
+        }
+        Ok(range)
     }
 
     fn load_pair(&self, left_path: &Path, right_path: &Path) -> Result<Scene> {
@@ -309,7 +330,7 @@ impl Args {
             check_size(path, image)?;
             check_usable(path, image)?;
         }
-        Ok(Scene {
+        let mut scene = Scene {
             name: left_path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
             folder: left_path.parent().unwrap_or(Path::new("")).to_path_buf(),
             left,
@@ -318,40 +339,35 @@ impl Args {
             rig: None,
             rig_numbers: None,
             truth: None,
-        })
+        };
+        scene.max_disparity = self.range(&scene)?;
+        Ok(scene)
     }
 
-    /// Tables and JSON; of merged parts the same as of everything at once.
-    fn write(&self, compared: &[Compared], head: &ShardHead) -> Result<()> {
-        let frames: Vec<Vec<MethodScore>> = compared.iter().map(|compared| compared.scores.clone()).collect();
-        let methods = summarise(&frames);
-        let count = frames.len();
+    fn write(&self, compared: Vec<Compared>, notes: &[String]) -> Result<()> {
+        let methods = summarise(compared.iter().map(|compared| compared.methods.as_slice()));
+        let count = compared.len();
         let mut text =
             format!("{count} {}\n\n{}", if count == 1 { "pair" } else { "pairs" }, comparison_table(&methods));
         let objects = object_comparison(&methods);
         if !objects.is_empty() {
             text.push_str(&format!("\n{objects}"));
         }
-        for note in &head.notes {
+        for note in notes {
             text.push_str(&format!("\n{note}\n"));
         }
         let mut output = OutputFiles::new();
         if let Some(path) = &self.picture {
-            output.add(path, &draw::png(&picture(compared))?)?;
+            output.add(path, &draw::png(&picture(&compared))?)?;
         }
-        let to_stdout = self.json.as_deref() == Some(Path::new("-"));
         if let Some(path) = &self.json {
-            let scenes = compared
-                .iter()
-                .zip(&frames)
-                .map(|(compared, frame)| JsonScene {
-                    scene: compared.name.clone(),
-                    methods: summarise(core::slice::from_ref(frame)),
-                })
-                .collect();
-            let mut json = serde_json::to_string_pretty(&JsonReport { frames: count, methods, scenes })?;
-            json.push('\n');
-            if to_stdout {
+            let scene = |Compared { name, methods, .. }: &Compared| JsonScene {
+                scene: name.clone(),
+                methods: summarise([methods.as_slice()]),
+            };
+            let report = JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
+            let json = serde_json::to_string_pretty(&report)? + "\n";
+            if path == Path::new("-") {
                 text = json;
             } else {
                 output.add(path, json.as_bytes())?;
@@ -394,17 +410,15 @@ fn after_steps() -> Vec<Contender> {
 }
 
 fn picture(compared: &[Compared]) -> image::RgbImage {
-    let drawn = &compared[..compared.len().min(DRAWN)];
-    let maps: Vec<Vec<(&str, &FrameResult)>> = drawn
+    let maps = |compared: &Compared| -> Vec<(String, FrameResult)> {
+        let drawn = compared.methods.iter().filter_map(|score| Some((score.method.clone(), score.result.clone()?)));
+        drawn.collect()
+    };
+    let scenes: Vec<draw::SceneMaps<'_>> = compared
         .iter()
-        .map(|compared| compared.scores.iter().map(|score| (score.method.as_str(), &score.result)).collect())
-        .collect();
-    let scenes: Vec<draw::SceneMaps<'_>> = drawn
-        .iter()
-        .zip(&maps)
-        .filter_map(|(compared, maps)| {
-            let scene = compared.scene.as_ref()?;
-            Some(draw::SceneMaps { name: &scene.name, left: &scene.left, max_disparity: scene.max_disparity, maps })
+        .filter_map(|compared| {
+            let (left, max_disparity) = compared.drawn.as_ref()?;
+            Some(draw::SceneMaps { name: &compared.name, left, max_disparity: *max_disparity, maps: maps(compared) })
         })
         .collect();
     draw::maps(&scenes)

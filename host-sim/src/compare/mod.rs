@@ -22,12 +22,11 @@ use crate::outline::Mask;
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::{Confidence, Disparity, NoDepth, ObjectDepth};
-use linestereo_wire::{Counts, Health};
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.
-const TIMING_BUDGET: Duration = Duration::from_millis(250);
-const TIMING_RUNS: usize = 15;
+const TIMING_BUDGET: Duration = Duration::from_millis(100);
+const TIMING_RUNS: usize = 9;
 /// Fewer disparities make no depth of an object.
 const LEAST_CLAIMS: usize = 5;
 
@@ -64,13 +63,8 @@ pub struct MethodScore {
     /// Its answers for the scene's objects.
     pub objects: Vec<ObjectScore>,
     /// Its map, for a picture.
-    #[serde(skip, default = "no_map")]
-    pub result: FrameResult,
-}
-
-fn no_map() -> FrameResult {
-    let (matches, points) = (Vec::new(), Vec::new());
-    FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None }
+    #[serde(skip)]
+    pub result: Option<FrameResult>,
 }
 
 /// One method on all frames.
@@ -89,7 +83,8 @@ pub struct MethodSummary {
 
 /// The scores of each method, in the order of the first frame.
 #[must_use]
-pub fn summarise(frames: &[Vec<MethodScore>]) -> Vec<MethodSummary> {
+pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec<MethodSummary> {
+    let frames: Vec<&[MethodScore]> = frames.into_iter().collect();
     let Some(first) = frames.first() else { return Vec::new() };
     let of = |(i, first): (usize, &MethodScore)| {
         let scores: Vec<&MethodScore> = frames.iter().map(|frame| &frame[i]).collect();
@@ -110,57 +105,75 @@ pub fn summarise(frames: &[Vec<MethodScore>]) -> Vec<MethodSummary> {
     first.iter().enumerate().map(of).collect()
 }
 
-/// Matches a scene by every contender and by OpenCV, once if it is not timed. `core` makes the core's engine for a scene.
+/// Matches a scene by every contender and by OpenCV; takes no times. `core` makes the core's engine for a scene.
 pub fn compare_scene(
     scene: &Scene,
     contenders: &[Contender],
     opencv: Option<&OpenCv>,
-    timed: bool,
     core: impl Fn(&Scene) -> Result<Engine>,
 ) -> Result<Vec<MethodScore>> {
     let truth = scene.truth.clone().unwrap_or_else(|| unknown(scene));
     let cases = if scene.truth.is_some() { object_cases(scene)? } else { Vec::new() };
-    let score = |method: &str, result: FrameResult, milliseconds: f64, objects: Vec<ObjectScore>| {
-        let mut score = FrameScore::new(&scene.name, &truth, &result);
-        score.milliseconds = timed.then_some(milliseconds);
-        MethodScore { method: method.to_owned(), score, objects, result }
+    let score = |method: &str, result: FrameResult, objects: Vec<ObjectScore>| {
+        let score = FrameScore::new(&scene.name, &truth, &result);
+        MethodScore { method: method.to_owned(), score, objects, result: Some(result) }
     };
+    let of_map = |name: &str, map: &DisparityMap| score(name, map.to_result(), objects_of(map, &cases));
     let mut scores = Vec::new();
     for contender in contenders {
         scores.push(match contender {
             Contender::Core => {
                 let mut engine = core(scene)?;
-                let (left, right) = (scene.left.view()?, scene.right.view()?);
-                let milliseconds = median_time(timed, || engine.run_in_place(left, right).map(|_| ()))?;
-                let result = engine.run(left, right)?;
+                let result = engine.run(scene.left.view()?, scene.right.view()?)?;
                 let objects = score_objects(&mut engine, &cases);
-                score(CORE, result, milliseconds, objects)
+                score(CORE, result, objects)
             }
             Contender::Baseline(method) => {
-                let mut map = DisparityMap::empty(scene.left.dims);
-                let milliseconds = median_time(timed, || {
-                    map = method.run(&scene.left, &scene.right, scene.max_disparity);
-                    Ok::<_, anyhow::Error>(())
-                })?;
-                score(&method.name, map.to_result(), milliseconds, objects_of(&map, &cases))
+                of_map(&method.name, &method.run(&scene.left, &scene.right, scene.max_disparity))
             }
         });
     }
     if let Some(opencv) = opencv {
         let search = Search::up_to(scene.left.dims, scene.max_disparity);
-        for found in opencv.run(&scene.left, &scene.right, search)? {
-            scores.push(score(found.name, found.map.to_result(), found.milliseconds, objects_of(&found.map, &cases)));
-        }
+        let found = opencv.run(&scene.left, &scene.right, search, 1)?;
+        scores.extend(found.iter().map(|found| of_map(found.name, &found.map)));
     }
     Ok(scores)
 }
 
-/// Of several runs if it is timed, else of one.
-fn median_time<E>(timed: bool, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
-    let most = if timed { TIMING_RUNS } else { 1 };
+/// Median times of a scene in milliseconds, on this thread, in the order of [`compare_scene`].
+pub fn time_scene(
+    scene: &Scene,
+    contenders: &[Contender],
+    opencv: Option<&OpenCv>,
+    core: impl Fn(&Scene) -> Result<Engine>,
+) -> Result<Vec<f64>> {
+    let mut times = Vec::new();
+    for contender in contenders {
+        times.push(match contender {
+            Contender::Core => {
+                let mut engine = core(scene)?;
+                let (left, right) = (scene.left.view()?, scene.right.view()?);
+                median_time(|| engine.run_in_place(left, right).map(|_| ()))?
+            }
+            Contender::Baseline(method) => median_time(|| {
+                core::hint::black_box(method.run(&scene.left, &scene.right, scene.max_disparity));
+                Ok::<_, anyhow::Error>(())
+            })?,
+        });
+    }
+    if let Some(opencv) = opencv {
+        let search = Search::up_to(scene.left.dims, scene.max_disparity);
+        let found = opencv.run(&scene.left, &scene.right, search, TIMING_RUNS)?;
+        times.extend(found.iter().map(|found| found.milliseconds));
+    }
+    Ok(times)
+}
+
+fn median_time<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
     let begin = Instant::now();
     let mut times = Vec::new();
-    while times.is_empty() || (times.len() < most && begin.elapsed() < TIMING_BUDGET) {
+    while times.is_empty() || (times.len() < TIMING_RUNS && begin.elapsed() < TIMING_BUDGET) {
         let start = Instant::now();
         run()?;
         times.push(start.elapsed());

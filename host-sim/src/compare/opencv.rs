@@ -11,8 +11,6 @@ use std::path::Path;
 use std::process::Command;
 
 const SCRIPT: &str = include_str!("opencv.py");
-/// Timed runs of each method.
-const RUNS: &str = "7";
 /// Steps of OpenCV's disparities in one px.
 const STEPS: f32 = 16.0;
 
@@ -109,15 +107,21 @@ impl OpenCv {
         &self.version
     }
 
-    /// Matches a pair by all of its methods.
-    pub fn run(&self, left: &GrayImage, right: &GrayImage, search: Search) -> Result<Vec<OpenCvMap>, OpenCvError> {
+    /// Matches a pair by all of its methods, each so many times for the median of its times.
+    pub fn run(
+        &self,
+        left: &GrayImage,
+        right: &GrayImage,
+        search: Search,
+        runs: usize,
+    ) -> Result<Vec<OpenCvMap>, OpenCvError> {
         let folder = tempfile::tempdir()?;
         let at = |name: &str| folder.path().join(name);
         fs::write(at("opencv.py"), SCRIPT)?;
         fs::write(at("left.pgm"), pgm(left))?;
         fs::write(at("right.pgm"), pgm(right))?;
-        let count = search.count.to_string();
-        let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, RUNS, "."];
+        let (count, runs) = (search.count.to_string(), runs.to_string());
+        let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, &runs, "."];
         let output = Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -19,7 +19,7 @@ const IN_A_ROW: usize = 4;
 const DIMMED: f32 = 0.35;
 
 /// One scene: its left image, the largest disparity, and a titled map per method.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SceneMaps<'a> {
     /// Name of the scene.
     pub name: &'a str,
@@ -27,8 +27,8 @@ pub struct SceneMaps<'a> {
     pub left: &'a GrayImage,
     /// Red.
     pub max_disparity: u16,
-    /// Points of each method, or of the truth.
-    pub maps: &'a [(&'a str, &'a FrameResult)],
+    /// Points of each method.
+    pub maps: Vec<(String, FrameResult)>,
 }
 
 /// The left image and all maps of every scene.
@@ -44,7 +44,8 @@ pub fn maps(scenes: &[SceneMaps<'_>]) -> RgbImage {
     let mut picture = RgbImage::from_pixel(in_a_row as u32 * cell[0], rows as u32 * cell[1], Rgb(BACKGROUND));
     let mut row = 0;
     for scene in scenes {
-        let titled = [(scene.name, None)].into_iter().chain(scene.maps.iter().map(|(name, map)| (*name, Some(*map))));
+        let titled =
+            [(scene.name, None)].into_iter().chain(scene.maps.iter().map(|(name, map)| (name.as_str(), Some(map))));
         for (i, (title, map)) in titled.enumerate() {
             let at = [(i % in_a_row) as u32 * cell[0], (row + i / in_a_row) as u32 * cell[1]];
             write(&mut picture, (at[0] as f32 + 2.0, at[1] as f32 + 2.0), Align::Left, TEXT, INK, title);
