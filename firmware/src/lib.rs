@@ -5,6 +5,7 @@
 //! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
 //! autopilot       obstacles as MAVLink, on a port of their own
+//! camera          image sensors: from a bus and two pins to a running pair
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
@@ -19,6 +20,7 @@
 
 pub mod autopilot;
 pub mod boards;
+pub mod camera;
 pub mod cases;
 pub mod log;
 pub mod memory;

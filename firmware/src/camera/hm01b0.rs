@@ -1,0 +1,239 @@
+//! HM01B0: 324x324, of which 324x244 are read here; a few milliwatts; rolling shutter.
+//!
+//! In: a mode. Out: its registers.
+//!
+//! ```text
+//! 324x244  every pixel, QVGA window        162x122  two by two made one
+//! row      376 pixel clocks; MCLK is divided by 2: 125 us and 30 frames a second at 6 MHz, the double at 12 MHz
+//! run      MODE_SELECT: streaming (1), or a frame per pulse on TRIG (5)
+//! ```
+//! The two pixels at each side and the two rows above and below 320x240 are real pixels. Rows follow each other: at 30 frames a second the
+//! last row is exposed 30 ms after the first one. What that costs stands at [`Ov7670`](super::Ov7670); with one trigger both sensors are
+//! skewed alike, row by row.
+//!
+//! Address 0x24; two of them need two buses, or a board that gives one another address.
+//!
+//! # Source
+//! Himax's register names and addresses, formats of gain, modes and the vendor's analogue settings as OpenMV's `hm01b0_regs.h` and `hm01b0.c`
+//! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3065 have
+//! no public names.
+
+use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
+use linestereo::Dims;
+
+/// The sensor.
+#[derive(Clone, Copy, Debug)]
+pub enum Hm01b0 {}
+
+impl Hm01b0 {
+    /// Its 7-bit address.
+    pub const ADDRESS: u8 = 0x24;
+}
+
+const MODEL_ID_H: u16 = 0x0000;
+const MODEL_ID_L: u16 = 0x0001;
+const MODE_SELECT: u16 = 0x0100;
+const IMG_ORIENTATION: u16 = 0x0101;
+const SW_RESET: u16 = 0x0103;
+const GRP_PARAM_HOLD: u16 = 0x0104;
+const INTEGRATION_H: u16 = 0x0202;
+const INTEGRATION_L: u16 = 0x0203;
+const ANALOG_GAIN: u16 = 0x0205;
+const DIGITAL_GAIN_H: u16 = 0x020e;
+const DIGITAL_GAIN_L: u16 = 0x020f;
+const FRAME_LEN_LINES_H: u16 = 0x0340;
+const FRAME_LEN_LINES_L: u16 = 0x0341;
+const LINE_LEN_PCK_H: u16 = 0x0342;
+const LINE_LEN_PCK_L: u16 = 0x0343;
+const DGAIN_CONTROL: u16 = 0x0350;
+const READOUT_X: u16 = 0x0383;
+const READOUT_Y: u16 = 0x0387;
+const BINNING_MODE: u16 = 0x0390;
+const TEST_PATTERN_MODE: u16 = 0x0601;
+const BLC_CFG: u16 = 0x1000;
+const BLC_DITHER: u16 = 0x1001;
+const BLC_DARKPIXEL: u16 = 0x1002;
+const BLC_TGT: u16 = 0x1003;
+const BLI_EN: u16 = 0x1006;
+const BLC2_TGT: u16 = 0x1007;
+const DPC_CTRL: u16 = 0x1008;
+const CLUSTER_THR_HOT: u16 = 0x1009;
+const CLUSTER_THR_COLD: u16 = 0x100a;
+const SINGLE_THR_HOT: u16 = 0x100b;
+const SINGLE_THR_COLD: u16 = 0x100c;
+const VSYNC_HSYNC_PIXEL_SHIFT_EN: u16 = 0x1012;
+const STATISTIC_CTRL: u16 = 0x2000;
+const AE_CTRL: u16 = 0x2100;
+const AE_TARGET_MEAN: u16 = 0x2101;
+const MAX_INTG_H: u16 = 0x2105;
+const MAX_INTG_L: u16 = 0x2106;
+const MAX_AGAIN_FULL: u16 = 0x2108;
+const MAX_AGAIN_BIN2: u16 = 0x2109;
+const MAX_DGAIN: u16 = 0x210b;
+const FS_CTRL: u16 = 0x210e;
+const MD_CTRL: u16 = 0x2150;
+const QVGA_WIN_EN: u16 = 0x3010;
+const BIT_CONTROL: u16 = 0x3059;
+const OSC_CLK_DIV: u16 = 0x3060;
+const ANA_REGISTER_17: u16 = 0x3067;
+const PCLK_POLARITY: u16 = 0x3068;
+
+/// Pixel clocks of a row.
+const ROW: u16 = 376;
+/// Rows of time that a frame takes: 324x244, and two by two.
+const ROWS: u16 = 260;
+const ROWS_BINNED: u16 = 132;
+/// Takes over what was written since the last time.
+const TAKE_OVER: Step = Step::command(GRP_PARAM_HOLD, 1);
+
+/// Analogue settings for every mode.
+const VENDOR: &[Step] = &[
+    Step::set(0x3044, 0x0a), // correlated double sampling: time to settle
+    Step::set(0x3045, 0x00),
+    Step::set(0x3047, 0x0a),
+    Step::set(0x3050, 0xc0), // negative offset
+    Step::set(0x3051, 0x42),
+    Step::set(0x3052, 0x50),
+    Step::set(0x3053, 0x00),
+    Step::set(0x3054, 0x03), // clamp
+    Step::set(0x3055, 0xf7),
+    Step::set(0x3056, 0xf8),
+    Step::set(0x3057, 0x29), // converter
+    Step::set(0x3058, 0x1f), // dark sun
+    Step::set(0x3064, 0x00),
+    Step::set(0x3065, 0x04),
+    Step::set(ANA_REGISTER_17, 0x00), // MCLK instead of the oscillator: both sensors have one clock
+    Step::set(BLC_CFG, 0x43),
+    Step::set(BLC_DITHER, 0x43),
+    Step::set(BLC_DARKPIXEL, 0x43),
+    Step::set(BLC_TGT, 0x00),
+    Step::set(BLC2_TGT, 0x08),
+    Step::set(BLI_EN, 0x01),
+    Step::set(DGAIN_CONTROL, 0x7f),
+    Step::set(DPC_CTRL, 0x01), // hot and cold pixels of a monochrome sensor
+    Step::set(CLUSTER_THR_HOT, 0xa0),
+    Step::set(CLUSTER_THR_COLD, 0x60),
+    Step::set(SINGLE_THR_HOT, 0x90),
+    Step::set(SINGLE_THR_COLD, 0x40),
+    Step::set(VSYNC_HSYNC_PIXEL_SHIFT_EN, 0x00),
+    Step::set(STATISTIC_CTRL, 0x07),
+    Step::set(AE_TARGET_MEAN, 0x64),
+    Step::set(MAX_AGAIN_FULL, 0x04),
+    Step::set(MAX_AGAIN_BIN2, 0x04),
+    Step::set(MAX_DGAIN, 0xc0),
+    Step::set(FS_CTRL, 0x00), // no steps of exposure against flicker: they differ between sensors
+    Step::set(MD_CTRL, 0x00), // no motion detection
+    Step::set(BIT_CONTROL, 0x02), // 8 bits at once
+    Step::set(OSC_CLK_DIV, 0x0a), // MCLK / 2
+    Step::set(PCLK_POLARITY, 0x21), // data change at the falling edge
+    Step::set(IMG_ORIENTATION, 0x00),
+];
+
+impl Model for Hm01b0 {
+    const NAME: &'static str = "HM01B0";
+    const WIRE: Wire = Wire::Long8;
+    const SHUTTER: Shutter = Shutter::Rolling;
+    const PIXEL_BYTES: u16 = 1;
+    const IDENTITY: &'static [Identity] =
+        &[Identity { register: MODEL_ID_H, value: 0x01 }, Identity { register: MODEL_ID_L, value: 0xb0 }];
+    const RESET: &'static [Step] = &[Step::command(SW_RESET, 1).then_wait(2000), Step::expect(MODE_SELECT, 0)];
+    const STANDBY: &'static [Step] = &[Step::set(MODE_SELECT, 0)];
+    const AUTO: &'static [Step] = &[Step::set(AE_CTRL, 1), TAKE_OVER];
+
+    fn check(config: &Config) -> Result<(), Unsupported> {
+        match (config.binning, config.dims) {
+            (Binning::One, Dims { width: 324, height: 244 }) | (Binning::Two, Dims { width: 162, height: 122 }) => {
+                Ok(())
+            }
+            _ => Err(Unsupported::Size(config.dims, config.binning)),
+        }
+    }
+
+    fn mode(config: &Config) -> impl Iterator<Item = Step> {
+        let (readout, binning, rows) = match config.binning {
+            Binning::One => (0x01, 0x00, ROWS),
+            _ => (0x03, 0x03, ROWS_BINNED),
+        };
+        let [[rows_high, rows_low], [row_high, row_low], [most_high, most_low]] = [rows, ROW, rows - 2].map(bytes);
+        let sized = [
+            Step::set(READOUT_X, readout),
+            Step::set(READOUT_Y, readout),
+            Step::set(BINNING_MODE, binning),
+            Step::set(QVGA_WIN_EN, 0x01),
+            Step::set(FRAME_LEN_LINES_H, rows_high),
+            Step::set(FRAME_LEN_LINES_L, rows_low),
+            Step::set(LINE_LEN_PCK_H, row_high),
+            Step::set(LINE_LEN_PCK_L, row_low),
+            Step::set(MAX_INTG_H, most_high),
+            Step::set(MAX_INTG_L, most_low),
+            Step::set(TEST_PATTERN_MODE, config.test_pattern.into()),
+            TAKE_OVER,
+        ];
+        VENDOR.iter().copied().chain(sized)
+    }
+
+    fn run(start: FrameStart) -> impl Iterator<Item = Step> {
+        let mode = match start {
+            FrameStart::Free => 0x01,
+            FrameStart::Triggered => 0x05,
+        };
+        [Step::set(MODE_SELECT, mode)].into_iter()
+    }
+
+    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {
+        // More rows than a frame of the smaller mode has would slow it down.
+        if !(2..=ROWS - 2).contains(&exposure.rows) {
+            return Err(Unsupported::Rows(exposure.rows));
+        }
+        let (analog, digital) = split(exposure.gain_code);
+        if analog <= 0x40 && (0x40..=0x3fc).contains(&digital) && exposure.gain_code < 1 << 13 {
+            Ok(())
+        } else {
+            Err(Unsupported::Gain(exposure.gain_code))
+        }
+    }
+
+    fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
+        let (analog, digital) = split(exposure.gain_code);
+        let ([rows_high, rows_low], [digital_high, digital_low]) = (bytes(exposure.rows), bytes(digital));
+        [
+            Step::set(AE_CTRL, 0),
+            Step::set(INTEGRATION_H, rows_high),
+            Step::set(INTEGRATION_L, rows_low),
+            Step::set(ANALOG_GAIN, analog),
+            Step::set(DIGITAL_GAIN_H, digital_high),
+            Step::set(DIGITAL_GAIN_L, digital_low),
+            TAKE_OVER,
+        ]
+        .into_iter()
+    }
+
+    fn read_exposure<E>(mut read: impl FnMut(u16) -> Result<u16, E>) -> Result<Exposure, E> {
+        let rows = read(INTEGRATION_H)? << 8 | read(INTEGRATION_L)?;
+        let analog = read(ANALOG_GAIN)? & 0x70;
+        let digital = (read(DIGITAL_GAIN_H)? & 0x03) << 8 | read(DIGITAL_GAIN_L)? & 0xfc;
+        Ok(Exposure { rows, gain_code: analog << 6 | digital })
+    }
+
+    /// Bits 12:10 are the doublings (ANALOG_GAIN), 9:0 the digital gain in 1/256, of which the last two are 0.
+    fn gain_code(gain_q6: u16) -> Option<u16> {
+        let doublings = (0..=4).rev().find(|&n| gain_q6 >> n >= 64)?;
+        // The digital gain is 0.25 ..= 3.98 in steps of 1/64; here it is 1 ..= 2, so that the analogue one does the most.
+        let digital_q6 = gain_q6 >> doublings;
+        (digital_q6 < 256).then_some(doublings << 10 | digital_q6 << 2)
+    }
+
+    fn gain_q6(gain_code: u16) -> u16 {
+        let (analog, digital) = split(gain_code);
+        (digital >> 2) << (analog >> 4)
+    }
+}
+
+/// The registers of a gain.
+const fn split(gain_code: u16) -> (u16, u16) {
+    (gain_code >> 6 & 0x70, gain_code & 0x3ff)
+}
+
+fn bytes(value: u16) -> [u16; 2] {
+    value.to_be_bytes().map(u16::from)
+}

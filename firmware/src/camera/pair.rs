@@ -1,0 +1,162 @@
+//! Two sensors of a model, in one mode, exposed alike.
+//!
+//! ```text
+//! start    both stopped; left, then right; if one fails the other is put to standby
+//! shared   left chooses; follow: what it has chosen is written to the right one, which shows it one or two frames later
+//!          freeze: its choice stays, in both
+//! ```
+//! A pair with one camera does not run: there is no depth to be had.
+
+use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, FrameStart, Model, ResetLine};
+use core::fmt;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::i2c::I2c;
+use linestereo::Eye;
+
+/// The left and the right sensor. Two at one bus: give each a share of it (`embedded_hal_bus::i2c::RefCellDevice`).
+#[derive(Debug)]
+pub struct CameraPair<M, BL, RL, BR, RR> {
+    left: Chip<M, BL, RL>,
+    right: Chip<M, BR, RR>,
+    is_shared: bool,
+    /// What both have, as far as is known.
+    exposure: Option<Exposure>,
+    start: FrameStart,
+}
+
+/// Who chooses exposure and gain of both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairExposure {
+    /// Nobody: they stay.
+    Fixed(Exposure),
+    /// The left sensor.
+    LeftChooses,
+}
+
+/// Why a pair does not do what it should.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PairError<E> {
+    /// The camera that failed.
+    pub eye: Eye,
+    /// Why, and how it was left.
+    pub error: CameraError<E>,
+    /// How the other one was left.
+    pub other: Condition,
+}
+
+impl<E: fmt::Debug> fmt::Display for PairError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, other) = match self.eye {
+            Eye::Left => ("left", "right"),
+            Eye::Right => ("right", "left"),
+        };
+        write!(f, "{name} camera: {}; the {other} one is {}", self.error, self.other)
+    }
+}
+
+impl<E: fmt::Debug> core::error::Error for PairError<E> {}
+
+impl<M, BL, RL, BR, RR> CameraPair<M, BL, RL, BR, RR>
+where
+    M: Model,
+    BL: I2c,
+    RL: ResetLine,
+    BR: I2c<Error = BL::Error>,
+    RR: ResetLine,
+{
+    /// Two sensors. Nothing is sent yet.
+    pub const fn new(left: Chip<M, BL, RL>, right: Chip<M, BR, RR>) -> Self {
+        Self { left, right, is_shared: false, exposure: None, start: FrameStart::Free }
+    }
+
+    /// Starts both in one mode; of `config`, the exposure is replaced. When one fails neither runs.
+    pub fn start(
+        &mut self,
+        config: &Config,
+        exposure: PairExposure,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), PairError<BL::Error>> {
+        (self.is_shared, self.exposure) = (exposure == PairExposure::LeftChooses, None);
+        let left = match exposure {
+            PairExposure::Fixed(fixed) => ExposureControl::Fixed(fixed),
+            PairExposure::LeftChooses => ExposureControl::Auto,
+        };
+        self.left
+            .start(&Config { exposure: left, ..*config }, delay)
+            .map_err(|error| self.fail(Eye::Left, error, delay))?;
+        let fixed = match exposure {
+            PairExposure::Fixed(fixed) => fixed,
+            PairExposure::LeftChooses => self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?,
+        };
+        let right = Config { exposure: ExposureControl::Fixed(fixed), ..*config };
+        self.right.start(&right, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
+        (self.exposure, self.start) = (Some(fixed), config.start);
+        Ok(())
+    }
+
+    /// Stops both, the right one even if the left one fails.
+    pub fn stop(&mut self, delay: &mut impl DelayNs) -> Result<(), PairError<BL::Error>> {
+        let left = self.left.stop(delay);
+        let right = self.right.stop(delay);
+        left.map_err(|error| PairError { eye: Eye::Left, error, other: self.right.condition() })?;
+        right.map_err(|error| PairError { eye: Eye::Right, error, other: self.left.condition() })
+    }
+
+    /// Between two frames, when the left one chooses: gives its choice to the right one. Says what both have now.
+    ///
+    /// A choice that the model does not let anybody fix (0 rows, in the dark) leaves the right one as it was.
+    pub fn follow(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
+        if !self.is_shared {
+            return Ok(self.exposure);
+        }
+        let chosen = self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?;
+        if self.exposure != Some(chosen) && M::check_exposure(chosen).is_ok() {
+            self.exposure = None; // of neither, if it fails
+            self.right.set_exposure(chosen, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
+            self.exposure = Some(chosen);
+        }
+        Ok(self.exposure)
+    }
+
+    /// The left one's choice of this moment, for both, from now on.
+    pub fn freeze(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
+        let exposure = self.follow(delay)?;
+        if let (true, Some(exposure)) = (self.is_shared, exposure) {
+            self.left.set_exposure(exposure, delay).map_err(|error| self.fail(Eye::Left, error, delay))?;
+            self.is_shared = false;
+        }
+        Ok(exposure)
+    }
+
+    /// Who says when frames start: [`FrameStart::Free`] is a pair that is not synchronised.
+    pub const fn frame_start(&self) -> FrameStart {
+        self.start
+    }
+
+    /// The state of the left and the right one.
+    pub const fn conditions(&self) -> [Condition; 2] {
+        [self.left.condition(), self.right.condition()]
+    }
+
+    /// The two sensors.
+    pub fn release(self) -> (Chip<M, BL, RL>, Chip<M, BR, RR>) {
+        (self.left, self.right)
+    }
+
+    /// One has failed: the other one is stopped as well, unless nothing has been sent to it.
+    fn fail(&mut self, eye: Eye, error: CameraError<BL::Error>, delay: &mut impl DelayNs) -> PairError<BL::Error> {
+        self.exposure = None;
+        let other = match eye {
+            Eye::Left if self.right.condition() == Condition::Running => {
+                let _ = self.right.stop(delay); // its condition says what became of it
+                self.right.condition()
+            }
+            Eye::Left => self.right.condition(),
+            Eye::Right => {
+                let _ = self.left.stop(delay);
+                self.left.condition()
+            }
+        };
+        PairError { eye, error, other }
+    }
+}

@@ -1,0 +1,678 @@
+//! Sensor drivers: register traces replayed, and every transaction of every operation failing in turn.
+//!
+//! A trace is what a driver says to a fake sensor that answers as the datasheet has it; it is compared with the file in `traces/`, read by
+//! people against the datasheet. Then each of its transactions fails in turn, on a bus that accepts nothing but what is expected.
+
+use core::cell::RefCell;
+use core::fmt::Write as _;
+use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
+use embedded_hal_mock::eh1::delay::NoopDelay;
+use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
+use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
+use linestereo::{Dims, Eye};
+use linestereo_firmware::camera::*;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// A sensor that keeps what is written to it, and writes down what was said. Registers not written since the reset answer with 0.
+#[derive(Clone)]
+struct Fake(Rc<RefCell<Registers>>);
+
+struct Registers {
+    wire: Wire,
+    values: BTreeMap<u16, u16>,
+    /// Registers that keep something else.
+    stuck: BTreeMap<u16, u16>,
+    pointer: u16,
+    said: Vec<Transaction>,
+}
+
+impl Fake {
+    fn of<M: Model>() -> Self {
+        let values = M::IDENTITY.iter().map(|identity| (identity.register, identity.value)).collect();
+        let (stuck, said) = (BTreeMap::new(), Vec::new());
+        Self(Rc::new(RefCell::new(Registers { wire: M::WIRE, values, stuck, pointer: 0, said })))
+    }
+
+    fn set(&self, register: u16, value: u16) {
+        self.0.borrow_mut().values.insert(register, value);
+    }
+
+    fn get(&self, register: u16) -> u16 {
+        self.0.borrow().values.get(&register).copied().unwrap_or(0)
+    }
+
+    fn said(&self) -> Vec<Transaction> {
+        core::mem::take(&mut self.0.borrow_mut().said)
+    }
+}
+
+impl ErrorType for Fake {
+    type Error = ErrorKind;
+}
+
+impl I2c for Fake {
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+        let mut chip = self.0.borrow_mut();
+        let mut written = Vec::new();
+        let mut read = None;
+        for operation in operations {
+            match operation {
+                Operation::Write(bytes) => {
+                    let (register, value) = match (chip.wire, &**bytes) {
+                        (Wire::Long8, [high, low, rest @ ..]) => (u16::from_be_bytes([*high, *low]), rest),
+                        (_, [low, rest @ ..]) => (u16::from(*low), rest),
+                        _ => panic!("a write without a register"),
+                    };
+                    chip.pointer = register;
+                    if !value.is_empty() {
+                        let value = value.iter().fold(0, |value, &byte| value << 8 | u16::from(byte));
+                        let kept = chip.stuck.get(&register).copied().unwrap_or(value);
+                        chip.values.insert(register, kept);
+                    }
+                    written = bytes.to_vec();
+                }
+                Operation::Read(bytes) => {
+                    let value = chip.values.get(&chip.pointer).copied().unwrap_or(0).to_be_bytes();
+                    let skipped = 2 - bytes.len();
+                    bytes.copy_from_slice(&value[skipped..]);
+                    read = Some(bytes.to_vec());
+                }
+            }
+        }
+        let said = match (written.is_empty(), read) {
+            (false, None) => Transaction::write(address, written),
+            (false, Some(read)) => Transaction::write_read(address, written, read),
+            (true, read) => Transaction::read(address, read.unwrap()),
+        };
+        chip.said.push(said);
+        Ok(())
+    }
+}
+
+/// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
+fn text(said: &[Transaction]) -> String {
+    let mut text = String::new();
+    for transaction in said {
+        let debug = format!("{transaction:?}");
+        let list = |name: &str| {
+            let from = debug.split(&format!("{name}: [")).nth(1).unwrap();
+            let bytes = from.split(']').next().unwrap().split(", ").filter(|byte| !byte.is_empty());
+            bytes.map(|byte| format!("{:02x}", byte.parse::<u8>().unwrap())).collect::<Vec<_>>().join(" ")
+        };
+        let (written, read) = (list("expected_data"), list("response_data"));
+        let _ = match (written.is_empty(), read.is_empty()) {
+            (false, true) => writeln!(text, "w {written}"),
+            (false, false) => writeln!(text, "r {written} -> {read}"),
+            _ => writeln!(text, "s {read}"),
+        };
+    }
+    text
+}
+
+/// Compares with `traces/NAME.txt`; `LINESTEREO_BLESS=1` writes it.
+fn assert_trace(name: &str, said: &[Transaction]) {
+    let path = format!("{}/tests/traces/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("LINESTEREO_BLESS").is_some() {
+        std::fs::write(&path, text(said)).unwrap();
+    }
+    let expected = std::fs::read_to_string(&path).expect(&path);
+    assert_eq!(text(said), expected, "{path}: look it up in the datasheet, then bless with LINESTEREO_BLESS=1");
+}
+
+const FIXED: Exposure = Exposure { rows: 200, gain_code: 0x20 };
+
+fn config(width: u16, height: u16, binning: Binning) -> Config {
+    Config {
+        dims: Dims { width, height },
+        binning,
+        start: FrameStart::Free,
+        exposure: ExposureControl::Auto,
+        test_pattern: false,
+    }
+}
+
+/// What a sensor's tests need to know of it.
+struct Case {
+    name: &'static str,
+    address: u8,
+    config: Config,
+    fixed: Exposure,
+    other: Exposure,
+    has_trigger: bool,
+}
+
+fn mt9v034() -> Case {
+    let config = config(320, 240, Binning::Two);
+    let (fixed, other) = (FIXED, Exposure { rows: 480, gain_code: 64 });
+    Case { name: "mt9v034", address: Mt9v034::ADDRESSES[0], config, fixed, other, has_trigger: true }
+}
+
+fn hm01b0() -> Case {
+    let config = config(324, 244, Binning::One);
+    let (fixed, other) = (Exposure { rows: 200, gain_code: 0x500 }, Exposure { rows: 258, gain_code: 0xd40 });
+    Case { name: "hm01b0", address: Hm01b0::ADDRESS, config, fixed, other, has_trigger: true }
+}
+
+fn ov7670() -> Case {
+    let config = config(320, 240, Binning::Two);
+    let (fixed, other) = (FIXED, Exposure { rows: 510, gain_code: 0x37f });
+    Case { name: "ov7670", address: Ov7670::ADDRESS, config, fixed, other, has_trigger: false }
+}
+
+type OnFake<M, R = NoReset> = Chip<M, Fake, R>;
+
+/// Something that is asked of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Asked {
+    Start(Config),
+    Stop,
+    Expose(Exposure),
+    ReadExposure,
+}
+
+impl Asked {
+    fn of<M: Model, B: I2c, R: ResetLine>(self, chip: &mut Chip<M, B, R>) -> Result<(), CameraError<B::Error>> {
+        match self {
+            Self::Start(config) => chip.start(&config, &mut NoopDelay),
+            Self::Stop => chip.stop(&mut NoopDelay),
+            Self::Expose(exposure) => chip.set_exposure(exposure, &mut NoopDelay),
+            Self::ReadExposure => chip.exposure().map(drop),
+        }
+    }
+}
+
+/// Everything that can be asked of a sensor, with a name for its trace.
+fn everything(case: &Case) -> Vec<(String, Asked)> {
+    let fixed = ExposureControl::Fixed(case.fixed);
+    let mut list = vec![
+        ("auto".into(), Asked::Start(case.config)),
+        ("fixed".into(), Asked::Start(Config { exposure: fixed, ..case.config })),
+        ("pattern".into(), Asked::Start(Config { exposure: fixed, test_pattern: true, ..case.config })),
+        ("expose".into(), Asked::Expose(case.other)),
+        ("read_exposure".into(), Asked::ReadExposure),
+        ("stop".into(), Asked::Stop),
+    ];
+    if case.has_trigger {
+        list.push((
+            "triggered".into(),
+            Asked::Start(Config { exposure: fixed, start: FrameStart::Triggered, ..case.config }),
+        ));
+    }
+    list
+}
+
+/// What is said while a sensor runs, or is started.
+fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
+    let fake = Fake::of::<M>();
+    let mut chip = OnFake::<M>::new(fake.clone(), case.address, NoReset);
+    if !matches!(asked, Asked::Start(_)) {
+        chip.start(&case.config, &mut NoopDelay).unwrap();
+        fake.said();
+    }
+    asked.of(&mut chip).unwrap();
+    fake.said()
+}
+
+/// What is said to put a sensor into standby.
+fn standby<M: Model>(case: &Case) -> Vec<Transaction> {
+    trace::<M>(case, Asked::Stop)
+}
+
+/// A sensor on a bus that accepts nothing else; it runs already, unless it is to be started.
+fn replay<M: Model>(
+    case: &Case,
+    asked: Asked,
+    then: &[Transaction],
+) -> (Result<(), CameraError<ErrorKind>>, Chip<M, Mock, NoReset>) {
+    let before = match asked {
+        Asked::Start(_) => Vec::new(),
+        _ => trace::<M>(case, Asked::Start(case.config)),
+    };
+    let all = [&before, then].concat();
+    let mut chip = Chip::<M, Mock, NoReset>::new(Mock::new(&all), case.address, NoReset);
+    if !before.is_empty() {
+        chip.start(&case.config, &mut NoopDelay).unwrap();
+    }
+    let result = asked.of(&mut chip);
+    (result, chip)
+}
+
+fn done<M: Model, R: ResetLine>(chip: Chip<M, Mock, R>) -> R {
+    let (mut bus, reset) = chip.release();
+    bus.done();
+    reset
+}
+
+/// Every transaction of every operation fails in turn; returns how many there were.
+fn fail_everywhere<M: Model>(case: &Case) -> usize {
+    let standby = standby::<M>(case);
+    let mut count = 0;
+    for (name, asked) in everything(case) {
+        let trace = trace::<M>(case, asked);
+        // The two halves of an SCCB read begin with a write as well.
+        let identity = if let Asked::Start(_) = asked { M::IDENTITY.len() } else { 0 };
+        let identity = if M::WIRE == Wire::Sccb { 2 * identity } else { identity };
+        for place in 0..trace.len() {
+            count += 1;
+            let failing = trace[place].clone().with_error(ErrorKind::Bus);
+            let so_far = [&trace[..place], &[failing]].concat();
+            let what = format!("{} {name}, transaction {place} of {}", case.name, trace.len());
+            let is_read_only = asked == Asked::ReadExposure;
+            if is_read_only || place < identity {
+                // Nothing was written: nothing is touched.
+                let (result, chip) = replay::<M>(case, asked, &so_far);
+                let error = result.expect_err(&what);
+                assert!(matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }), "{what}: {error}");
+                let left = if is_read_only { Condition::Running } else { Condition::Unknown };
+                assert_eq!((error.left, chip.condition()), (left, left), "{what}");
+                done(chip);
+                continue;
+            }
+            // The bus works again: standby.
+            let then = [&so_far[..], &standby].concat();
+            let (result, chip) = replay::<M>(case, asked, &then);
+            let error = result.expect_err(&what);
+            assert!(matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }), "{what}: {error}");
+            assert_eq!((error.left, chip.condition()), (Condition::Standby, Condition::Standby), "{what}");
+            done(chip);
+            // It does not, at each transaction of the way to standby: said so, and nothing but a start is taken.
+            for stop in 0..standby.len() {
+                let broken = standby[stop].clone().with_error(ErrorKind::ArbitrationLoss);
+                let then = [&so_far[..], &standby[..stop], &[broken]].concat();
+                let (result, mut chip) = replay::<M>(case, asked, &then);
+                let error = result.expect_err(&what);
+                assert_eq!(
+                    (error.left, chip.condition()),
+                    (Condition::HalfConfigured, Condition::HalfConfigured),
+                    "{what}"
+                );
+                assert!(error.to_string().contains("half configured"), "{error}");
+                let refused = chip.set_exposure(case.fixed, &mut NoopDelay).unwrap_err();
+                assert_eq!(refused, CameraError { cause: Cause::NotRunning, left: Condition::HalfConfigured });
+                assert_eq!(chip.exposure().unwrap_err().cause, Cause::NotRunning);
+                done(chip);
+            }
+        }
+    }
+    count
+}
+
+#[test]
+fn what_is_said_is_what_was_read_against_the_datasheet() {
+    fn check<M: Model>(case: &Case) {
+        for (name, asked) in everything(case) {
+            assert_trace(&format!("{}_{name}", case.name), &trace::<M>(case, asked));
+        }
+    }
+    check::<Mt9v034>(&mt9v034());
+    check::<Hm01b0>(&hm01b0());
+    check::<Ov7670>(&ov7670());
+}
+
+#[test]
+fn a_failure_at_any_transaction_is_told_with_the_state_that_it_leaves() {
+    // Fewer would mean that operations are left out.
+    assert!(fail_everywhere::<Mt9v034>(&mt9v034()) > 150);
+    assert!(fail_everywhere::<Hm01b0>(&hm01b0()) > 450);
+    assert!(fail_everywhere::<Ov7670>(&ov7670()) > 250);
+}
+
+#[test]
+fn a_register_that_keeps_something_else_is_named() {
+    fn check<M: Model>(case: &Case) {
+        let config = Config { exposure: ExposureControl::Fixed(case.fixed), ..case.config };
+        let mut checked = Vec::new();
+        for line in text(&trace::<M>(case, Asked::Start(config))).lines().filter(|line| line.starts_with('w')) {
+            let bytes = line.split(' ').skip(1).map(|byte| u16::from_str_radix(byte, 16).unwrap()).collect::<Vec<_>>();
+            let register = match (M::WIRE, &bytes[..]) {
+                (Wire::Long8, [high, low, _]) => high << 8 | low,
+                (_, [register, _, ..]) => *register,
+                _ => continue, // the first half of a read
+            };
+            let fake = Fake::of::<M>();
+            // Every bit that can be wrong is; of a register that is written several times, the first write already.
+            let value = if M::WIRE == Wire::Short16 { 0xffff } else { 0xff };
+            let written = bytes.last().unwrap();
+            fake.0.borrow_mut().stuck.insert(register, value ^ written);
+            let mut chip = OnFake::<M>::new(fake, case.address, NoReset);
+            let Err(error) = chip.start(&config, &mut NoopDelay) else { continue }; // a command
+            let Cause::NotKept { register: named, .. } = error.cause else { panic!("{error}") };
+            assert_eq!(named, register, "{}: {error}", case.name);
+            let is_stop = M::STANDBY.iter().any(|step| step.register == register);
+            let expected = if is_stop { Condition::HalfConfigured } else { Condition::Standby };
+            assert_eq!(error.left, expected, "{}: {error}", case.name);
+            checked.push(register);
+        }
+        checked.sort_unstable();
+        checked.dedup();
+        assert!(checked.len() > 15, "{} registers of {}", checked.len(), case.name);
+    }
+    check::<Mt9v034>(&mt9v034());
+    check::<Hm01b0>(&hm01b0());
+    check::<Ov7670>(&ov7670());
+}
+
+#[test]
+fn another_chip_is_not_written_to() {
+    fn check<M: Model>(case: &Case) {
+        for identity in M::IDENTITY {
+            let fake = Fake::of::<M>();
+            fake.set(identity.register, identity.value ^ 1);
+            let mut chip = OnFake::<M>::new(fake.clone(), case.address, NoReset);
+            let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
+            let (register, found) = (identity.register, identity.value ^ 1);
+            assert_eq!(error, CameraError { cause: Cause::Identity { register, found }, left: Condition::Unknown });
+            let length = if M::WIRE == Wire::Short16 || M::WIRE == Wire::Sccb { "w 00".len() } else { "w 00 00".len() };
+            let written =
+                text(&fake.said()).lines().filter(|line| line.starts_with('w')).any(|line| line.len() > length);
+            assert!(!written, "{}", case.name);
+        }
+    }
+    check::<Mt9v034>(&mt9v034());
+    check::<Hm01b0>(&hm01b0());
+    check::<Ov7670>(&ov7670());
+}
+
+#[test]
+fn nobody_answers() {
+    let nobody = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+    let said = [Transaction::write_read(0x48, vec![0], vec![0, 0]).with_error(nobody)];
+    let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), 0x48, NoReset);
+    let error = chip.start(&mt9v034().config, &mut NoopDelay).unwrap_err();
+    assert_eq!(error, CameraError { cause: Cause::Missing, left: Condition::Unknown });
+    assert_eq!(error.to_string(), "no camera answers: check power, clock and wires (the camera is as it was)");
+    done(chip);
+}
+
+fn edges(states: &[State]) -> Vec<Edge> {
+    states.iter().cloned().map(Edge::set).collect()
+}
+
+fn pin_error() -> embedded_hal_mock::eh1::MockError {
+    embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::Other)
+}
+
+#[test]
+fn a_reset_pin_holds_what_has_failed() {
+    let case = mt9v034();
+    let trace = trace::<Mt9v034>(&case, Asked::Start(case.config));
+    for place in 0..trace.len() {
+        let failing = trace[place].clone().with_error(ErrorKind::Bus);
+        let said = [&trace[..place], &[failing]].concat();
+        // Held and released, then held for good: nothing more is said on the bus, and it is in reset already when it is to stop.
+        let pin = Pin::new(&edges(&[State::Low, State::High, State::Low]));
+        let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(pin));
+        let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
+        assert_eq!(error.left, Condition::InReset, "{place}");
+        assert_eq!(chip.stop(&mut NoopDelay), Ok(()));
+        assert_eq!(chip.condition(), Condition::InReset);
+        done(chip).0.done();
+    }
+}
+
+#[test]
+fn a_reset_pin_that_fails_is_told() {
+    let case = mt9v034();
+    for (place, states) in [(0, vec![State::Low]), (1, vec![State::Low, State::High])] {
+        let mut edges = edges(&states);
+        edges[place] = edges[place].clone().with_error(pin_error());
+        let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&[]), case.address, ResetPin(Pin::new(&edges)));
+        let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
+        assert_eq!(error, CameraError { cause: Cause::Pin, left: Condition::Unknown });
+        done(chip).0.done();
+    }
+    // It fails only when it is needed most: standby does.
+    let said = trace::<Mt9v034>(&case, Asked::Start(case.config));
+    let failing = said[1].clone().with_error(ErrorKind::Bus);
+    let said = [&said[..1], &[failing], &standby::<Mt9v034>(&case)[..]].concat();
+    let mut edges = edges(&[State::Low, State::High, State::Low]);
+    edges[2] = edges[2].clone().with_error(pin_error());
+    let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(Pin::new(&edges)));
+    assert_eq!(chip.start(&case.config, &mut NoopDelay).unwrap_err().left, Condition::Standby);
+    done(chip).0.done();
+}
+
+#[test]
+fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
+    fn refused<M: Model>(config: Config) -> Unsupported {
+        let mut chip = Chip::<M, Mock, _>::new(Mock::new(&[]), 0x10, NoReset);
+        let error = chip.start(&config, &mut NoopDelay).unwrap_err();
+        assert_eq!(error.left, Condition::Unknown);
+        done(chip);
+        let Cause::Unsupported(what) = error.cause else { panic!("{error}") };
+        what
+    }
+    fn exposed(config: Config, rows: u16, gain_code: u16) -> Config {
+        Config { exposure: ExposureControl::Fixed(Exposure { rows, gain_code }), ..config }
+    }
+    for (width, height, binning) in [(756, 480, Binning::One), (320, 241, Binning::One), (378, 240, Binning::Two)] {
+        let dims = Dims { width, height };
+        assert_eq!(refused::<Mt9v034>(config(width, height, binning)), Unsupported::Size(dims, binning));
+    }
+    let fits = mt9v034().config;
+    assert_eq!(refused::<Mt9v034>(exposed(fits, 0, 16)), Unsupported::Rows(0));
+    assert_eq!(refused::<Mt9v034>(exposed(fits, 1, 15)), Unsupported::Gain(15));
+    let dims = Dims { width: 320, height: 240 };
+    assert_eq!(refused::<Hm01b0>(config(320, 240, Binning::One)), Unsupported::Size(dims, Binning::One));
+    assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 259, 0x100)), Unsupported::Rows(259));
+    assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 258, 0x3f)), Unsupported::Gain(0x3f));
+    assert_eq!(refused::<Ov7670>(config(320, 240, Binning::One)), Unsupported::Size(dims, Binning::One));
+    assert_eq!(refused::<Ov7670>(exposed(ov7670().config, 511, 0)), Unsupported::Rows(511));
+    assert_eq!(refused::<Ov7670>(exposed(ov7670().config, 510, 1 << 10)), Unsupported::Gain(1 << 10));
+    let triggered = Config { start: FrameStart::Triggered, ..ov7670().config };
+    let what = refused::<Ov7670>(triggered);
+    assert_eq!(what.to_string(), "the sensor has no trigger pin: let it run free");
+    assert_eq!(Unsupported::Gain(15).to_string(), "the sensor has no gain 0xf");
+    assert_eq!(Unsupported::Rows(9).to_string(), "the sensor cannot be exposed for 9 rows");
+    let size = Unsupported::Size(dims, Binning::Four).to_string();
+    assert_eq!(size, "the sensor has no images of 320x240 with 4x4 pixels made one");
+    // A running sensor goes on.
+    let mut chip = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
+    chip.start(&fits, &mut NoopDelay).unwrap();
+    let error = chip.set_exposure(Exposure { rows: 5, gain_code: 65 }, &mut NoopDelay).unwrap_err();
+    assert_eq!(error, CameraError { cause: Cause::Unsupported(Unsupported::Gain(65)), left: Condition::Running });
+}
+
+#[test]
+fn other_sizes_have_their_registers() {
+    for (name, dims, binning) in [("full", (752, 480), Binning::One), ("small", (160, 120), Binning::Four)] {
+        let case = Case { config: config(dims.0, dims.1, binning), ..mt9v034() };
+        assert_trace(&format!("mt9v034_{name}"), &trace::<Mt9v034>(&case, Asked::Start(case.config)));
+    }
+    let case = Case { config: config(162, 122, Binning::Two), ..hm01b0() };
+    assert_trace("hm01b0_small", &trace::<Hm01b0>(&case, Asked::Start(case.config)));
+    for (name, dims, binning) in [("full", (640, 480), Binning::One), ("small", (160, 120), Binning::Four)] {
+        let case = Case { config: config(dims.0, dims.1, binning), ..ov7670() };
+        assert_trace(&format!("ov7670_{name}"), &trace::<Ov7670>(&case, Asked::Start(case.config)));
+    }
+}
+
+#[test]
+fn gains_are_the_nearest_from_below() {
+    /// Largest loss, and the gains there are (1/64).
+    fn check<M: Model>(gains: core::ops::RangeInclusive<u16>, worst: f64) {
+        for gain_q6 in gains.clone() {
+            let code = M::gain_code(gain_q6).unwrap();
+            let loss = 1.0 - f64::from(M::gain_q6(code)) / f64::from(gain_q6);
+            assert!((0.0..worst).contains(&loss), "{} {gain_q6} {code:#x} {loss}", M::NAME);
+            assert_eq!(M::check_exposure(Exposure { rows: 10, gain_code: code }), Ok(()));
+        }
+        assert_eq!([M::gain_code(gains.start() - 1), M::gain_code(u16::MAX)], [None, None], "{}", M::NAME);
+    }
+    check::<Mt9v034>(64..=259, 1.0 / 16.0); // sixteenths of 1 ..= 4
+    check::<Hm01b0>(64..=4079, 1.0 / 64.0); // 1 ..= 16, times 1 ..= 3.98
+    check::<Ov7670>(64..=8191, 1.0 / 16.0); // 1 ..= 64, times sixteenths of 1 ..= 1.94
+}
+
+#[test]
+fn the_middle_of_an_exposure() {
+    assert_eq!(Shutter::Global.middle_us(4000, 16_000), -2000);
+    assert_eq!(Shutter::Rolling.middle_us(4000, 30_000), 13_000);
+    assert_eq!(Shutter::Global.middle_us(u32::MAX, 0), -i32::MAX);
+    let shutters = [Mt9v034::SHUTTER, Hm01b0::SHUTTER, Ov7670::SHUTTER];
+    assert_eq!(shutters, [Shutter::Global, Shutter::Rolling, Shutter::Rolling]);
+}
+
+/// Two sensors, each on a fake of its own.
+type Both<M> = CameraPair<M, Fake, NoReset, Fake, NoReset>;
+
+fn both<M: Model>(address: u8) -> (Both<M>, [Fake; 2]) {
+    let fakes = [Fake::of::<M>(), Fake::of::<M>()];
+    let [left, right] = fakes.clone().map(|fake| OnFake::<M>::new(fake, address, NoReset));
+    (CameraPair::new(left, right), fakes)
+}
+
+const AEC_AGC_ENABLE: u16 = 0xaf;
+const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
+const AGC_GAIN_OUTPUT: u16 = 0xba;
+const COARSE_SHUTTER_WIDTH_TOTAL: u16 = 0x0b;
+const ANALOG_GAIN: u16 = 0x35;
+
+#[test]
+fn the_left_camera_chooses_for_both() {
+    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
+    left.set(AEC_EXPOSURE_OUTPUT, 111);
+    left.set(AGC_GAIN_OUTPUT, 0x8000 | 33); // bits that are no gain
+    let triggered = Config { start: FrameStart::Triggered, ..mt9v034().config };
+    pair.start(&triggered, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    assert_eq!(pair.frame_start(), FrameStart::Triggered);
+    assert_eq!(pair.conditions(), [Condition::Running; 2]);
+    let of = |camera: &Fake| [COARSE_SHUTTER_WIDTH_TOTAL, ANALOG_GAIN].map(|register| camera.get(register));
+    assert_eq!([left.get(AEC_AGC_ENABLE), right.get(AEC_AGC_ENABLE)], [0b11, 0]);
+    assert_eq!(of(&right), [111, 33]);
+
+    left.set(AEC_EXPOSURE_OUTPUT, 222);
+    let followed = pair.follow(&mut NoopDelay).unwrap();
+    assert_eq!(followed, Some(Exposure { rows: 222, gain_code: 33 }));
+    assert_eq!(of(&right), [222, 33]);
+    right.said();
+    assert_eq!(pair.follow(&mut NoopDelay).unwrap(), followed);
+    assert_eq!(text(&right.said()), "", "nothing has changed");
+
+    left.set(AEC_EXPOSURE_OUTPUT, 0); // nobody can fix that
+    assert_eq!(pair.follow(&mut NoopDelay).unwrap(), followed);
+    left.set(AEC_EXPOSURE_OUTPUT, 333);
+    let frozen = pair.freeze(&mut NoopDelay).unwrap();
+    assert_eq!(frozen, Some(Exposure { rows: 333, gain_code: 33 }));
+    assert_eq!([of(&left), of(&right)], [[333, 33]; 2]);
+    assert_eq!(left.get(AEC_AGC_ENABLE), 0);
+    left.set(AEC_EXPOSURE_OUTPUT, 444);
+    assert_eq!([pair.follow(&mut NoopDelay), pair.freeze(&mut NoopDelay)], [Ok(frozen); 2]);
+    pair.stop(&mut NoopDelay).unwrap();
+    assert_eq!(pair.conditions(), [Condition::Standby; 2]);
+}
+
+#[test]
+fn the_same_exposure_for_both() {
+    let (mut pair, [left, right]) = both::<Hm01b0>(0x24);
+    let fixed = hm01b0().fixed;
+    pair.start(&hm01b0().config, PairExposure::Fixed(fixed), &mut NoopDelay).unwrap();
+    assert_eq!(pair.frame_start(), FrameStart::Free);
+    assert_eq!(text(&left.said()), text(&right.said()));
+    assert_eq!(pair.follow(&mut NoopDelay), Ok(Some(fixed)));
+    assert_eq!(text(&left.said()), "", "nobody is asked");
+    let (mut left, mut right) = pair.release();
+    assert_eq!([left.exposure(), right.exposure()], [Ok(fixed); 2]);
+}
+
+#[test]
+fn one_of_two_cameras_is_missing() {
+    let nobody = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown);
+    let absent = [Transaction::write_read(0x48, vec![0], vec![0, 0]).with_error(nobody)];
+    let case = mt9v034();
+
+    let left = Chip::<Mt9v034, Mock, _>::new(Mock::new(&absent), 0x48, NoReset);
+    let right = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
+    let mut pair = CameraPair::new(left, right);
+    let error = pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.error.cause, error.other), (Eye::Left, Cause::Missing, Condition::Unknown));
+    done(pair.release().0);
+
+    let fake = Fake::of::<Mt9v034>();
+    let left = OnFake::<Mt9v034>::new(fake.clone(), 0x48, NoReset);
+    let right = Chip::<Mt9v034, Mock, _>::new(Mock::new(&absent), 0x48, NoReset);
+    let mut pair = CameraPair::new(left, right);
+    let error = pair.start(&case.config, PairExposure::Fixed(case.fixed), &mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.error.cause, error.other), (Eye::Right, Cause::Missing, Condition::Standby));
+    assert_eq!(pair.conditions(), [Condition::Standby, Condition::Unknown]);
+    assert_eq!(fake.get(0x07), 0, "the left one sends nothing");
+    let text = error.to_string();
+    assert!(
+        text.starts_with("right camera: no camera answers") && text.ends_with("the left one is in standby"),
+        "{text}"
+    );
+    done(pair.release().1);
+}
+
+#[test]
+fn a_camera_that_fails_later_stops_the_other_one() {
+    const CHIP_CONTROL: u16 = 0x07;
+    // The right one does not take the left one's choice.
+    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
+    left.set(AEC_EXPOSURE_OUTPUT, 100);
+    left.set(AGC_GAIN_OUTPUT, 16);
+    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    right.0.borrow_mut().stuck.insert(COARSE_SHUTTER_WIDTH_TOTAL, 7);
+    left.set(AEC_EXPOSURE_OUTPUT, 101);
+    let error = pair.follow(&mut NoopDelay).unwrap_err();
+    let not_kept = Cause::NotKept { register: COARSE_SHUTTER_WIDTH_TOTAL, written: 101, read: 7 };
+    assert_eq!((error.eye, error.error.cause), (Eye::Right, not_kept));
+    assert_eq!(pair.conditions(), [Condition::Standby; 2]);
+    assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
+    assert!(pair.follow(&mut NoopDelay).is_err_and(|error| error.error.cause == Cause::NotRunning));
+
+    // The left one does not keep its own.
+    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
+    left.set(AEC_EXPOSURE_OUTPUT, 100);
+    left.set(AGC_GAIN_OUTPUT, 16);
+    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    left.0.borrow_mut().stuck.insert(ANALOG_GAIN, 18);
+    let error = pair.freeze(&mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.error.left, error.other), (Eye::Left, Condition::Standby, Condition::Standby));
+    assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
+    // Neither can be stopped, and both are tried.
+    for camera in [&left, &right] {
+        camera.0.borrow_mut().stuck.insert(CHIP_CONTROL, 0x188);
+    }
+    let error = pair.stop(&mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.other), (Eye::Left, Condition::HalfConfigured));
+    assert_eq!(pair.conditions(), [Condition::HalfConfigured; 2]);
+    left.0.borrow_mut().stuck.clear();
+    let error = pair.stop(&mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.other), (Eye::Right, Condition::Standby));
+    let text = error.to_string();
+    assert!(text.contains("register 0x0007 holds 0x0188 after 0x0000 was written"), "{text}");
+}
+
+#[test]
+fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
+    let states = [State::Low, State::Low, State::High, State::Low];
+    let mut trigger = Trigger::new(Pin::new(&edges(&states)), 10).unwrap();
+    trigger.fire(&mut NoopDelay).unwrap();
+    trigger.release().done();
+    // It stays high once; the next pulse starts low.
+    let mut stuck = edges(&[State::Low, State::Low, State::High, State::Low, State::Low, State::High, State::Low]);
+    stuck[3] = stuck[3].clone().with_error(pin_error());
+    let mut trigger = Trigger::new(Pin::new(&stuck), 10).unwrap();
+    assert!(trigger.fire(&mut NoopDelay).is_err());
+    trigger.fire(&mut NoopDelay).unwrap();
+    trigger.release().done();
+}
+
+#[test]
+fn what_went_wrong_is_said_in_words() {
+    let say = |cause| CameraError::<ErrorKind> { cause, left: Condition::InReset }.to_string();
+    assert_eq!(
+        say(Cause::Identity { register: 0, found: 0x1313 }),
+        "another chip answers: register 0x0000 holds 0x1313 (the camera is held in reset)"
+    );
+    assert_eq!(say(Cause::Pin), "the reset pin cannot be set (the camera is held in reset)");
+    assert!(
+        say(Cause::Bus { register: 7, error: ErrorKind::Overrun })
+            .starts_with("the bus failed at register 0x0007: Overrun")
+    );
+    assert!(say(Cause::NotRunning).starts_with("the camera does not run: start it first"));
+    assert!(say(Cause::Unsupported(Unsupported::Trigger)).starts_with("the sensor has no trigger"));
+    assert_eq!(Condition::Running.to_string(), "running");
+}
