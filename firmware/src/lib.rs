@@ -6,6 +6,7 @@
 //! session         what a host asked for so far
 //! autopilot       obstacles as MAVLink, on a port of their own
 //! camera          image sensors: from a bus and two pins to a running pair
+//! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
@@ -21,6 +22,7 @@
 pub mod autopilot;
 pub mod boards;
 pub mod camera;
+pub mod capture;
 pub mod cases;
 pub mod log;
 pub mod memory;

@@ -1,5 +1,6 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
+use crate::camera::FrameStart;
 use linestereo::{Counts, Dims, Match, PointClaim};
 
 /// A clock that counts up and wraps.
@@ -45,13 +46,15 @@ pub struct CapturedPair {
     /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
     /// captured too far apart is not matched.
     pub times_us: Option<[u64; 2]>,
+    /// Who said when the frames start, if the driver knows: of cameras that run free, the difference of their times is chance.
+    pub frame_start: Option<FrameStart>,
 }
 
 impl CapturedPair {
     /// One of which nothing else is known.
     #[must_use]
     pub const fn of(dims: Dims) -> Self {
-        Self { dims, times_us: None }
+        Self { dims, times_us: None, frame_start: None }
     }
 }
 

@@ -16,13 +16,14 @@ use serde::{Deserialize, Serialize};
 /// Where the core's flags begin.
 const CORE: u32 = 8;
 /// Flags of the board.
-const BOARD: [(Health, &str); 6] = [
+const BOARD: [(Health, &str); 7] = [
     (Health::SIZE_MISMATCH, "size_mismatch"),
     (Health::SEGMENTS_DROPPED, "segments_dropped"),
     (Health::MATCHES_DROPPED, "matches_dropped"),
     (Health::POINTS_DROPPED, "points_dropped"),
     (Health::RESULTS_SKIPPED, "results_skipped"),
     (Health::PAIR_MISSING, "pair_missing"),
+    (Health::FREE_RUNNING, "free_running"),
 ];
 
 /// A set of flags; empty when there is nothing to say.
@@ -53,6 +54,8 @@ impl Health {
     pub const RESULTS_SKIPPED: Self = Self(1 << 4);
     /// The camera delivered no whole pair for this frame.
     pub const PAIR_MISSING: Self = Self(1 << 5);
+    /// The cameras are not triggered together: how far apart a pair's images are is chance, and differs from pair to pair.
+    pub const FREE_RUNNING: Self = Self(1 << 6);
 
     /// Every flag with its name: the board's, then the core's.
     pub const NAMES: [(Self, &'static str); BOARD.len() + HealthFlags::NAMES.len()] = {

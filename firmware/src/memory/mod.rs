@@ -63,6 +63,9 @@ pub trait Memory {
     /// The next raw rows are the first ones of a pair.
     fn restart(&mut self);
 
+    /// The next raw row of this camera is the first one of a frame; the other camera goes on.
+    fn restart_camera(&mut self, eye: Eye);
+
     /// Where the next raw row has to be put; empty without a rig.
     fn raw_row(&mut self) -> &mut [u8];
 
@@ -178,6 +181,15 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
     fn restart(&mut self) {
         self.is_raw = true;
         self.rectifiers.iter_mut().for_each(R::restart);
+    }
+
+    fn restart_camera(&mut self, eye: Eye) {
+        self.is_raw = true;
+        let [left, right] = &mut self.rectifiers;
+        match eye {
+            Eye::Left => left.restart(),
+            Eye::Right => right.restart(),
+        }
     }
 
     fn raw_row(&mut self) -> &mut [u8] {

@@ -1,6 +1,7 @@
 //! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
+use crate::camera::FrameStart;
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
 use crate::session::{Reply, Session, failed_frame};
@@ -109,7 +110,9 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is told of as well
         }
         let dims = captured.map_or(Dims { width: 0, height: 0 }, |pair| pair.dims);
-        let failed = |health| failed_frame(0, time_us, dims, health);
+        let is_free = captured.and_then(|pair| pair.frame_start) == Some(FrameStart::Free);
+        let good = if is_free { Health::FREE_RUNNING } else { Health::GOOD };
+        let failed = |health| failed_frame(0, time_us, dims, good | health);
         let Some(pair) = captured else { return self.write_frame(failed(Health::PAIR_MISSING), None) };
         let Ok(plan) = self.session.plan(dims) else { return self.write_frame(failed(Health::SIZE_MISMATCH), None) };
         let areas = self.session.areas();
@@ -117,13 +120,13 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             return self.write_frame(failed(Health::SIZE_MISMATCH), None);
         };
         if health.is_refused() {
-            return self.write_frame(failed(Health::GOOD).with_pair(&health), None);
+            return self.write_frame(failed(good).with_pair(&health), None);
         }
         let objects = self.session.objects(memory, &plan, &health);
         let results = memory.results();
         self.autopilot.set_view(self.session.directions(dims));
         self.autopilot.see(results.matches, health.flags, now_us); // of the clock of its turns
-        let head = FrameHead::new(0, time_us, dims, Health::GOOD, results.counts).with_pair(&health);
+        let head = FrameHead::new(0, time_us, dims, good, results.counts).with_pair(&health);
         self.write_frame(head, Some((results.matches, &objects)));
     }
 

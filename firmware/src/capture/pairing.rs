@@ -1,0 +1,230 @@
+//! Frames of two cameras that belong together, fetched row by row.
+//!
+//! ```text
+//! turn: of both cameras' signals, always the older one
+//!     started   the other one's frame is of another time: it is left, unpaired
+//!               its first rows are overwritten already: skipped; else it is in hand from now on
+//!     rows      each: copied, then checked that it was not overwritten meanwhile, then given to the sink
+//!     fault     the frame in hand is dropped
+//!     both whole: the pair
+//! ```
+//! A row is safe while fewer rows than the ring holds were written since: `written - row < rows`. It is looked at after the copy, so a
+//! row that was overwritten during the copy is never used.
+
+use super::tracker::{Progress, Tracker};
+use super::{Fault, Limits, Losses, RowRing, RowSink, Signal};
+use crate::camera::FrameStart;
+use crate::ports::CapturedPair;
+use linestereo::{Eye, RowError};
+
+/// The state of both cameras' streams.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    limits: Limits,
+    start: FrameStart,
+    middle_us: [i32; 2],
+    left: Camera,
+    right: Camera,
+    losses: Losses,
+}
+
+/// What a turn led to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Report {
+    /// Both frames lie in the sink, whole and of one time.
+    Pair(CapturedPair),
+    /// A frame is lost; counted already.
+    Fault(Eye, Fault),
+    /// The sink does not take such rows: rig and cameras do not fit. The frame is lost.
+    Refused(Eye, RowError),
+    /// Both frames are whole and the sink's are not: rig and cameras do not fit.
+    Incomplete,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Camera {
+    tracker: Tracker,
+    /// Fetched and not looked at yet.
+    signal: Option<Signal>,
+    hand: Option<Hand>,
+}
+
+/// A frame that is fetched.
+#[derive(Clone, Copy, Debug)]
+struct Hand {
+    time_us: u64,
+    /// Number of the next row.
+    next: u32,
+    is_whole: bool,
+}
+
+impl Capture {
+    /// Nothing seen yet. `start` is what the cameras were started with: a pair of free-running ones says that it is one.
+    #[must_use]
+    pub fn new(limits: Limits, start: FrameStart) -> Self {
+        let [left, right] = [Camera::default(), Camera::default()];
+        Self { limits, start, middle_us: [0; 2], left, right, losses: Losses::default() }
+    }
+
+    /// From the start of a frame to the middle of its exposure, of the left and the right camera, microseconds
+    /// ([`Shutter::middle_us`](crate::camera::Shutter::middle_us)): what is called the time of an image from now on.
+    pub fn set_middle_us(&mut self, middle_us: [i32; 2]) {
+        self.middle_us = middle_us;
+    }
+
+    /// Faults and losses so far.
+    #[must_use]
+    pub const fn losses(&self) -> &Losses {
+        &self.losses
+    }
+
+    /// Works through what has happened until there is something to report; `None` when there is no more. After a pair the sink is left
+    /// alone until the next call.
+    pub fn turn<R: RowRing>(&mut self, rings: &mut [R; 2], sink: &mut impl RowSink) -> Option<Report> {
+        let [left, right] = rings;
+        loop {
+            // Before the signals are fetched: what comes later is no silence.
+            let now_us = left.now_us();
+            self.left.signal = self.left.signal.or_else(|| left.next_signal());
+            self.right.signal = self.right.signal.or_else(|| right.next_signal());
+            let report = match (self.left.signal, self.right.signal) {
+                (None, None) => return self.silence(now_us),
+                (Some(signal), other) if other.is_none_or(|other| signal.time_us() <= other.time_us()) => {
+                    self.left.signal = None;
+                    self.take(Eye::Left, signal, left, sink)
+                }
+                (_, Some(signal)) => {
+                    self.right.signal = None;
+                    self.take(Eye::Right, signal, right, sink)
+                }
+                (Some(_), None) => None, // taken by the second arm
+            };
+            if report.is_some() {
+                return report;
+            }
+        }
+    }
+
+    fn silence(&mut self, now_us: u64) -> Option<Report> {
+        for eye in Eye::BOTH {
+            let limits = self.limits;
+            if let Some(fault) = self.camera(eye).tracker.silence(&limits, now_us) {
+                return self.fault(eye, fault);
+            }
+        }
+        None
+    }
+
+    fn take(&mut self, eye: Eye, signal: Signal, ring: &impl RowRing, sink: &mut impl RowSink) -> Option<Report> {
+        let limits = self.limits;
+        let (fault, progress) = self.camera(eye).tracker.take(&limits, signal);
+        let report = fault.and_then(|fault| self.fault(eye, fault));
+        match progress {
+            Progress::None => report,
+            Progress::Started { row, time_us } => {
+                self.begin(eye, Hand { time_us, next: row, is_whole: false }, ring, sink);
+                report
+            }
+            Progress::Rows { end, is_whole } => match self.fetch(eye, end, ring, sink) {
+                Err(report) => report,
+                Ok(()) if is_whole => self.end(eye, sink),
+                Ok(()) => None,
+            },
+        }
+    }
+
+    /// Takes a frame in hand that has started.
+    fn begin(&mut self, eye: Eye, hand: Hand, ring: &impl RowRing, sink: &mut impl RowSink) {
+        let is_partner = |other: &Hand| other.time_us.abs_diff(hand.time_us) <= u64::from(self.limits.pair_us);
+        let other = self.other(eye).hand;
+        let is_other_left = other.is_some_and(|other| !is_partner(&other));
+        if is_other_left {
+            self.other_mut(eye).hand = None;
+            self.losses.unpaired = self.losses.unpaired.saturating_add(1);
+        }
+        if self.camera(eye).hand.take().is_some() {
+            self.losses.unpaired = self.losses.unpaired.saturating_add(1);
+        }
+        if is_safe(hand.next, ring) {
+            self.camera(eye).hand = Some(hand);
+            sink.restart(eye);
+        } else {
+            self.losses.skipped = self.losses.skipped.saturating_add(1);
+        }
+    }
+
+    /// Fetches the rows before `end` of the frame in hand, if there is one.
+    fn fetch(
+        &mut self,
+        eye: Eye,
+        end: u32,
+        ring: &impl RowRing,
+        sink: &mut impl RowSink,
+    ) -> Result<(), Option<Report>> {
+        let Some(Hand { mut next, .. }) = self.camera(eye).hand else { return Err(None) };
+        while next != end {
+            ring.copy(next, sink.row(eye));
+            if !is_safe(next, ring) {
+                return Err(self.fault(eye, Fault::TooSlow));
+            }
+            if let Err(error) = sink.push(eye) {
+                self.camera(eye).hand = None;
+                return Err(Some(Report::Refused(eye, error)));
+            }
+            next = next.wrapping_add(1);
+        }
+        if let Some(hand) = &mut self.camera(eye).hand {
+            hand.next = next;
+        }
+        Ok(())
+    }
+
+    /// The frame in hand is whole; is the other one as well?
+    fn end(&mut self, eye: Eye, sink: &impl RowSink) -> Option<Report> {
+        if let Some(hand) = &mut self.camera(eye).hand {
+            hand.is_whole = true;
+        }
+        let (Some(left), Some(right)) = (self.left.hand, self.right.hand) else { return None };
+        if !left.is_whole || !right.is_whole {
+            return None;
+        }
+        (self.left.hand, self.right.hand) = (None, None);
+        let [left_us, right_us] = self.middle_us;
+        let times_us =
+            [left.time_us.saturating_add_signed(left_us.into()), right.time_us.saturating_add_signed(right_us.into())];
+        let pair = |dims| CapturedPair { dims, times_us: Some(times_us), frame_start: Some(self.start) };
+        Some(sink.complete().map_or(Report::Incomplete, |dims| Report::Pair(pair(dims))))
+    }
+
+    fn fault(&mut self, eye: Eye, fault: Fault) -> Option<Report> {
+        self.camera(eye).hand = None;
+        self.losses.count(eye, fault);
+        Some(Report::Fault(eye, fault))
+    }
+
+    fn camera(&mut self, eye: Eye) -> &mut Camera {
+        match eye {
+            Eye::Left => &mut self.left,
+            Eye::Right => &mut self.right,
+        }
+    }
+
+    fn other(&self, eye: Eye) -> &Camera {
+        match eye {
+            Eye::Left => &self.right,
+            Eye::Right => &self.left,
+        }
+    }
+
+    fn other_mut(&mut self, eye: Eye) -> &mut Camera {
+        match eye {
+            Eye::Left => &mut self.right,
+            Eye::Right => &mut self.left,
+        }
+    }
+}
+
+/// Has nothing been written over this row yet, and is nothing being?
+fn is_safe(row: u32, ring: &impl RowRing) -> bool {
+    ring.written().wrapping_sub(row) < ring.rows()
+}

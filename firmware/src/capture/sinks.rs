@@ -1,0 +1,100 @@
+//! Where captured rows go: into frames as they are, or through the rectifiers of a board's memory.
+
+use super::RowSink;
+use crate::memory::Memory;
+use linestereo::{Dims, Eye, RowError};
+
+/// Two frames of raw rows, without padding.
+#[derive(Debug)]
+pub struct FrameRows<'a> {
+    frames: [&'a mut [u8]; 2],
+    dims: Dims,
+    /// Rows that each has.
+    rows: [u16; 2],
+}
+
+impl<'a> FrameRows<'a> {
+    /// Empty frames of this size.
+    pub const fn new(frames: [&'a mut [u8]; 2], dims: Dims) -> Self {
+        Self { frames, dims, rows: [0; 2] }
+    }
+
+    fn of(&mut self, eye: Eye) -> (&mut [u8], &mut u16) {
+        let ([left, right], [left_rows, right_rows]) = (&mut self.frames, &mut self.rows);
+        match eye {
+            Eye::Left => (left, left_rows),
+            Eye::Right => (right, right_rows),
+        }
+    }
+}
+
+impl RowSink for FrameRows<'_> {
+    fn restart(&mut self, eye: Eye) {
+        *self.of(eye).1 = 0;
+    }
+
+    fn row(&mut self, eye: Eye) -> &mut [u8] {
+        let Dims { width, height } = self.dims;
+        let (frame, rows) = self.of(eye);
+        let frame = if *rows < height { frame } else { &mut [] };
+        frame.chunks_exact_mut(usize::from(width).max(1)).nth((*rows).into()).unwrap_or_default()
+    }
+
+    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+        let Dims { width, height } = self.dims;
+        let (frame, rows) = self.of(eye);
+        let (needed, given) = (usize::from(width) * usize::from(height), frame.len());
+        if given < needed {
+            return Err(RowError::Frame { needed, given });
+        }
+        if *rows >= height {
+            return Err(RowError::TooMany);
+        }
+        *rows += 1;
+        Ok(())
+    }
+
+    fn complete(&self) -> Option<Dims> {
+        (self.rows == [self.dims.height; 2]).then_some(self.dims)
+    }
+}
+
+/// A board's memory that has a rig: rows are rectified as they come.
+#[derive(Debug)]
+pub struct MemoryRows<'a, M> {
+    memory: &'a mut M,
+    dims: Dims,
+}
+
+impl<'a, M: Memory> MemoryRows<'a, M> {
+    /// With the size of the rectified images of the memory's rig.
+    pub const fn new(memory: &'a mut M, dims: Dims) -> Self {
+        Self { memory, dims }
+    }
+}
+
+impl<M: Memory> RowSink for MemoryRows<'_, M> {
+    fn restart(&mut self, eye: Eye) {
+        self.memory.restart_camera(eye);
+    }
+
+    fn row(&mut self, _: Eye) -> &mut [u8] {
+        self.memory.raw_row()
+    }
+
+    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+        self.memory.push_row(eye)
+    }
+
+    fn complete(&self) -> Option<Dims> {
+        self.memory.is_rectified().then_some(self.dims)
+    }
+}
+
+/// The grey levels of a row of a sensor that sends several bytes a pixel, of which the first is the grey level
+/// ([`Model::PIXEL_BYTES`](crate::camera::Model::PIXEL_BYTES)).
+pub fn luma(bytes: &[u8], pixel_bytes: u16, grey: &mut [u8]) {
+    for (grey, &byte) in grey.iter_mut().zip(bytes.iter().step_by(usize::from(pixel_bytes).max(1))) {
+        *grey = byte;
+    }
+}

@@ -1,0 +1,720 @@
+//! The capture path on fake hardware with faults.
+//!
+//! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte of a row says from which camera, frame
+//! and row it is, so that a row of another frame cannot go unnoticed. What is injected is counted where it is injected.
+
+use core::cell::RefCell;
+use linestereo::{Dims, Eye, HealthFlags, RowError};
+use linestereo_firmware::boards::mps2_an386::Workspace;
+use linestereo_firmware::camera::FrameStart;
+use linestereo_firmware::capture::*;
+use linestereo_firmware::memory::Memory;
+use linestereo_firmware::ports::{CapturedPair, PairSource};
+use linestereo_firmware::watch::Watch;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::rc::Rc;
+
+const ROWS: u32 = 12;
+const WIDTH: u16 = 16;
+const RING: u32 = 4;
+/// Microseconds of a row, and of the pause between two frames.
+const ROW_US: u64 = 10;
+const PAUSE_US: u64 = 80;
+const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
+/// Signals that are kept for somebody who does not look.
+const QUEUE: usize = 1 << 12;
+
+const LIMITS: Limits = Limits {
+    rows: ROWS as u16,
+    row_bytes: WIDTH,
+    row_gap_us: 3 * ROW_US as u32,
+    silence_us: 2 * PERIOD_US as u32,
+    pair_us: PERIOD_US as u32 / 4,
+};
+
+/// What happens to a frame of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Injected {
+    Nothing,
+    /// After this row.
+    Overrun(u32),
+    MissingVsync,
+    /// Ends after this many rows; the next frame follows with its VSYNC.
+    Early(u32),
+    /// This row is short.
+    Short(u32),
+    /// Pauses after this many rows; the rest of the rows is the next frame's, whose VSYNC is lost.
+    Torn(u32),
+    /// Nothing comes, from this row on, for this frame and a few after it.
+    Stops(u32),
+    /// Still stopped.
+    Silent,
+}
+
+/// What the hardware of a camera does, in order.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Vsync,
+    /// Row of a frame, with so many bytes.
+    Row {
+        frame: u32,
+        row: u32,
+        bytes: u32,
+    },
+    Overrun,
+}
+
+/// The steps of a frame, from the time at which it starts.
+fn script(eye: Eye, frame: u32, what: Injected, after_torn: Option<u32>) -> Vec<(u64, Step)> {
+    let skew_us = if eye == Eye::Left { 0 } else { 3 };
+    let start = u64::from(frame) * PERIOD_US + skew_us;
+    let mut steps = Vec::new();
+    let first = after_torn.unwrap_or(0);
+    if what == Injected::Silent {
+        return steps;
+    }
+    if what != Injected::MissingVsync && after_torn.is_none() {
+        steps.push((start, Step::Vsync));
+    }
+    for row in first..ROWS {
+        let time = start + u64::from(row + 1) * ROW_US;
+        match what {
+            Injected::Early(rows) | Injected::Torn(rows) | Injected::Stops(rows) if row >= rows => break,
+            _ => {}
+        }
+        let bytes = if what == Injected::Short(row) { u32::from(WIDTH) - 1 } else { WIDTH.into() };
+        steps.push((time, Step::Row { frame, row, bytes }));
+        if what == Injected::Overrun(row) {
+            steps.push((time + 1, Step::Overrun));
+        }
+    }
+    steps
+}
+
+/// What every byte of a row is made of.
+fn paint(eye: Eye, frame: u32, row: u32) -> [u8; WIDTH as usize] {
+    let mut bytes = [0; WIDTH as usize];
+    let [a, b, c, d] = frame.to_le_bytes();
+    for (place, byte) in bytes.iter_mut().enumerate() {
+        *byte = [eye as u8, a, b, c, d, row as u8, !a, !b][place % 8] ^ (place as u8 & 8);
+    }
+    bytes
+}
+
+/// Camera, frame and row of a row; `None` when its bytes do not belong together.
+fn read(bytes: &[u8]) -> Option<(u8, u32, u8)> {
+    let [eye, a, b, c, d, row, ..] = *bytes else { return None };
+    let frame = u32::from_le_bytes([a, b, c, d]);
+    let eyes = [Eye::Left, Eye::Right];
+    let is_whole = eyes.into_iter().any(|of| of as u8 == eye && paint(of, frame, row.into()) == *bytes);
+    is_whole.then_some((eye, frame, row))
+}
+
+/// Both cameras and their clock.
+struct Hardware {
+    now_us: u64,
+    cameras: [FakeCamera; 2],
+}
+
+struct FakeCamera {
+    eye: Eye,
+    steps: VecDeque<(u64, Step)>,
+    ring: Vec<[u8; WIDTH as usize]>,
+    written: u32,
+    queue: VecDeque<Signal>,
+    is_lost: bool,
+}
+
+impl FakeCamera {
+    fn new(eye: Eye, first_row: u32) -> Self {
+        let ring = vec![[0xee; WIDTH as usize]; RING as usize];
+        Self { eye, steps: VecDeque::new(), ring, written: first_row, queue: VecDeque::new(), is_lost: false }
+    }
+
+    fn say(&mut self, signal: Signal) {
+        if self.is_lost || self.queue.len() >= QUEUE {
+            self.is_lost = true;
+        } else {
+            self.queue.push_back(signal);
+        }
+    }
+
+    /// Does what was to be done until now. The row that is being written is half new and half old.
+    fn advance(&mut self, now_us: u64) {
+        while let Some(&(time_us, step)) = self.steps.front()
+            && time_us <= now_us
+        {
+            self.steps.pop_front();
+            match step {
+                Step::Vsync => self.say(Signal::FrameStart { time_us, row: self.written }),
+                Step::Row { frame, row, bytes } => {
+                    self.ring[(self.written % RING) as usize] = paint(self.eye, frame, row);
+                    self.written = self.written.wrapping_add(1);
+                    self.say(Signal::Rows { end: self.written, bytes, time_us });
+                }
+                Step::Overrun => self.say(Signal::Overrun { time_us }),
+            }
+        }
+        if let Some(&(time_us, Step::Row { frame, row, .. })) = self.steps.front()
+            && time_us.saturating_sub(now_us) < ROW_US
+        {
+            let half = usize::from(WIDTH / 2);
+            let next = paint(self.eye, frame, row);
+            self.ring[(self.written % RING) as usize][..half].copy_from_slice(&next[..half]);
+        }
+    }
+}
+
+/// One camera's ring, of the hardware that both share.
+struct FakeRing {
+    hardware: Rc<RefCell<Hardware>>,
+    eye: Eye,
+    /// Time passes with every row that is copied.
+    copy_us: u64,
+    /// Time passes with every look at the clock.
+    look_us: u64,
+}
+
+impl FakeRing {
+    fn camera<T>(&self, with: impl FnOnce(&mut FakeCamera) -> T) -> T {
+        with(&mut self.hardware.borrow_mut().cameras[usize::from(self.eye == Eye::Right)])
+    }
+}
+
+fn pass(hardware: &RefCell<Hardware>, us: u64) {
+    let mut hardware = hardware.borrow_mut();
+    hardware.now_us += us;
+    let now_us = hardware.now_us;
+    hardware.cameras.iter_mut().for_each(|camera| camera.advance(now_us));
+}
+
+impl RowRing for FakeRing {
+    fn rows(&self) -> u32 {
+        RING
+    }
+
+    fn next_signal(&mut self) -> Option<Signal> {
+        self.camera(|camera| {
+            let lost = (camera.queue.is_empty() && camera.is_lost).then_some(Signal::Lost);
+            camera.is_lost &= lost.is_none();
+            camera.queue.pop_front().or(lost)
+        })
+    }
+
+    fn written(&self) -> u32 {
+        self.camera(|camera| camera.written)
+    }
+
+    fn copy(&self, row: u32, into: &mut [u8]) {
+        assert_eq!(into.len(), usize::from(WIDTH), "a row has another length");
+        let half = into.len() / 2;
+        self.camera(|camera| {
+            assert!(camera.written.wrapping_sub(row) < 1 << 31 && camera.written != row, "row {row} is not complete");
+            into[..half].copy_from_slice(&camera.ring[(row % RING) as usize][..half]);
+        });
+        // The hardware does not wait for a copy.
+        pass(&self.hardware, self.copy_us);
+        self.camera(|camera| into[half..].copy_from_slice(&camera.ring[(row % RING) as usize][half..]));
+    }
+
+    fn now_us(&self) -> u64 {
+        pass(&self.hardware, self.look_us);
+        self.hardware.borrow().now_us
+    }
+}
+
+fn hardware(first_row: u32) -> Rc<RefCell<Hardware>> {
+    let cameras = Eye::BOTH.map(|eye| FakeCamera::new(eye, first_row));
+    Rc::new(RefCell::new(Hardware { now_us: 0, cameras }))
+}
+
+fn rings(hardware: &Rc<RefCell<Hardware>>) -> [FakeRing; 2] {
+    Eye::BOTH.map(|eye| FakeRing { hardware: hardware.clone(), eye, copy_us: 0, look_us: 0 })
+}
+
+const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
+type Frames = [[u8; WIDTH as usize * ROWS as usize]; 2];
+
+/// The frame that lies there whole, of both cameras. Anything else is the failure that must not be.
+fn frame_of(frames: &Frames) -> Result<u32, String> {
+    let mut found = None;
+    for (eye, frame) in Eye::BOTH.into_iter().zip(frames) {
+        for (y, row) in (0..).zip(frame.chunks(WIDTH.into())) {
+            let (of, number, row) = read(row).ok_or(format!("{eye:?} row {y} is torn"))?;
+            if (of, row) != (eye as u8, y) || *found.get_or_insert(number) != number {
+                return Err(format!("{eye:?} row {y} is row {row} of frame {number}, camera {of}, not of {found:?}"));
+            }
+        }
+    }
+    found.ok_or("no rows".into())
+}
+
+struct Random(u64);
+
+impl Random {
+    /// Below a number (Steele, Lea and Flood's splitmix, 2014).
+    fn below(&mut self, end: u32) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) % u64::from(end)) as u32
+    }
+}
+
+/// What is to happen, and what has to come of it.
+struct Plan {
+    injected: [Vec<Injected>; 2],
+    /// Before this frame's row 3 has come nothing is worked on, until its row 9.
+    stalls: BTreeSet<u32>,
+    faults: BTreeMap<(u8, usize), u32>,
+    /// Frames that nothing has happened to, in either camera.
+    good: Vec<u32>,
+}
+
+impl Plan {
+    /// Faults in a part of the frames; a fault changes nothing but its own camera's frames.
+    fn random(frames: u32, percent: u32, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let mut plan = Self {
+            injected: [const { Vec::new() }; 2],
+            stalls: BTreeSet::new(),
+            faults: BTreeMap::new(),
+            good: Vec::new(),
+        };
+        // What each camera's frame is not good for, for the reasons before it.
+        let mut carried = [0_u32; 2];
+        for frame in 0..frames {
+            let mut is_good = true;
+            for (eye, (list, carried)) in plan.injected.iter_mut().zip(&mut carried).enumerate() {
+                let is_last = frame + 8 > frames;
+                if *carried > 0 {
+                    // Silent, or the second half of what was torn.
+                    let before = list[frame as usize - 1];
+                    let torn = matches!(before, Injected::Torn(_));
+                    list.push(if torn { Injected::Nothing } else { Injected::Silent });
+                    *carried -= 1;
+                    is_good = false;
+                    continue;
+                }
+                let row = 2 + random.below(ROWS - 4);
+                let (what, fault) = match random.below(100 * 6 / percent.max(1)) {
+                    _ if is_last => (Injected::Nothing, None),
+                    0 => (Injected::Overrun(row), Some(Fault::Overrun)),
+                    // The first frame is not known to be missing, and what ends early ends with a VSYNC: else it is torn.
+                    1 if frame > 0 && !matches!(list[frame as usize - 1], Injected::Early(_)) => {
+                        (Injected::MissingVsync, Some(Fault::MissingVsync))
+                    }
+                    2 => (Injected::Early(row), Some(Fault::EarlyVsync)),
+                    3 => (Injected::Short(row), Some(Fault::ShortLine)),
+                    4 => {
+                        *carried = 1;
+                        (Injected::Torn(row), Some(Fault::TornFrame))
+                    }
+                    5 => {
+                        *carried = 3 + random.below(3);
+                        (Injected::Stops(row), Some(Fault::Stopped))
+                    }
+                    _ => (Injected::Nothing, None),
+                };
+                list.push(what);
+                is_good &= fault.is_none();
+                if let Some(fault) = fault {
+                    *plan.faults.entry((eye as u8, fault as usize)).or_default() += 1;
+                }
+            }
+            // A pair that all is well with is worked on too slowly.
+            if is_good && frame > 0 && frame + 8 < frames && random.below(100) < percent / 2 {
+                plan.stalls.insert(frame);
+                // More rows than the ring holds come of both meanwhile.
+                for eye in Eye::BOTH {
+                    *plan.faults.entry((eye as u8, Fault::TooSlow as usize)).or_default() += 1;
+                }
+                is_good = false;
+            }
+            if is_good {
+                plan.good.push(frame);
+            }
+        }
+        plan
+    }
+}
+
+/// Feeds the cameras frame by frame, and collects what is reported.
+struct Run {
+    pairs: Vec<(u32, CapturedPair)>,
+    reported: BTreeMap<(u8, usize), u32>,
+    losses: Losses,
+}
+
+fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
+    let hardware = hardware(first_row);
+    let mut rings = rings(&hardware);
+    let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
+    let mut frames: Frames = [[0; _]; 2];
+    let (mut pairs, mut reported) = (Vec::new(), BTreeMap::new());
+    let mut rows_of = [0_u16; 2];
+    let count = plan.injected[0].len() as u32;
+    for frame in 0..count {
+        for (camera, list) in hardware.borrow_mut().cameras.iter_mut().zip(&plan.injected) {
+            let before = frame.checked_sub(1).and_then(|before| list.get(before as usize));
+            let after_torn = if let Some(Injected::Torn(rows)) = before { Some(*rows) } else { None };
+            let what = list.get(frame as usize).copied().unwrap_or(Injected::Silent);
+            camera.steps.extend(script(camera.eye, frame, what, after_torn));
+        }
+        let start = u64::from(frame) * PERIOD_US;
+        let end = start + PERIOD_US;
+        loop {
+            // From one thing that happens to the next; a stall goes to row 9 at once.
+            let (now, next) = {
+                let hardware = hardware.borrow();
+                let next = hardware.cameras.iter().filter_map(|camera| camera.steps.front()).map(|step| step.0).min();
+                (hardware.now_us, next.unwrap_or(end).min(end))
+            };
+            let is_stalled = plan.stalls.contains(&frame) && (start + 3 * ROW_US..start + 9 * ROW_US).contains(&next);
+            pass(&hardware, next - now);
+            if !is_stalled {
+                let mut sink = Resumed { rows: rows_of, frames: &mut frames };
+                while let Some(report) = capture.turn(&mut rings, &mut sink) {
+                    match report {
+                        Report::Pair(pair) => pairs.push((frame_of(sink.frames)?, pair)),
+                        Report::Fault(eye, fault) => *reported.entry((eye as u8, fault as usize)).or_default() += 1,
+                        other => return Err(format!("{other:?}")),
+                    }
+                }
+                rows_of = sink.rows;
+            }
+            if next == end {
+                break;
+            }
+        }
+    }
+    Ok(Run { pairs, reported, losses: *capture.losses() })
+}
+
+/// Frames that stay while the hardware's time passes; refuses what a rectifier would.
+struct Resumed<'a> {
+    rows: [u16; 2],
+    frames: &'a mut Frames,
+}
+
+impl RowSink for Resumed<'_> {
+    fn restart(&mut self, eye: Eye) {
+        self.rows[usize::from(eye == Eye::Right)] = 0;
+    }
+
+    fn row(&mut self, eye: Eye) -> &mut [u8] {
+        let eye = usize::from(eye == Eye::Right);
+        let row = usize::from(self.rows[eye]);
+        self.frames[eye].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
+    }
+
+    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+        let rows = &mut self.rows[usize::from(eye == Eye::Right)];
+        assert!(u32::from(*rows) < ROWS, "a row too many");
+        *rows += 1;
+        Ok(())
+    }
+
+    fn complete(&self) -> Option<Dims> {
+        (self.rows == [ROWS as u16; 2]).then_some(DIMS)
+    }
+}
+
+#[test]
+fn a_hundred_thousand_frames_with_faults() {
+    let seed = 7;
+    for (frames, percent, first_row) in [(100_000, 12, 0), (10_000, 60, u32::MAX - 50_000)] {
+        let plan = Plan::random(frames, percent, seed);
+        let run = run(&plan, first_row).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let injected: u32 = plan.faults.values().sum();
+        println!("{frames} frames, {injected} faults: {} good pairs, {} delivered", plan.good.len(), run.pairs.len());
+        for (kind, fault) in Fault::ALL.into_iter().enumerate() {
+            let of =
+                |counts: &BTreeMap<(u8, usize), u32>| [0, 1].map(|eye| counts.get(&(eye, kind)).copied().unwrap_or(0));
+            let (injected, reported) = (of(&plan.faults), of(&run.reported));
+            println!("  {fault:?}: injected {injected:?}, reported {reported:?}");
+            assert_eq!(reported, injected, "seed {seed}: {fault:?}");
+            assert_eq!(Eye::BOTH.map(|eye| run.losses.of(eye, fault)), injected, "seed {seed}: {fault:?}");
+            assert!(injected[0] > 0, "{fault:?} was never injected");
+        }
+        // Every pair that nothing happened to is delivered, in order, and no other.
+        let delivered = run.pairs.iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
+        assert!(delivered.windows(2).all(|two| two[0] < two[1]), "a frame came twice, or late");
+        assert!(delivered.iter().eq(&plan.good), "seed {seed}");
+        // How long it takes from the last frame that something happened to.
+        let is_good = |frame: u32| plan.good.binary_search(&frame).is_ok();
+        let recovery = delivered.iter().map(|&frame| (0..frame).rev().take_while(|&before| !is_good(before)).count());
+        let behind = recovery.filter(|&bad| bad > 0).count();
+        println!("  {behind} pairs came right behind a frame that was lost");
+        assert!(behind as u32 > frames / 100);
+        for (frame, pair) in &run.pairs {
+            let start = u64::from(*frame) * PERIOD_US;
+            assert_eq!((pair.dims, pair.times_us), (DIMS, Some([start, start + 3])));
+            assert_eq!(pair.frame_start, Some(FrameStart::Triggered));
+        }
+        assert_eq!(run.losses.skipped, 0);
+    }
+}
+
+/// Plays frames of both cameras from a list, with a consumer that works on every pair for a while.
+fn play(frames: u32, work_us: u64, what: impl Fn(Eye, u32) -> Injected, copy_us: u64) -> (Vec<u32>, Losses) {
+    let hardware = hardware(0);
+    // The cameras go on while the last pair is worked on.
+    for frame in 0..frames + (work_us / PERIOD_US) as u32 + 4 {
+        for camera in &mut hardware.borrow_mut().cameras {
+            let eye = camera.eye;
+            camera.steps.extend(script(eye, frame, what(eye, frame), None));
+        }
+    }
+    let mut rings = rings(&hardware).map(|ring| FakeRing { copy_us, ..ring });
+    let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
+    let mut frames_memory: Frames = [[0; _]; 2];
+    let mut sink = Resumed { rows: [0; 2], frames: &mut frames_memory };
+    let mut delivered = Vec::new();
+    while hardware.borrow().now_us < u64::from(frames) * PERIOD_US {
+        pass(&hardware, 1);
+        while let Some(report) = capture.turn(&mut rings, &mut sink) {
+            if let Report::Pair(_) = report {
+                delivered.push(frame_of(sink.frames).unwrap());
+                let before = *sink.frames;
+                pass(&hardware, work_us);
+                assert_eq!(*sink.frames, before, "a pair changes while it is worked on");
+            }
+        }
+    }
+    (delivered, *capture.losses())
+}
+
+#[test]
+fn work_that_takes_longer_than_a_frame_skips_frames() {
+    let nothing = |_, _| Injected::Nothing;
+    for work_us in [0, PAUSE_US / 2, PERIOD_US, PERIOD_US * 3 / 2, PERIOD_US * 5, PERIOD_US * 400] {
+        let (delivered, losses) = play(2000, work_us, nothing, 0);
+        assert!(delivered.windows(2).all(|two| two[0] < two[1]), "{work_us}: a frame came twice, or late");
+        assert!(
+            delivered.len() as u64 >= 2000 * PERIOD_US / (work_us + 3 * PERIOD_US),
+            "{work_us}: {}",
+            delivered.len()
+        );
+        let is_lost = work_us > QUEUE as u64 / u64::from(ROWS + 1) * PERIOD_US;
+        let is_skipped = work_us > PAUSE_US;
+        assert_eq!(losses.skipped > 0, is_skipped, "{work_us}: {losses:?}");
+        // Signals that nobody fetched are lost, and that is said, of each camera.
+        let slow = Eye::BOTH.map(|eye| losses.of(eye, Fault::TooSlow) > 0);
+        assert_eq!(slow, [is_lost; 2], "{work_us}: {losses:?}");
+        let others = losses.faults.iter().flatten().sum::<u32>()
+            - Eye::BOTH.map(|eye| losses.of(eye, Fault::TooSlow)).iter().sum::<u32>();
+        assert_eq!(others, 0, "{work_us}: {losses:?}");
+        if !is_skipped {
+            assert_eq!(delivered, (0..2000).collect::<Vec<_>>());
+        }
+    }
+}
+
+#[test]
+fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
+    for copy_us in [2, 6, 11, 25, 39] {
+        let (delivered, losses) = play(500, 0, |_, _| Injected::Nothing, copy_us);
+        let slow: u32 = Eye::BOTH.iter().map(|&eye| losses.of(eye, Fault::TooSlow)).sum();
+        // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold what is behind, in less than 4 rows.
+        let is_late = u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
+        assert_eq!((slow > 0, delivered.len() == 500), (is_late, !is_late), "{copy_us}: {losses:?}");
+    }
+}
+
+#[test]
+fn both_cameras_stop_and_come_back() {
+    let what = |_, frame| match frame {
+        5 => Injected::Stops(4),
+        6..10 => Injected::Silent,
+        _ => Injected::Nothing,
+    };
+    let (delivered, losses) = play(20, 0, what, 0);
+    assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
+    assert_eq!(Eye::BOTH.map(|eye| losses.of(eye, Fault::Stopped)), [1, 1]);
+    assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
+}
+
+#[test]
+fn a_frame_without_a_partner_is_counted() {
+    // The right camera starts three frames late; the left one's are whole and of no use.
+    let what = |eye, frame| if eye == Eye::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
+    let (delivered, losses) = play(10, 0, what, 0);
+    assert_eq!(delivered, (3..10).collect::<Vec<_>>());
+    assert_eq!((losses.unpaired, losses.of(Eye::Right, Fault::Stopped)), (3, 1));
+}
+
+/// Cameras that run by themselves, each at its own pace; the right one starts so much later.
+fn running(frames: u32, later_us: u64, longer_us: u64) -> Rc<RefCell<Hardware>> {
+    let hardware = hardware(0);
+    for frame in 0..frames {
+        let [left, right] = &mut hardware.borrow_mut().cameras;
+        left.steps.extend(script(Eye::Left, frame, Injected::Nothing, None));
+        let late_us = later_us + u64::from(frame) * longer_us;
+        let steps = script(Eye::Right, frame, Injected::Nothing, None);
+        right.steps.extend(steps.into_iter().map(|(time_us, step)| (time_us - 3 + late_us, step)));
+    }
+    hardware
+}
+
+#[test]
+fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
+    let hardware = running(400, 0, 1);
+    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+    let capture = Capture::new(LIMITS, FrameStart::Free);
+    let mut source = CameraSource::new(rings, capture, DIMS, 200 * PERIOD_US as u32);
+    let mut pixels: Frames = [[0; _]; 2];
+    let mut skews = Vec::new();
+    while let Some(pair) = {
+        let [left, right] = &mut pixels;
+        source.next_pair([left, right])
+    } {
+        assert_eq!(pair.frame_start, Some(FrameStart::Free));
+        let [left_us, right_us] = pair.times_us.unwrap();
+        // The times are those of the frames that lie there.
+        let [left, right] = pixels.each_ref().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
+        assert_eq!([left_us, right_us], [left * PERIOD_US, right * (PERIOD_US + 1)]);
+        skews.push(left_us.abs_diff(right_us));
+    }
+    assert!(skews.iter().all(|&skew| skew <= u64::from(LIMITS.pair_us)), "{skews:?}");
+    assert!(skews.contains(&LIMITS.pair_us.into()) && skews.contains(&0), "{skews:?}");
+    assert!(source.capture.losses().unpaired > 100, "{:?}", source.capture.losses());
+}
+
+#[test]
+fn no_pair_for_long_is_a_pair_that_is_missing() {
+    let hardware = hardware(0);
+    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+    let mut source = CameraSource::new(rings, Capture::new(LIMITS, FrameStart::Triggered), DIMS, 5000);
+    assert_eq!(source.next_pair([&mut [0; 192], &mut [0; 192]]), None);
+    assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().of(eye, Fault::Stopped)), [1, 1]);
+    assert!((5000..5010).contains(&hardware.borrow().now_us));
+}
+
+#[test]
+fn the_skew_of_a_pair_reaches_the_health_check() {
+    // Of a size that the core takes; only the times matter.
+    let dims = Dims { width: 128, height: 96 };
+    let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
+    for (later_us, middle_us, is_refused) in [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)] {
+        let hardware = running(3, later_us, 0);
+        let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+        let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
+        capture.set_middle_us(middle_us);
+        let mut source = CameraSource::new(rings, capture, DIMS, 1000);
+        let [mut left, mut right] = [[0; 192]; 2];
+        let pair = source.next_pair([&mut left, &mut right]).unwrap();
+        let mut memory = Box::new(Workspace::new());
+        let health = Watch::new().run(&mut *memory, &plan, None, pair.times_us, &mut ()).unwrap();
+        // Times do not begin before 0.
+        let skew_us = (20 + middle_us[1]).abs_diff(0);
+        assert_eq!(health.skew_us, Some(skew_us), "{middle_us:?}");
+        assert_eq!(health.is_refused(), is_refused);
+        assert_eq!(health.flags.contains(HealthFlags::SKEW), is_refused);
+    }
+}
+
+#[test]
+fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trace() {
+    use linestereo::{Calibration, Camera, Lens, View};
+    let dims = Dims { width: 64, height: 48 };
+    let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
+    let camera = || Camera::new(dims, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();
+    let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0]).unwrap();
+    let rectification = rig.rectify(dims, View::default()).unwrap();
+    let grey = |eye: Eye, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
+    let rectified = |torn_after: usize| {
+        let mut memory = Box::new(Workspace::new());
+        memory.set_rig(&rectification).unwrap();
+        let mut sink = MemoryRows::new(&mut *memory, dims);
+        sink.restart(Eye::Left);
+        for y in 0..torn_after {
+            sink.row(Eye::Left).fill(y as u8);
+            sink.push(Eye::Left).unwrap();
+        }
+        for eye in [Eye::Right, Eye::Left] {
+            sink.restart(eye);
+            for y in 0..48 {
+                assert_eq!(sink.complete(), None);
+                sink.row(eye).iter_mut().enumerate().for_each(|(x, pixel)| *pixel = grey(eye, x, y));
+                sink.push(eye).unwrap();
+            }
+        }
+        assert_eq!(sink.complete(), Some(dims));
+        assert_eq!(sink.push(Eye::Left), Err(RowError::TooMany));
+        let [left, right] = memory.views(dims).unwrap();
+        [left, right].map(|view| (0..48).flat_map(|y| view.row(y).unwrap()).copied().collect::<Vec<_>>())
+    };
+    assert_eq!(rectified(0), rectified(20));
+}
+
+#[test]
+fn frames_refuse_what_does_not_fit() {
+    let (mut left, mut right) = ([0; 6], [0; 5]);
+    let mut rows = FrameRows::new([&mut left, &mut right], Dims { width: 3, height: 2 });
+    for y in 0..2 {
+        rows.row(Eye::Left).fill(y);
+        assert_eq!(rows.push(Eye::Left), Ok(()));
+    }
+    assert_eq!((rows.row(Eye::Left).len(), rows.push(Eye::Left)), (0, Err(RowError::TooMany)));
+    assert_eq!(rows.push(Eye::Right), Err(RowError::Frame { needed: 6, given: 5 }));
+    assert_eq!(rows.complete(), None);
+    rows.restart(Eye::Left);
+    rows.row(Eye::Left).fill(7);
+    assert_eq!(left, [7, 7, 7, 1, 1, 1]);
+}
+
+/// A sink of a rig that does not fit the cameras.
+struct Unfit {
+    row: [u8; WIDTH as usize],
+    is_refused: bool,
+}
+
+impl RowSink for Unfit {
+    fn restart(&mut self, _: Eye) {}
+
+    fn row(&mut self, _: Eye) -> &mut [u8] {
+        &mut self.row
+    }
+
+    fn push(&mut self, _: Eye) -> Result<(), RowError> {
+        if self.is_refused { Err(RowError::NoMesh) } else { Ok(()) }
+    }
+
+    fn complete(&self) -> Option<Dims> {
+        None
+    }
+}
+
+#[test]
+fn a_rig_that_does_not_fit_is_told() {
+    for (is_refused, expected) in [(true, Report::Refused(Eye::Left, RowError::NoMesh)), (false, Report::Incomplete)] {
+        let hardware = running(2, 0, 0);
+        let (mut rings, mut capture) = (rings(&hardware), Capture::new(LIMITS, FrameStart::Triggered));
+        let mut sink = Unfit { row: [0; _], is_refused };
+        let report = loop {
+            pass(&hardware, 1);
+            if let Some(report) = capture.turn(&mut rings, &mut sink) {
+                break report;
+            }
+        };
+        assert_eq!(report, expected);
+    }
+}
+
+#[test]
+fn grey_levels_of_two_bytes_a_pixel() {
+    let mut grey = [0; 4];
+    luma(&[10, 128, 20, 127, 30, 128, 40, 127], 2, &mut grey);
+    assert_eq!(grey, [10, 20, 30, 40]);
+    luma(&[1, 2, 3, 4], 1, &mut grey);
+    assert_eq!(grey, [1, 2, 3, 4]);
+}
+
+#[test]
+fn faults_say_what_to_look_at() {
+    let words = Fault::ALL.map(|fault| fault.to_string());
+    assert!(words.iter().all(|text| text.contains(": ")), "{words:?}");
+    assert_eq!(Fault::Stopped.to_string(), "the camera has stopped: start it again");
+}
