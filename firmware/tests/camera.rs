@@ -24,6 +24,8 @@ struct Registers {
     /// Registers that keep something else.
     stuck: BTreeMap<u16, u16>,
     pointer: u16,
+    /// Transactions until one fails, once.
+    fails_after: Option<usize>,
     said: Vec<Transaction>,
 }
 
@@ -31,7 +33,7 @@ impl Fake {
     fn of<M: Model>() -> Self {
         let values = M::IDENTITY.iter().map(|identity| (identity.register, identity.value)).collect();
         let (stuck, said) = (BTreeMap::new(), Vec::new());
-        Self(Rc::new(RefCell::new(Registers { wire: M::WIRE, values, stuck, pointer: 0, said })))
+        Self(Rc::new(RefCell::new(Registers { wire: M::WIRE, values, stuck, pointer: 0, fails_after: None, said })))
     }
 
     fn set(&self, register: u16, value: u16) {
@@ -54,6 +56,11 @@ impl ErrorType for Fake {
 impl I2c for Fake {
     fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
         let mut chip = self.0.borrow_mut();
+        if chip.fails_after == Some(0) {
+            chip.fails_after = None;
+            return Err(ErrorKind::Bus);
+        }
+        chip.fails_after = chip.fails_after.map(|left| left - 1);
         let mut written = Vec::new();
         let mut read = None;
         for operation in operations {
@@ -675,4 +682,41 @@ fn what_went_wrong_is_said_in_words() {
     assert!(say(Cause::NotRunning).starts_with("the camera does not run: start it first"));
     assert!(say(Cause::Unsupported(Unsupported::Trigger)).starts_with("the sensor has no trigger"));
     assert_eq!(Condition::Running.to_string(), "running");
+}
+
+#[test]
+fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
+    /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a camera; `None` when there are fewer.
+    fn fail<M: Model>(case: &Case, eye: Eye, after: usize, ask: fn(&mut Both<M>) -> bool) -> Option<[Condition; 2]> {
+        let (mut pair, fakes) = both::<M>(case.address);
+        fakes[0].set(AGC_GAIN_OUTPUT, 16);
+        fakes[0].set(AEC_EXPOSURE_OUTPUT, 76);
+        pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+        let fake = &fakes[usize::from(eye == Eye::Right)];
+        fakes[0].set(AEC_EXPOSURE_OUTPUT, 77);
+        fake.0.borrow_mut().fails_after = Some(after);
+        let is_done = ask(&mut pair);
+        let is_left = fake.0.borrow().fails_after.is_some();
+        assert_eq!(is_done, is_left, "{}: a failure was not told", case.name);
+        (!is_left).then(|| pair.conditions())
+    }
+    type Ask = fn(&mut Both<Mt9v034>) -> bool;
+    let start: Ask = |pair| pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).is_ok();
+    let asks: [(Ask, [usize; 2]); 3] = [
+        (start, [30, 30]),
+        (|pair| pair.follow(&mut NoopDelay).is_ok(), [3, 8]),
+        (|pair| pair.freeze(&mut NoopDelay).is_ok(), [11, 8]),
+    ];
+    for (ask, least) in asks {
+        for (eye, least) in Eye::BOTH.into_iter().zip(least) {
+            let ends = (0..).map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask)).collect::<Vec<_>>();
+            assert!(ends.len() >= least, "{}", ends.len());
+            for (after, ends) in ends.iter().enumerate() {
+                // All three that `follow` asks of the left one are reads: what runs goes on.
+                let is_read = eye == Eye::Left && after < 3 && least < 30;
+                let expected = if is_read { Condition::Running } else { Condition::Standby };
+                assert_eq!(*ends, [expected; 2], "{eye:?}, transaction {after}");
+            }
+        }
+    }
 }

@@ -207,14 +207,15 @@ impl RowRing for FakeRing {
 
     fn copy(&self, row: u32, into: &mut [u8]) {
         assert_eq!(into.len(), usize::from(WIDTH), "a row has another length");
+        // From the end: the row that is being written is new at its start.
         let half = into.len() / 2;
         self.camera(|camera| {
             assert!(camera.written.wrapping_sub(row) < 1 << 31 && camera.written != row, "row {row} is not complete");
-            into[..half].copy_from_slice(&camera.ring[(row % RING) as usize][..half]);
+            into[half..].copy_from_slice(&camera.ring[(row % RING) as usize][half..]);
         });
         // The hardware does not wait for a copy.
         pass(&self.hardware, self.copy_us);
-        self.camera(|camera| into[half..].copy_from_slice(&camera.ring[(row % RING) as usize][half..]));
+        self.camera(|camera| into[..half].copy_from_slice(&camera.ring[(row % RING) as usize][..half]));
     }
 
     fn now_us(&self) -> u64 {
@@ -409,9 +410,14 @@ impl RowSink for Resumed<'_> {
         self.frames[eye].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
     }
 
+    /// A rectifier would use the row at once: it has to be whole, of this camera, in its place, and of the frame that it is in.
     fn push(&mut self, eye: Eye) -> Result<(), RowError> {
-        let rows = &mut self.rows[usize::from(eye == Eye::Right)];
-        assert!(u32::from(*rows) < ROWS, "a row too many");
+        let place = usize::from(eye == Eye::Right);
+        let rows = &mut self.rows[place];
+        let mut all = self.frames[place].chunks(WIDTH.into()).map(read);
+        let first = all.next().unwrap().expect("the first row is torn").1;
+        let row = if *rows == 0 { Some((eye as u8, first, 0)) } else { all.nth(usize::from(*rows) - 1).unwrap() };
+        assert_eq!(row, Some((eye as u8, first, *rows as u8)), "a row that is torn or of another frame");
         *rows += 1;
         Ok(())
     }

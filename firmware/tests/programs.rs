@@ -4,6 +4,7 @@ use core::cell::{Cell, RefCell};
 use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, NoDepth, ObjectDepth, View};
 use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Scene;
 use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
@@ -460,7 +461,8 @@ impl PairSource for LooseCamera {
             2 => Some(CapturedPair::of(Dims { width: 320, height: 240 })),
             3 => {
                 let times_us = Some([7_000_000, 7_002_500]);
-                Painter::new(DIMS).next_pair(frames).map(|pair| CapturedPair { times_us, ..pair })
+                let frame_start = Some(FrameStart::Free);
+                Painter::new(DIMS).next_pair(frames).map(|pair| CapturedPair { times_us, frame_start, ..pair })
             }
             _ => self.1.next_pair(frames),
         }
@@ -498,6 +500,7 @@ fn live_serves_commands_and_survives_its_camera() {
     assert_eq!((head.sequence, head.segments, head.capture_time_us), (2, 0, 7_000_000));
     assert!(head.health.of_pair().contains(HealthFlags::SKEW), "{}", head.health);
     assert_eq!(head.pair.unwrap().skew_us, Some(2500));
+    assert!(head.health.contains(Health::FREE_RUNNING), "{}", head.health);
     live.turn(&mut *memory, &mut camera);
     let frame = received();
     let Message::Frame(head) = &frame[0] else { panic!("no frame: {frame:?}") };

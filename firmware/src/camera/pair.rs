@@ -104,12 +104,14 @@ where
 
     /// Between two frames, when the left one chooses: gives its choice to the right one. Says what both have now.
     ///
-    /// A choice that the model does not let anybody fix (0 rows, in the dark) leaves the right one as it was.
+    /// A choice that the model does not let anybody fix (0 rows, in the dark) leaves the right one as it was. If the choice cannot be read,
+    /// both run on as they did; if it cannot be written, neither runs.
     pub fn follow(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
         if !self.is_shared {
             return Ok(self.exposure);
         }
-        let chosen = self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?;
+        let chosen = self.left.exposure();
+        let chosen = chosen.map_err(|error| PairError { eye: Eye::Left, error, other: self.right.condition() })?;
         if self.exposure != Some(chosen) && M::check_exposure(chosen).is_ok() {
             self.exposure = None; // of neither, if it fails
             self.right.set_exposure(chosen, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
@@ -143,20 +145,18 @@ where
         (self.left, self.right)
     }
 
-    /// One has failed: the other one is stopped as well, unless nothing has been sent to it.
+    /// One has failed: whatever still runs is stopped. One to which nothing has been sent is left alone.
     fn fail(&mut self, eye: Eye, error: CameraError<BL::Error>, delay: &mut impl DelayNs) -> PairError<BL::Error> {
         self.exposure = None;
-        let other = match eye {
-            Eye::Left if self.right.condition() == Condition::Running => {
-                let _ = self.right.stop(delay); // its condition says what became of it
-                self.right.condition()
-            }
-            Eye::Left => self.right.condition(),
-            Eye::Right => {
-                let _ = self.left.stop(delay);
-                self.left.condition()
-            }
-        };
-        PairError { eye, error, other }
+        // Their conditions say what becomes of them.
+        if self.left.condition() == Condition::Running {
+            let _ = self.left.stop(delay);
+        }
+        if self.right.condition() == Condition::Running {
+            let _ = self.right.stop(delay);
+        }
+        let [left, right] = self.conditions();
+        let (own, other) = if eye == Eye::Left { (left, right) } else { (right, left) };
+        PairError { eye, error: CameraError { left: own, ..error }, other }
     }
 }
