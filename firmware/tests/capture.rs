@@ -599,6 +599,26 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
 }
 
 #[test]
+fn a_frame_that_was_begun_for_another_call_is_left() {
+    let hardware = hardware(0);
+    for camera in &mut hardware.borrow_mut().cameras {
+        let eye = camera.eye;
+        camera.steps.extend((2..6).flat_map(|frame| script(eye, frame, Injected::Nothing, None)));
+    }
+    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+    // The first call ends two rows after frame 2 has started.
+    let capture = Capture::new(LIMITS, FrameStart::Triggered);
+    let mut source = CameraSource::new(rings, capture, DIMS, 2 * PERIOD_US as u32 + 25);
+    let mut pixels: Frames = [[0; _]; 2];
+    let mut next = || {
+        let [left, right] = &mut pixels;
+        let pair = source.next_pair([left, right]);
+        pair.map(|pair| (frame_of(&pixels).unwrap(), pair.times_us.unwrap()[0]))
+    };
+    assert_eq!([next(), next(), next()], [None, Some((3, 3 * PERIOD_US)), Some((4, 4 * PERIOD_US))]);
+}
+
+#[test]
 fn the_skew_of_a_pair_reaches_the_health_check() {
     // Of a size that the core takes; only the times matter.
     let dims = Dims { width: 128, height: 96 };

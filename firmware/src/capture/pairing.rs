@@ -78,6 +78,11 @@ impl Capture {
         &self.losses
     }
 
+    /// Leaves the frames that are half fetched: their rows lie in another sink.
+    pub fn leave(&mut self) {
+        (self.left.hand, self.right.hand) = (None, None);
+    }
+
     /// Works through what has happened until there is something to report; `None` when there is no more. After a pair the sink is left
     /// alone until the next call.
     pub fn turn<R: RowRing>(&mut self, rings: &mut [R; 2], sink: &mut impl RowSink) -> Option<Report> {

@@ -15,7 +15,7 @@ pub struct CameraSource<R> {
 }
 
 impl<R: RowRing> CameraSource<R> {
-    /// Images of this size; no pair for so many microseconds is a pair that is missing.
+    /// Images of this size; no pair for so many microseconds, at least two periods, is a pair that is missing.
     pub const fn new(rings: [R; 2], capture: Capture, dims: Dims, patience_us: u32) -> Self {
         Self { rings, capture, dims, patience_us }
     }
@@ -25,6 +25,7 @@ impl<R: RowRing> PairSource for CameraSource<R> {
     fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair> {
         let [left, _] = &self.rings;
         let until_us = left.now_us().saturating_add(self.patience_us.into());
+        self.capture.leave();
         let mut rows = FrameRows::new(frames, self.dims);
         loop {
             if let Some(Report::Pair(pair)) = self.capture.turn(&mut self.rings, &mut rows) {
