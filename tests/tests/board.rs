@@ -23,7 +23,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio};
 use std::sync::{Arc, Mutex};
 
-const LIMIT: Duration = Duration::from_secs(120);
+const LIMIT: Duration = Duration::from_secs(600);
 
 fn rendered(width: u16, height: u16) -> (GrayImage, GrayImage) {
     let dims = Dims { width, height };

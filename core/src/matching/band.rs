@@ -32,7 +32,7 @@ pub const fn row_bytes(width: u16) -> usize {
 }
 
 /// Rows that a window reaches above and below a near-horizontal segment; other windows end with their segment.
-const WINDOW_REACH: i32 = 7;
+const WINDOW_REACH: i32 = 6;
 
 /// Columns that a window reaches beside its segment (10), and two that end its rows.
 const WINDOW_COLUMNS: i32 = 12;

@@ -27,7 +27,8 @@ use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge: every second one says as much as all seven.
 const SIDE_ROWS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
-/// Half of what a line rises over half a block, 3.5 px, moves the window away from it: a block lies on one row, and would reach across.
+/// Half of what a line rises over half a block, 3.5 px, moves the window away from it, whole rows: a block lies on one row, and would reach
+/// across.
 const RISE_Q1: i32 = 7;
 /// Between the centres of the two sides' windows.
 const SIDES_APART: i32 = 8;
@@ -131,7 +132,7 @@ pub(crate) fn match_flat(
 
 /// Rows of the windows above and below, relative to the line.
 fn side_rows(line: &FlatLine) -> [[i32; 2]; 2] {
-    let away = (line.slope_q12.abs() * RISE_Q1 + 8192) >> 14;
+    let away = (line.slope_q12.abs() * RISE_Q1) >> 14;
     let [above, below] = SIDE_ROWS;
     [above.map(|row| row - away), below.map(|row| row + away)]
 }
