@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! bin/            one line each: a program on the chosen board
-//! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
+//! programs/       selftest, kernels, bench, blocks, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
 //! autopilot       obstacles as MAVLink, on a port of their own
 //! camera          image sensors: from a bus and two pins to a running pair

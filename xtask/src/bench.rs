@@ -267,7 +267,7 @@ fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs>
 
 /// Names and pairs of every scene below a folder: reduced to the width of `dims`, and of that as many rows from the middle as `dims` has.
 /// Scenes that are smaller are left out.
-fn scenes(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
+pub(crate) fn scenes(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
     let mut list = Vec::new();
     for path in find_scenes(folder)? {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

@@ -5,6 +5,7 @@
 mod bench;
 mod bless;
 mod measure;
+mod rival;
 mod sizes;
 
 use anyhow::{Context, Result, bail};
@@ -92,6 +93,9 @@ enum Command {
         /// Only what the depth of objects costs, and matching around them alone.
         #[arg(long, requires = "frames")]
         objects: bool,
+        /// The core beside block matching, every pixel and on a grid, instead.
+        #[arg(long, conflicts_with = "objects")]
+        rival: bool,
     },
     /// Flash and RAM of a program, by symbol.
     Sizes {
@@ -135,7 +139,10 @@ fn execute(command: Command) -> Result<()> {
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
-        Command::Bench { boards, frames, objects } => bench::run(&boards.list()?, frames.as_deref(), objects),
+        Command::Bench { boards, frames, rival: true, .. } => {
+            boards.list()?.iter().try_for_each(|board| rival::run(board, frames.as_deref()))
+        }
+        Command::Bench { boards, frames, objects, .. } => bench::run(&boards.list()?, frames.as_deref(), objects),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
         Command::Stack(boards) => {
             for board in boards.list()? {

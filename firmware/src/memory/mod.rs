@@ -95,6 +95,8 @@ impl From<ViewError> for RunError {
 impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspace<PIXELS, RAW_ROW, L, R> {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
+    /// Of these, bytes that the core works in and writes to.
+    pub const LISTS: usize = size_of::<L>();
 
     /// Cleared memory.
     #[must_use]

@@ -1,0 +1,66 @@
+//! What block matching costs on the built-in pairs, or on those of a file, and which bytes it gives. Arguments: the file for the table, and if
+//! there is one a file of pairs.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn blocks() -> linestereo_firmware::startup::Exit {
+    use core::cell::RefCell;
+    use core::fmt::Write as _;
+    use cortex_m::interrupt::{self, Mutex};
+    use linestereo::Dims;
+    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::cases::Case;
+    use linestereo_firmware::programs::blocks::{self, Dense, Grid, METHODS, Workspace};
+    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::{stack, startup::Exit};
+
+    /// Too large for the stack, where anything else would be made first.
+    static WORKSPACE: Mutex<RefCell<Workspace>> = Mutex::new(RefCell::new(Workspace::new()));
+
+    fn measure(
+        memory: &mut Workspace,
+        clock: &InstructionClock,
+        table: &mut File,
+        dims: Dims,
+        name: impl core::fmt::Display,
+    ) -> bool {
+        METHODS.iter().all(|(method, matcher, settings)| {
+            let measured = memory.measure(clock, dims, *matcher, settings);
+            measured.is_ok_and(|measured| {
+                blocks::line(table, &name, method, &measured);
+                true
+            })
+        })
+    }
+
+    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
+        return Exit::Usage;
+    };
+    let all_fit = interrupt::free(|section| {
+        let memory = &mut *WORKSPACE.borrow(section).borrow_mut();
+        let mut all_fit = true;
+        match &mut pairs {
+            Some(pairs) => {
+                let mut number = 0;
+                while let Some(dims) = memory.read(pairs) {
+                    all_fit &= measure(memory, &clock, &mut table, dims, number);
+                    number += 1;
+                }
+            }
+            None => {
+                for case in Case::all(&SELECTED).filter(|case| !case.dearest) {
+                    let [left, right] = memory.frames();
+                    case.scene.paint(case.dims, left, right);
+                    all_fit &= measure(memory, &clock, &mut table, case.dims, case);
+                }
+            }
+        }
+        all_fit
+    });
+    let _ = writeln!(table, "bytes\t{}\t{}\nstack\t{}", Dense::BYTES, Grid::BYTES, stack::depth());
+    if all_fit { Exit::Success } else { Exit::Difference }
+}
+
+linestereo_firmware::program!(blocks);

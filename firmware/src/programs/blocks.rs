@@ -1,0 +1,130 @@
+//! What block matching costs, and which bytes it gives.
+//!
+//! In: pairs that are painted or come from a file. Out: for dense matching and for the grid, usual and strict, instructions, disparities and a digest.
+//!
+//! A file holds pairs one after the other: width and height in two bytes each, the lower one first, then the pixels of the left and of the
+//! right image.
+
+use crate::boards::SELECTED;
+use crate::ports::{ByteSource, Clock};
+use core::fmt;
+use linestereo::{Dims, Gray};
+use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
+
+const WIDTH: usize = SELECTED.largest.width as usize;
+const PIXELS: usize = WIDTH * SELECTED.largest.height as usize;
+const DISPARITIES: usize = Settings::STRICT.disparities;
+
+/// Memory of the dense matcher for the largest pair of the board that is built.
+pub type Dense = DenseMemory<WIDTH, { dense_groups(WIDTH, DISPARITIES) }>;
+/// The same of the grid.
+pub type Grid = GridMemory<WIDTH, { grid_groups(WIDTH, DISPARITIES) }>;
+
+/// The frames of one board and the memory of both matchers.
+#[derive(Debug)]
+pub struct Workspace {
+    frames: [[u8; PIXELS]; 2],
+    dense: Dense,
+    grid: Grid,
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// How the pixels of a pair are matched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Matcher {
+    /// Every pixel.
+    Dense,
+    /// Every fourth pixel of every fourth row.
+    Grid,
+}
+
+/// What is measured: a name, the matcher, what it believes.
+pub const METHODS: [(&str, Matcher, Settings); 4] = [
+    ("dense", Matcher::Dense, Settings::USUAL),
+    ("dense-strict", Matcher::Dense, Settings::STRICT),
+    ("grid", Matcher::Grid, Settings::USUAL),
+    ("grid-strict", Matcher::Grid, Settings::STRICT),
+];
+
+/// What a pair gave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measured {
+    /// Pixels with a disparity.
+    pub values: u32,
+    /// Of all disparities (FNV-1a).
+    pub digest: u32,
+    /// Cost in the unit of the clock.
+    pub cost: u64,
+}
+
+impl Workspace {
+    /// Cleared memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { frames: [[0; PIXELS]; 2], dense: Dense::new(), grid: Grid::new() }
+    }
+
+    /// The memories of the left and the right frame.
+    pub fn frames(&mut self) -> [&mut [u8]; 2] {
+        self.frames.each_mut().map(<[u8; PIXELS]>::as_mut_slice)
+    }
+
+    /// Reads the next pair of a file into the frames; `None` at its end, or where a pair does not fit.
+    pub fn read(&mut self, file: &mut impl ByteSource) -> Option<Dims> {
+        let mut head = [0; 4];
+        if file.read(&mut head) < head.len() {
+            return None;
+        }
+        let [a, b, c, d] = head;
+        let dims = Dims { width: u16::from_le_bytes([a, b]), height: u16::from_le_bytes([c, d]) };
+        let pixels = usize::from(dims.width) * usize::from(dims.height);
+        let mut is_whole = true;
+        for frame in self.frames() {
+            let frame = frame.get_mut(..pixels)?;
+            is_whole &= file.read(frame) == pixels;
+        }
+        is_whole.then_some(dims)
+    }
+
+    /// Matches the pair that lies in the frames. Counting and the digest are left out of the cost.
+    pub fn measure(
+        &mut self,
+        clock: &impl Clock,
+        dims: Dims,
+        matcher: Matcher,
+        settings: &Settings,
+    ) -> Result<Measured, Misfit> {
+        let [left, right] = &self.frames;
+        let view = |frame| Gray::new(frame, dims, dims.width.into()).map_err(|_| Misfit::Size(dims));
+        let pair = [view(left)?, view(right)?];
+        let mut measured = Measured { values: 0, digest: 0x811c_9dc5, cost: 0 };
+        let mut last = clock.now();
+        let mut row = |_: usize, disparities: &[i16]| {
+            measured.cost += clock.elapsed(last, clock.now());
+            for &disparity in disparities {
+                measured.values += u32::from(disparity != NO_DISPARITY);
+                for byte in disparity.to_le_bytes() {
+                    measured.digest = (measured.digest ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+                }
+            }
+            last = clock.now();
+        };
+        match matcher {
+            Matcher::Dense => self.dense.run(settings, pair, &mut row)?,
+            Matcher::Grid => self.grid.run(settings, pair, &mut row)?,
+        }
+        measured.cost += clock.elapsed(last, clock.now());
+        Ok(measured)
+    }
+}
+
+/// One line of the table that the PC reads: what, names of pair and method, cost, number, digest; separated by tabs.
+pub fn line(out: &mut impl fmt::Write, pair: impl fmt::Display, method: &str, measured: &Measured) {
+    let Measured { values, digest, cost } = measured;
+    let _ = writeln!(out, "blocks\t{pair}\t{method}\t{cost}\t{values}\t{digest:08x}");
+}
