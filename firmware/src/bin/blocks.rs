@@ -10,9 +10,10 @@ fn blocks() -> linestereo_firmware::startup::Exit {
     use linestereo::Dims;
     use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
     use linestereo_firmware::cases::Case;
+    use linestereo_firmware::programs::block_kernels::BlockKernels;
     use linestereo_firmware::programs::blocks::{self, Dense, Grid, METHODS, Workspace};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::{stack, startup::Exit};
+    use linestereo_firmware::{error, stack, startup::Exit};
 
     /// Too large for the stack, where anything else would be made first.
     static WORKSPACE: Mutex<RefCell<Workspace>> = Mutex::new(RefCell::new(Workspace::new()));
@@ -38,6 +39,10 @@ fn blocks() -> linestereo_firmware::startup::Exit {
     let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
         return Exit::Usage;
     };
+    if let Some(kernel) = BlockKernels::CHOSEN.first_that_differs() {
+        error!("{=str} differs from the portable one", kernel);
+        return Exit::Difference;
+    }
     let all_fit = interrupt::free(|section| {
         let memory = &mut *WORKSPACE.borrow(section).borrow_mut();
         let mut all_fit = true;

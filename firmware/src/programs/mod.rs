@@ -1,6 +1,7 @@
 //! The programs, over any board.
 
 pub mod bench;
+pub mod block_kernels;
 pub mod blocks;
 pub mod expected;
 pub mod kernels;
