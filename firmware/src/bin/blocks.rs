@@ -39,10 +39,6 @@ fn blocks() -> linestereo_firmware::startup::Exit {
     let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
         return Exit::Usage;
     };
-    if let Some(kernel) = BlockKernels::CHOSEN.first_that_differs() {
-        error!("{=str} differs from the portable one", kernel);
-        return Exit::Difference;
-    }
     let all_fit = interrupt::free(|section| {
         let memory = &mut *WORKSPACE.borrow(section).borrow_mut();
         let mut all_fit = true;
@@ -65,6 +61,10 @@ fn blocks() -> linestereo_firmware::startup::Exit {
         all_fit
     });
     let _ = writeln!(table, "bytes\t{}\t{}\nstack\t{}", Dense::BYTES, Grid::BYTES, stack::depth());
+    if let Some(kernel) = BlockKernels::CHOSEN.first_that_differs() {
+        error!("{=str} differs from the portable one", kernel);
+        return Exit::Difference;
+    }
     if all_fit { Exit::Success } else { Exit::Difference }
 }
 
