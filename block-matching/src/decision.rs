@@ -15,7 +15,7 @@
 //! # Source
 //! OpenCV, `calib3d/stereobm.cpp` and `validateDisparity` of `stereosgbm.cpp`, both with a shift of four bits.
 
-use crate::kernel::{Group, groups_within};
+use crate::kernel::{Group, groups_within, places_within};
 use core::cmp::Ordering;
 
 /// A pixel without a disparity, in 1/16 px.
@@ -57,11 +57,9 @@ fn unique(costs: &[Group], cost: u16, bound: u16) -> Option<Found> {
     let near = costs.get(first..=last)?;
     // Bit d: disparity 4 * first + d is within the bound; is the lowest.
     let (mut within, mut is_lowest) = (0_u32, 0_u32);
-    for (place, group) in (0..).step_by(4).zip(near) {
-        for (bit, entry) in (place..).zip(group.in_order()) {
-            within |= u32::from(entry <= bound) << bit;
-            is_lowest |= u32::from(entry == cost) << bit;
-        }
+    for (&group, place) in near.iter().zip([0, 4]) {
+        within |= places_within(group, bound) << place;
+        is_lowest |= places_within(group, cost) << place;
     }
     let place = is_lowest.checked_ilog2()?;
     if within << 1 & !(0b111 << place) != 0 {
@@ -72,7 +70,7 @@ fn unique(costs: &[Group], cost: u16, bound: u16) -> Option<Found> {
 }
 
 fn refined(costs: &[Group], d: usize, cost: u16) -> i16 {
-    let at = |d: usize| costs.get(d / 4).and_then(|group| group.in_order().get(d % 4).copied()).map(i32::from);
+    let at = |d: usize| costs.get(d / 4).map(|group| i32::from(group.at(d)));
     let fraction = match (d.checked_sub(1).and_then(at), at(d + 1)) {
         (Some(before), Some(after)) => {
             let width = 2 * (before.max(after) - i32::from(cost));

@@ -388,6 +388,32 @@ pub fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     Some([place(first).wrapping_sub(1), place(last)])
 }
 
+/// See [`portable::places_within`].
+#[inline]
+#[must_use]
+pub fn places_within(group: Group, bound: u16) -> u32 {
+    let Group([a, c, b, d]) = group;
+    let places: u32;
+    // SAFETY: registers alone; the flags between two instructions are nobody else's.
+    unsafe {
+        asm!(
+            "usub16 {low}, {bound}, {low}",
+            "sel {low}, {bits}, {zero}",
+            "usub16 {high}, {bound}, {high}",
+            "sel {high}, {bits}, {zero}",
+            "orr {low}, {low}, {high}, lsl #1",
+            "orr {low}, {low}, {low}, lsr #14",
+            low = inout(reg) u32::from(a) | u32::from(c) << 16 => places,
+            high = inout(reg) u32::from(b) | u32::from(d) << 16 => _,
+            bound = in(reg) u32::from(bound) | u32::from(bound) << 16,
+            bits = in(reg) 0x0001_0001,
+            zero = in(reg) 0,
+            options(pure, nomem, nostack),
+        );
+    }
+    places & 0xf
+}
+
 /// See [`portable::columns_of_four`].
 pub fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
     let width = out.len();

@@ -43,12 +43,12 @@ use linestereo::Dims;
 pub mod kernel {
     #[cfg(dsp)]
     pub use crate::dsp::{
-        add_block, add_column, block_costs, columns_of_four, groups_within, slide_windows, sobel_row,
+        add_block, add_column, block_costs, columns_of_four, groups_within, places_within, slide_windows, sobel_row,
     };
     pub use crate::portable::{Blocks, CAP, Column, Group, Windows};
     #[cfg(not(dsp))]
     pub use crate::portable::{
-        add_block, add_column, block_costs, columns_of_four, groups_within, slide_windows, sobel_row,
+        add_block, add_column, block_costs, columns_of_four, groups_within, places_within, slide_windows, sobel_row,
     };
 }
 

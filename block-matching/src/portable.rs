@@ -26,6 +26,14 @@ impl Group {
         Self([a, c, b, d])
     }
 
+    /// The cost of disparity `d % 4`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, d: usize) -> u16 {
+        let Self(costs) = self;
+        costs.get((d & 1) << 1 | d >> 1 & 1).copied().unwrap_or(0)
+    }
+
     fn each(self, other: Self, combine: impl Fn(u16, u16) -> u16) -> Self {
         let (Self([a, b, c, d]), Self([e, f, g, h])) = (self, other);
         Self([combine(a, e), combine(b, f), combine(c, g), combine(d, h)])
@@ -141,6 +149,12 @@ pub fn slide_windows<const GROUPS: usize>(
 pub fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     let is_within = |group: &Group| group.0.iter().any(|&cost| cost <= bound);
     Some([costs.iter().position(is_within)?, costs.iter().rposition(is_within)?])
+}
+
+/// Which costs of a group are at most `bound`: bit d for disparity d.
+#[must_use]
+pub fn places_within(group: Group, bound: u16) -> u32 {
+    group.in_order().iter().rev().fold(0, |places, &cost| places << 1 | u32::from(cost <= bound))
 }
 
 /// Columns of four rows, the first row in the lowest byte; as many as all have.

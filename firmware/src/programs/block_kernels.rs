@@ -27,6 +27,7 @@ pub struct BlockKernels {
     pub add_column: fn(&Column<'_>, &mut [[i8; 4]], &mut [Group]),
     pub slide_windows: fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]),
     pub groups_within: fn(&[Group], u16) -> Option<[usize; 2]>,
+    pub places_within: fn(Group, u16) -> u32,
     pub columns_of_four: fn([&[u8]; 4], &mut [u32]),
     pub block_costs: fn(&[u32; 4], &[u32], &mut [Group]),
     pub add_block: fn(&mut Blocks<'_>, &mut [Group]) -> Group,
@@ -39,6 +40,7 @@ impl BlockKernels {
         add_column: kernel::add_column,
         slide_windows: kernel::slide_windows::<GROUPS>,
         groups_within: kernel::groups_within,
+        places_within: kernel::places_within,
         columns_of_four: kernel::columns_of_four,
         block_costs: kernel::block_costs,
         add_block: kernel::add_block,
@@ -48,11 +50,12 @@ impl BlockKernels {
     #[must_use]
     pub fn first_that_differs(&self) -> Option<&'static str> {
         let mut random = Random(0x9e37_79b9);
-        let compared: [(&str, fn(&Self, &mut Random) -> bool); 7] = [
+        let compared: [(&str, fn(&Self, &mut Random) -> bool); 8] = [
             ("sobel_row", Self::sobel_rows),
             ("add_column", Self::columns),
             ("slide_windows", Self::windows),
             ("groups_within", Self::groups),
+            ("places_within", Self::places),
             ("columns_of_four", Self::words),
             ("block_costs", Self::costs),
             ("add_block", Self::blocks),
@@ -135,6 +138,15 @@ impl BlockKernels {
             let bound = [1001, 1000, 999, u16::MAX][random.below(4)];
             let costs = &costs[..round % (GROUPS + 3)];
             (self.groups_within)(costs, bound) == portable::groups_within(costs, bound)
+        })
+    }
+
+    fn places(&self, random: &mut Random) -> bool {
+        (0..2000).all(|_| {
+            let group = random.group();
+            // Often one of its own costs.
+            let bound = if random.below(2) == 0 { group.at(random.below(4)) } else { random.group().at(3) };
+            (self.places_within)(group, bound) == portable::places_within(group, bound)
         })
     }
 
@@ -294,6 +306,13 @@ mod tests {
             (
                 "groups_within",
                 BlockKernels { groups_within: |costs, bound| portable::groups_within(costs, bound - 1), ..CHOSEN },
+            ),
+            (
+                "places_within",
+                BlockKernels {
+                    places_within: |group, bound| portable::places_within(group, bound.saturating_sub(1)),
+                    ..CHOSEN
+                },
             ),
             (
                 "columns_of_four",
