@@ -181,11 +181,12 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
             let known = |d: i16| if d == NO_DISPARITY { f32::NAN } else { f32::from(d) / 16.0 };
             let result = DisparityMap::of_values(pair.0.dims, values.into_iter().map(known)).to_result();
             let score = FrameScore::new(&scene.name, &truth, &result);
-            MethodScore { method: name.to_owned(), score, objects: Vec::new(), result }
+            MethodScore { method: name.to_owned(), score, objects: Vec::new(), result: None }
         };
         methods.iter().map(of).collect::<Vec<_>>()
     };
-    let summaries = summarise(&scenes.into_iter().map(score).collect::<Vec<_>>());
+    let scores: Vec<_> = scenes.into_iter().map(score).collect();
+    let summaries = summarise(scores.iter().map(Vec::as_slice));
     println!("{}", comparison_table(&summaries));
     for [unchecked, checked] in summaries.as_chunks::<2>().0 {
         let errors = [unchecked, checked].map(|of| of.summary.all.errors.all_gt_bad2.unwrap());

@@ -18,6 +18,7 @@ const COLUMNS: usize = 18;
 /// Places of the rings of changes.
 const PLACES: usize = 15;
 type Ring = [[[i8; 4]; GROUPS]];
+type SlideWindows = fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]);
 
 /// The kernels of one machine.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +26,7 @@ type Ring = [[[i8; 4]; GROUPS]];
 pub struct BlockKernels {
     pub sobel_row: fn(&[u8], &[u8], &[u8], &mut [u8]),
     pub add_column: fn(&Column<'_>, &mut [[i8; 4]], &mut [Group]),
-    pub slide_windows: fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]),
+    pub slide_windows: SlideWindows,
     pub groups_within: fn(&[Group], u16) -> Option<[usize; 2]>,
     pub places_within: fn(Group, u16) -> u32,
     pub columns_of_four: fn([&[u8]; 4], &mut [u32]),
@@ -50,7 +51,8 @@ impl BlockKernels {
     #[must_use]
     pub fn first_that_differs(&self) -> Option<&'static str> {
         let mut random = Random(0x9e37_79b9);
-        let compared: [(&str, fn(&Self, &mut Random) -> bool); 8] = [
+        type Comparison = fn(&BlockKernels, &mut Random) -> bool;
+        let compared: [(&str, Comparison); 8] = [
             ("sobel_row", Self::sobel_rows),
             ("add_column", Self::columns),
             ("slide_windows", Self::windows),
@@ -206,13 +208,7 @@ struct State {
 }
 
 impl State {
-    fn run(
-        &mut self,
-        slide_windows: fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]),
-        windows: &Windows<'_>,
-        place: usize,
-        groups: usize,
-    ) {
+    fn run(&mut self, slide_windows: SlideWindows, windows: &Windows<'_>, place: usize, groups: usize) {
         let columns = windows.asked.len();
         let (sums, costs) = (&mut self.sums[..groups], &mut self.costs[..groups * columns]);
         slide_windows(windows, (&mut self.changes, place), sums, costs, &mut self.lowest[..columns]);
