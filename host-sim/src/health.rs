@@ -12,7 +12,10 @@ const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("points_dropped", "more points than the list holds; the least credible are left out"),
     ("results_skipped", "the port is slower than the board: raise its speed"),
     ("pair_missing", "a camera gave no picture: check its cable and power"),
-    ("free_running", "the cameras are not triggered together: wire one trigger to both, or trust only what stands still"),
+    (
+        "free_running",
+        "the cameras are not triggered together: wire one trigger to both, or trust only what stands still",
+    ),
     ("left_exposure", "left image too dark or too bright: set its exposure or change the light"),
     ("right_exposure", "right image too dark or too bright: set its exposure or change the light"),
     ("left_saturated", "much of the left image is black or white: change its exposure"),

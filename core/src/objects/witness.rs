@@ -26,6 +26,8 @@ use crate::matching::consistency::Place;
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
+/// Weight of the least credible claim, 1/256: so little, and up to twice that, supports a surface but speaks against none.
+const LEAST_WEIGHT: u16 = 13;
 /// Of three pixels, so many have to lie in the region.
 const LEAST_INSIDE: u16 = 2;
 /// Distance from the edge at which a claim is asked: the middle of its window. One more beside near-horizontal edges.
@@ -38,7 +40,7 @@ const SAME_Q6: i32 = 64;
 pub(crate) struct Witnesses {
     /// Segments listed.
     pub(crate) segments: usize,
-    /// Sum of the weights, 1/256.
+    /// Sum of the weights of credible claims, 1/256.
     pub(crate) weight_q8: u32,
     /// Weight that outlines lost.
     pub(crate) withheld_q8: u32,
@@ -65,7 +67,7 @@ pub(crate) fn gather(
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
             let full = weigh(model.probability_q16(side.score_q8.into()), inside);
             *weight = if agree && is_outline { full >> 2 } else { full };
-            found.weight_q8 += u32::from(*weight);
+            found.weight_q8 += if full > 2 * LEAST_WEIGHT { u32::from(*weight) } else { 0 };
             found.withheld_q8 += u32::from(full - *weight);
         }
         if weights != [0; 2]
@@ -118,7 +120,7 @@ fn is_agreed(candidate: &Candidate) -> bool {
 
 /// 1/256; at most 307.
 fn weigh(probability_q16: u16, inside: u16) -> u16 {
-    let weight = (i32::from(probability_q16 >> 7) - 154).clamp(13, 307);
+    let weight = (i32::from(probability_q16 >> 7) - 154).clamp(LEAST_WEIGHT.into(), 307);
     let share = if inside >= 3 { weight } else { (weight * 171) >> 8 };
     share as u16 // 8 ..= 307
 }
