@@ -626,7 +626,9 @@ fn end() -> core::iter::Once<(String, Vec<Vec<u8>>)> {
 
 #[test]
 fn every_truncation_is_read_or_refused() {
-    let cases = corpus().into_iter().enumerate().flat_map(|(index, files)| {
+    let corpus = corpus();
+    let all: usize = corpus.iter().map(|files| files.last().unwrap().len()).sum();
+    let cases = corpus.into_iter().enumerate().flat_map(|(index, files)| {
         let last = files.last().unwrap().len();
         (0..last).map(move |length| {
             let mut files = files.clone();
@@ -635,7 +637,8 @@ fn every_truncation_is_read_or_refused() {
         })
     });
     let (read, refused) = survive(cases.chain(end()));
-    assert!(refused > 5_000 && read < refused / 10, "{read} read, {refused} refused");
+    // What is cut off at its end may still be whole: few are.
+    assert!(read + refused == all && read < refused / 10, "{read} read, {refused} refused of {all}");
 }
 
 #[test]
