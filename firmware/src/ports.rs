@@ -18,6 +18,26 @@ pub trait Clock {
     fn microseconds(&self, from: u32, to: u32) -> u64;
 }
 
+/// Counts nothing: where a program runs for its answers alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoClock;
+
+impl Clock for NoClock {
+    const UNIT: &'static str = "nothing";
+
+    fn now(&self) -> u32 {
+        0
+    }
+
+    fn elapsed(&self, _: u32, _: u32) -> u64 {
+        0
+    }
+
+    fn microseconds(&self, _: u32, _: u32) -> u64 {
+        0
+    }
+}
+
 /// Where bytes come from: a file, a serial port.
 pub trait ByteSource {
     /// Puts bytes that are there at the start of `bytes` and says how many. None are there at the end of a file, and while a serial port

@@ -4,7 +4,7 @@ use core::time::Duration;
 use linestereo::{Calibration, Camera, Confidence, Dims, Eye, Lens, Params, Span, View};
 use linestereo_firmware::boards::{Board, mps2_an500};
 use linestereo_firmware::cases::Case;
-use linestereo_firmware::ports::Clock;
+use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::programs::pixels;
 use linestereo_firmware::startup::Exit;
@@ -61,23 +61,6 @@ const MEAN_PIXEL: u64 = 56_000;
 
 #[test]
 fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
-    struct NoClock;
-    impl Clock for NoClock {
-        const UNIT: &'static str = "nothing";
-
-        fn now(&self) -> u32 {
-            0
-        }
-
-        fn elapsed(&self, _: u32, _: u32) -> u64 {
-            0
-        }
-
-        fn microseconds(&self, _: u32, _: u32) -> u64 {
-            0
-        }
-    }
-
     let board = mps2_an500::BOARD;
     let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
     let elf = firmware::build(&toolchain, &board, "pixels", Logs::None).unwrap();

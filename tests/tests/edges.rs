@@ -35,8 +35,9 @@ impl Tally {
     }
 
     /// Bounds on the share of cases with a match, on the median and on the largest error.
-    #[track_caller]
+    ///
     /// Every match but one in a hundred (one, where there are fewer) has to lie within `largest`: what is claimed is claimed with 90 %.
+    #[track_caller]
     fn check(&self, name: &str, least_found: f64, median: f64, largest: f64) {
         let found = self.found as f64 / self.cases as f64;
         let line = format!(

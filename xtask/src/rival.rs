@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use linestereo::Dims;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
-use linestereo_firmware::ports::Clock;
+use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::blocks::{METHODS, Measured, Workspace};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
@@ -66,25 +66,6 @@ fn parse(table: &str) -> Result<Blocks> {
         }
     }
     Ok(blocks)
-}
-
-/// Counts nothing.
-struct NoClock;
-
-impl Clock for NoClock {
-    const UNIT: &'static str = "nothing";
-
-    fn now(&self) -> u32 {
-        0
-    }
-
-    fn elapsed(&self, _: u32, _: u32) -> u64 {
-        0
-    }
-
-    fn microseconds(&self, _: u32, _: u32) -> u64 {
-        0
-    }
 }
 
 /// Is what the board gave for a pair what the PC gives?

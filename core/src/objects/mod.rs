@@ -201,7 +201,9 @@ fn disparity_from_q6(d_q6: i32) -> Disparity {
 }
 
 impl ObjectDepth {
-    pub(crate) fn refused(label: u16, reason: NoDepth, support: u16) -> Self {
+    /// No depth, for this reason, although so many segments were heard.
+    #[must_use]
+    pub const fn refused(label: u16, reason: NoDepth, support: u16) -> Self {
         Self {
             label,
             disparity: Err(reason),

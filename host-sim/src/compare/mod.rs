@@ -21,7 +21,7 @@ use crate::frames::{Scene, Truth};
 use crate::outline::Mask;
 use anyhow::Result;
 use core::time::Duration;
-use linestereo::{Confidence, Disparity, NoDepth, ObjectDepth};
+use linestereo::{Disparity, NoDepth, ObjectDepth};
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.
@@ -203,21 +203,11 @@ fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
 /// A median and how many values it has; nothing is known of its confidence.
 fn median_depth(values: &mut [f32]) -> ObjectDepth {
     let middle = values.len() / 2;
-    let disparity = if values.len() < LEAST_CLAIMS {
-        Err(NoDepth::LittleSupport)
-    } else {
-        Ok(Disparity::saturating_from_num(*values.select_nth_unstable_by(middle, f32::total_cmp).1))
-    };
-    ObjectDepth {
-        label: 0,
-        disparity,
-        sigma: Disparity::ZERO,
-        slope_q10: [0; 2],
-        spread: Disparity::ZERO,
-        depth: None,
-        depth_sigma: None,
-        nearest: None,
-        support: u16::try_from(values.len()).unwrap_or(u16::MAX),
-        confidence: Confidence::ZERO,
+    let support = u16::try_from(values.len()).unwrap_or(u16::MAX);
+    let nothing = ObjectDepth::refused(0, NoDepth::LittleSupport, support);
+    if values.len() < LEAST_CLAIMS {
+        return nothing;
     }
+    let median = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+    ObjectDepth { disparity: Ok(Disparity::saturating_from_num(median)), ..nothing }
 }

@@ -10,7 +10,7 @@ use crate::engine::Engine;
 use crate::frames::{FrameError, Scene, load_values};
 use crate::outline::{Mask, RefinedOutline, refine};
 use core::fmt::Write;
-use linestereo::{Area, Candidate, Confidence, Dims, Disparity, NoDepth, ObjectDepth, Region, Run};
+use linestereo::{Area, Candidate, Dims, NoDepth, ObjectDepth, Region, Run};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -249,18 +249,7 @@ pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectSco
 }
 
 /// The answer for a region without pixels.
-const EMPTY: ObjectDepth = ObjectDepth {
-    label: 0,
-    disparity: Err(NoDepth::LittleSupport),
-    sigma: Disparity::ZERO,
-    slope_q10: [0; 2],
-    spread: Disparity::ZERO,
-    depth: None,
-    depth_sigma: None,
-    nearest: None,
-    support: 0,
-    confidence: Confidence::ZERO,
-};
+const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
 
 /// The table, then every answer that is wrong and every object without one.
 #[must_use]
