@@ -29,24 +29,49 @@ fn fill(
     let dims = image.dims();
     let inside = |x: i32| x.max(0).min(dims.width.into());
     let (from, to) = (inside(columns.start), inside(columns.end));
+    if from >= to {
+        return out.fill(FLAT);
+    }
     let place = |x: i32| usize::try_from(x - columns.start).unwrap_or(usize::MAX);
     let [_, y, _] = rows;
-    if from < to {
-        let last = i32::from(dims.height) - 1;
-        let rows = rows.map(|y| {
-            let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
-            row.get(from as usize..to as usize).unwrap_or(&[])
-        });
-        if let Some(inner) = out.get_mut(place(from)..place(to)) {
-            kernel(rows, inner);
-        }
+    let last = i32::from(dims.height) - 1;
+    let rows = rows.map(|y| {
+        let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
+        row.get(from as usize..to as usize).unwrap_or(&[])
+    });
+    if let Some(inner) = out.get_mut(place(from)..place(to)) {
+        kernel(rows, inner);
     }
-    let Span { start, end } = if from < to { image.usable_columns(y) } else { Span::default() };
+    let Span { start, end } = image.usable_columns(y);
     let [start, end] = [start, end].map(|x| place(i32::from(x).max(from).min(to)));
     if let Some(before) = out.get_mut(..start) {
         before.fill(FLAT);
     }
     if let Some(after) = out.get_mut(end..) {
         after.fill(FLAT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Dims;
+
+    #[test]
+    fn what_lies_outside_is_flat_whatever_was_there() {
+        let (dims, mut pixels) = (Dims { width: 20, height: 20 }, [0; 400]);
+        for (i, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = (i % 20 * 12) as u8;
+        }
+        let image = Gray::new(&pixels, dims, 20).unwrap();
+        for first in [-40, -11, -10, -4, 0, 5, 12, 19, 20, 21, 60] {
+            let mut out = [0xaa; 10];
+            gradients(image, 1, first..first + 10, &mut out);
+            for (&found, x) in out.iter().zip(first..) {
+                // Beside the ends of what is inside, a step of 12 grey levels a pixel.
+                let inside = (first.max(0) + 1..(first + 10).min(20) - 1).contains(&x);
+                assert_eq!(found, if inside { FLAT + 24 } else { FLAT }, "column {x} of {first}..");
+            }
+        }
     }
 }
