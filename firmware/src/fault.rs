@@ -3,8 +3,9 @@
 //! All faults escalate to HardFault, which runs on a stack of its own (see [`crate::startup`]) and reads the program's stack only where
 //! it is readable.
 
+use crate::ending::{end, report, report_number};
+use crate::stack;
 use crate::startup::Exit;
-use crate::{semihosting, stack};
 use core::panic::PanicInfo;
 use core::ptr;
 use cortex_m::peripheral::SCB;
@@ -34,56 +35,53 @@ unsafe fn HardFault() -> ! {
     let overflow = !stack.contains(&frame)
         || cfsr & STACKING_ERROR != 0
         || address.is_some_and(|address| (address as usize) < stack.start && address >= 0x1000_0000);
-    semihosting::report(if overflow { "stack overflow:" } else { "fault:" });
+    report(if overflow { "stack overflow:" } else { "fault:" });
+    let mut pc = 0;
     if stack.contains(&frame) && stack.contains(&(frame + 28)) {
         // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is the program counter.
-        let pc = unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() };
-        report(" pc ", pc);
+        pc = unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() };
+        report_number(" pc ", pc);
     }
-    report(" cfsr ", cfsr);
-    report(" hfsr ", hfsr);
+    report_number(" cfsr ", cfsr);
+    report_number(" hfsr ", hfsr);
     if let Some(address) = address {
-        report(" address ", address);
+        report_number(" address ", address);
     }
-    semihosting::report("\n");
-    semihosting::exit(if overflow { Exit::StackOverflow } else { Exit::Fault } as u32)
+    report("\n");
+    end(if overflow { Exit::StackOverflow } else { Exit::Fault }, pc)
 }
 
 /// No interrupt is enabled: one that comes all the same is a fault.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
-    report("fault: unexpected exception ", number as u32);
-    semihosting::report("\n");
-    semihosting::exit(Exit::Fault as u32)
-}
-
-fn report(name: &str, number: u32) {
-    semihosting::report(name);
-    semihosting::report_hex(number);
+    report_number("fault: unexpected exception ", number as u32);
+    report("\n");
+    end(Exit::Fault, 0)
 }
 
 fn report_decimal(number: u32) {
     if number >= 10 {
         report_decimal(number / 10);
     }
-    semihosting::report(["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][(number % 10) as usize]);
+    report(["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][(number % 10) as usize]);
 }
 
 /// Where, in every build; why, in builds with logs.
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    semihosting::report("panic: ");
+    let line = info.location().map_or(0, |location| location.line());
+    report("panic: ");
     if let Some(location) = info.location() {
-        semihosting::report(location.file());
-        semihosting::report(":");
+        report(location.file());
+        report(":");
         report_decimal(location.line());
     }
-    semihosting::report("\n");
+    report("\n");
     #[cfg(any(feature = "log-semihosting", feature = "log-rtt"))]
     {
         let _ = core::fmt::Write::write_fmt(&mut Console, format_args!("{}\n", info.message()));
     }
-    semihosting::exit(Exit::Panic as u32)
+    end(Exit::Panic, line)
 }
 
 #[cfg(any(feature = "log-semihosting", feature = "log-rtt"))]
@@ -92,7 +90,7 @@ struct Console;
 #[cfg(any(feature = "log-semihosting", feature = "log-rtt"))]
 impl core::fmt::Write for Console {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
-        semihosting::report(text);
+        report(text);
         Ok(())
     }
 }

@@ -12,7 +12,7 @@
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! rig_store       the rig in two slots of a flash
 //! memory          frames, rectifiers, scratch memory and output, in one static
-//! startup, fault, fence, stack, semihosting    only on a board: the only unsafe code
+//! startup, ending, fault, fence, stack, semihosting    only on a board: the only unsafe code
 //! ```
 //!
 //! Everything but the last line also compiles on a PC, where the tests and the simulator use it.
@@ -34,10 +34,12 @@ pub mod session;
 pub mod watch;
 
 #[cfg(target_os = "none")]
+pub mod ending;
+#[cfg(target_os = "none")]
 pub mod fault;
 #[cfg(target_os = "none")]
 pub mod fence;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod semihosting;
 #[cfg(target_os = "none")]
 pub mod stack;

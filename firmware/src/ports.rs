@@ -1,7 +1,10 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
 use crate::camera::FrameStart;
+use crate::capture::Losses;
+use crate::memory::Memory;
 use linestereo::{Counts, Dims, Match, PointClaim};
+use linestereo_wire::Reset;
 
 /// A clock that counts up and wraps.
 pub trait Clock {
@@ -53,9 +56,47 @@ pub trait ByteSink {
 
 /// Where pairs come from: a camera, or what stands for one.
 pub trait PairSource {
-    /// Puts the next pair into the memories of the left and the right frame, from their starts and without padding, and says what it is.
-    /// `None` when the camera delivered no whole pair.
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair>;
+    /// Puts the next pair into the memory's frames, from their starts and without padding, and says what it is: with the size that the
+    /// memory's rig rectifies to, rectified, else as it comes. `None` when the camera delivered no whole pair.
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair>;
+
+    /// What was lost on the way so far; `None` where nothing can be.
+    fn losses(&self) -> Option<Losses> {
+        None
+    }
+}
+
+/// What resets the board when the program no longer does its work.
+pub trait Watchdog {
+    /// The program has done some.
+    fn feed(&mut self);
+}
+
+/// Nothing resets the board.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoWatchdog;
+
+impl Watchdog for NoWatchdog {
+    fn feed(&mut self) {}
+}
+
+/// What a board gives to the program `live` after a reset.
+#[derive(Debug)]
+pub struct Peripherals<C, H, A, P, F, W> {
+    /// A [`Clock`].
+    pub clock: C,
+    /// The host's port: a [`ByteSource`] and [`ByteSink`].
+    pub host: H,
+    /// The autopilot's port: a [`ByteSink`].
+    pub autopilot: A,
+    /// The cameras: a [`PairSource`].
+    pub pairs: P,
+    /// Where the rig is kept: a [`RigKeeper`](crate::rig_store::RigKeeper), if there is one.
+    pub flash: Option<F>,
+    /// A [`Watchdog`].
+    pub watchdog: W,
+    /// Why the board was reset, if it knows.
+    pub reset: Option<Reset>,
 }
 
 /// A pair that lies in the frames.

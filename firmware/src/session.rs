@@ -7,8 +7,8 @@ use crate::watch::Watch;
 use heapless::Vec;
 use linestereo::{Area, Counts, Dims, MIN_SIDE, ObjectDepth, ObstacleParams, ObstaclePlan, PairHealth, Params, Plan};
 use linestereo_wire::{
-    Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, RigFault,
-    RigImage, RigInUse, RigReport,
+    Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
+    RigFault, RigImage, RigInUse, RigReport,
 };
 
 /// The state that commands change.
@@ -28,6 +28,8 @@ pub struct Session<'a> {
     pub watch: Watch,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
     rig: Option<[u8; RigImage::BYTES]>,
+    /// Why the board was reset, if it knows.
+    pub reset: Option<Reset>,
     report: RigReport,
     keeper: Option<&'a mut dyn RigKeeper>,
     /// Send results?
@@ -66,6 +68,7 @@ impl<'a> Session<'a> {
             regions: Regions { boxes: Vec::new(), only: false },
             watch: Watch::new(),
             rig: None,
+            reset: None,
             report: RigReport::NONE,
             keeper: None,
             running: false,
@@ -100,7 +103,8 @@ impl<'a> Session<'a> {
         let _ = board.push_str(self.board.name); // names are short
         let Dims { width, height } = self.board.largest;
         let segments = u16::try_from(self.board.segments).unwrap_or(u16::MAX);
-        Hello { board, largest_width: width, largest_height: height, segments, rig: self.report }
+        let (rig, reset) = (self.report, self.reset);
+        Hello { board, largest_width: width, largest_height: height, segments, rig, reset }
     }
 
     /// Takes a command. What is refused changes nothing.

@@ -65,7 +65,7 @@ macro_rules! program {
 #[cfg(target_os = "none")]
 mod board {
     use super::Exit;
-    use crate::{semihosting, stack};
+    use crate::{ending, stack};
     use core::arch::asm;
     use cortex_m::peripheral::MPU;
 
@@ -92,7 +92,7 @@ mod board {
 
     #[expect(improper_ctypes_definitions, reason = "both sides are this file; a function pointer is one register")]
     extern "C" fn enter(program: fn() -> Exit) -> ! {
-        semihosting::exit(program() as u32)
+        ending::end(program(), 0)
     }
 
     /// Forbids the 256 MiB below the stack.

@@ -236,6 +236,11 @@ fn rings(hardware: &Rc<RefCell<Hardware>>) -> [FakeRing; 2] {
 const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 type Frames = [[u8; WIDTH as usize * ROWS as usize]; 2];
 
+/// What lies in a board's memory.
+fn frames(memory: &mut impl Memory) -> Frames {
+    memory.frames().map(|frame| frame[..size_of::<Frames>() / 2].try_into().unwrap())
+}
+
 /// The frame that lies there whole, of both cameras. Anything else is the failure that must not be.
 fn frame_of(frames: &Frames) -> Result<u32, String> {
     let mut found = None;
@@ -569,17 +574,14 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
     let hardware = running(400, 0, 1);
     let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
     let capture = Capture::new(LIMITS, FrameStart::Free);
-    let mut source = CameraSource::new(rings, capture, DIMS, 200 * PERIOD_US as u32);
-    let mut pixels: Frames = [[0; _]; 2];
+    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 200 * PERIOD_US as u32);
+    let mut memory = Box::new(Workspace::new());
     let mut skews = Vec::new();
-    while let Some(pair) = {
-        let [left, right] = &mut pixels;
-        source.next_pair([left, right])
-    } {
+    while let Some(pair) = source.next_pair(&mut *memory, None) {
         assert_eq!(pair.frame_start, Some(FrameStart::Free));
         let [left_us, right_us] = pair.times_us.unwrap();
         // The times are those of the frames that lie there.
-        let [left, right] = pixels.each_ref().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
+        let [left, right] = memory.frames().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
         assert_eq!([left_us, right_us], [left * PERIOD_US, right * (PERIOD_US + 1)]);
         skews.push(left_us.abs_diff(right_us));
     }
@@ -592,8 +594,8 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
 fn no_pair_for_long_is_a_pair_that_is_missing() {
     let hardware = hardware(0);
     let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
-    let mut source = CameraSource::new(rings, Capture::new(LIMITS, FrameStart::Triggered), DIMS, 5000);
-    assert_eq!(source.next_pair([&mut [0; 192], &mut [0; 192]]), None);
+    let mut source = CameraSource::new(rings, FreeCameras, Capture::new(LIMITS, FrameStart::Triggered), DIMS, 5000);
+    assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
     assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().of(eye, Fault::Stopped)), [1, 1]);
     assert!((5000..5010).contains(&hardware.borrow().now_us));
 }
@@ -608,12 +610,11 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
     let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
     // The first call ends two rows after frame 2 has started.
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut source = CameraSource::new(rings, capture, DIMS, 2 * PERIOD_US as u32 + 25);
-    let mut pixels: Frames = [[0; _]; 2];
+    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 2 * PERIOD_US as u32 + 25);
+    let mut memory = Box::new(Workspace::new());
     let mut next = || {
-        let [left, right] = &mut pixels;
-        let pair = source.next_pair([left, right]);
-        pair.map(|pair| (frame_of(&pixels).unwrap(), pair.times_us.unwrap()[0]))
+        let pair = source.next_pair(&mut *memory, None);
+        pair.map(|pair| (frame_of(&frames(&mut *memory)).unwrap(), pair.times_us.unwrap()[0]))
     };
     assert_eq!([next(), next(), next()], [None, Some((3, 3 * PERIOD_US)), Some((4, 4 * PERIOD_US))]);
 }
@@ -628,10 +629,9 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
         let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
         let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
         capture.set_middle_us(middle_us);
-        let mut source = CameraSource::new(rings, capture, DIMS, 1000);
-        let [mut left, mut right] = [[0; 192]; 2];
-        let pair = source.next_pair([&mut left, &mut right]).unwrap();
+        let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 1000);
         let mut memory = Box::new(Workspace::new());
+        let pair = source.next_pair(&mut *memory, None).unwrap();
         let health = Watch::new().run(&mut *memory, &plan, None, pair.times_us, &mut ()).unwrap();
         // Times do not begin before 0.
         let skew_us = (20 + middle_us[1]).abs_diff(0);

@@ -2,7 +2,7 @@
 
 use core::cell::{Cell, RefCell};
 use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, NoDepth, ObjectDepth, View};
-use linestereo_firmware::boards::NODES;
+use linestereo_firmware::boards::capacities::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::memory::Memory;
@@ -196,6 +196,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             }
             Message::Segments(_) | Message::Points(_) => {}
             Message::Objects(list) => panic!("nobody asked for {list:?}"),
+            Message::Capture(lost) => panic!("a file loses nothing: {lost}"),
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
         }
     }
@@ -454,7 +455,7 @@ impl ByteSink for Line<'_> {
 struct LooseCamera(u32, Painter);
 
 impl PairSource for LooseCamera {
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair> {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
         self.0 += 1;
         match self.0 {
             1 => None,
@@ -462,9 +463,13 @@ impl PairSource for LooseCamera {
             3 => {
                 let times_us = Some([7_000_000, 7_002_500]);
                 let frame_start = Some(FrameStart::Free);
-                Painter::new(DIMS).next_pair(frames).map(|pair| CapturedPair { times_us, frame_start, ..pair })
+                Painter::new(DIMS).next_pair(memory, rectified).map(|pair| CapturedPair {
+                    times_us,
+                    frame_start,
+                    ..pair
+                })
             }
-            _ => self.1.next_pair(frames),
+            _ => self.1.next_pair(memory, rectified),
         }
     }
 }
@@ -647,7 +652,7 @@ impl Clock for Slow {
 struct Silent;
 
 impl PairSource for Silent {
-    fn next_pair(&mut self, _: [&mut [u8]; 2]) -> Option<CapturedPair> {
+    fn next_pair(&mut self, _: &mut impl Memory, _: Option<Dims>) -> Option<CapturedPair> {
         None
     }
 }

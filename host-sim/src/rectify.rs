@@ -14,7 +14,7 @@ const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 /// Bytes of raw rows: a whole image of 1280x1200.
 const BAND: usize = 1280 * 1200;
 
-type BoardMesh = Mesh<{ boards::NODES }, { BOARD.height as usize }>;
+type BoardMesh = Mesh<{ boards::capacities::NODES }, { BOARD.height as usize }>;
 type PcMesh = Mesh<{ fine_mesh_nodes(LARGEST) }, { LARGEST.height as usize }>;
 
 /// Why a pair cannot be rectified.

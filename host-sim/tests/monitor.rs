@@ -58,7 +58,14 @@ fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
 
 fn hello() -> Message {
     let board = "a board".try_into().unwrap();
-    Message::Hello(Hello { board, largest_width: 320, largest_height: 240, segments: 512, rig: RigReport::NONE })
+    Message::Hello(Hello {
+        board,
+        largest_width: 320,
+        largest_height: 240,
+        segments: 512,
+        rig: RigReport::NONE,
+        reset: None,
+    })
 }
 
 /// The packet with one bit changed where it costs the checksum and nothing else.

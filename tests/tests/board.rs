@@ -45,7 +45,7 @@ fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, 
 
 #[test]
 fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
         let elf = firmware::build(&toolchain, &board, "selftest", Logs::Semihosting).unwrap();
         let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
@@ -84,7 +84,7 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
 
 #[test]
 fn every_kernel_equals_the_portable_one_between_fences() {
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
         let elf = firmware::build(&toolchain, &board, "kernels", Logs::Semihosting).unwrap();
         let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
@@ -106,7 +106,7 @@ fn every_kernel_equals_the_portable_one_between_fences() {
 
 #[test]
 fn a_rendered_scene_gives_the_json_of_the_pc() {
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         let Some(machine) = machine(board) else { return };
         for (width, height) in [(320, 240), (160, 120), (128, 96)] {
             let pair = rendered(width, height);
@@ -146,7 +146,7 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
 
 #[test]
 fn worst_cases_are_the_same_to_the_last_byte() {
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         let Some(machine) = machine(board) else { return };
         let mut twin = Twin::of(&board);
         for dearest in [false, true] {
@@ -176,7 +176,7 @@ fn paint(case: &Case) -> (GrayImage, GrayImage) {
 
 #[test]
 fn faults_end_in_exit_codes() {
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
         let elf = firmware::build(&toolchain, &board, "faults", Logs::None).unwrap();
         for (fault, exit, report) in [
@@ -206,7 +206,7 @@ fn pair_bytes(id: u16, dims: Dims, pixels: &[&[u8]]) -> Vec<u8> {
 
 #[test]
 fn bad_input_is_named_and_the_next_good_pair_is_matched() {
-    let board = Board::ALL[1];
+    let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
     let (left, right) = rendered(128, 96);
     let good = |id| pair_bytes(id, left.dims, &[&left.pixels, &right.pixels]);
@@ -284,7 +284,7 @@ fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
 
 #[test]
 fn raw_pairs_give_the_json_of_the_pc() {
-    for (board, raws) in Board::ALL.into_iter().zip([[(320, 240), (640, 480)], [(160, 120), (400, 300)]]) {
+    for (board, raws) in Board::MEASURED.into_iter().zip([[(320, 240), (640, 480)], [(160, 120), (400, 300)]]) {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
             let (left, right) = rendered(width, height);
@@ -307,7 +307,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
 
 #[test]
 fn pixels_without_source_are_not_used_on_a_board() {
-    let board = Board::ALL[1];
+    let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
     let (left, right) = rendered(160, 120);
     let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
@@ -338,7 +338,7 @@ fn pixels_without_source_are_not_used_on_a_board() {
 
 #[test]
 fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
-    let board = Board::ALL[1];
+    let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
     let (left, right) = rendered(160, 120);
     let rigs = [Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }].map(|dims| raw_rig(left.dims, dims));
@@ -377,7 +377,7 @@ fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
 
 #[test]
 fn a_live_board_answers_on_its_port() {
-    let board = Board::ALL[1];
+    let board = Board::MEASURED[1];
     let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
     let elf = firmware::build(&toolchain, &board, "live", Logs::None).unwrap();
     let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
@@ -507,7 +507,7 @@ fn the_core_for_boards_links_without_a_panic_handler() {
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
     let Some(toolchain) = or_skip(Toolchain::find(&board::top().unwrap())) else { return };
-    for board in Board::ALL {
+    for board in Board::MEASURED {
         // The last one does panic, on purpose: what is searched for is there to be found.
         for (program, panics) in [("live", false), ("replay", false), ("bench", false), ("faults", true)] {
             let elf = std::fs::read(firmware::build(&toolchain, &board, program, Logs::None).unwrap()).unwrap();

@@ -44,6 +44,7 @@
 #![deny(missing_debug_implementations)]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod board_state;
 mod command;
 mod frame;
 mod health;
@@ -55,6 +56,7 @@ mod rig_fault;
 mod rig_image;
 mod send;
 
+pub use board_state::{CaptureReport, Reset, ResetCause};
 pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigBytes, RigUpdate};
 pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};

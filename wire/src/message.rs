@@ -1,5 +1,6 @@
 //! What a board says.
 
+use crate::board_state::{CaptureReport, Reset};
 use crate::command::Refusal;
 use crate::frame::{FrameHead, Points, Segments};
 use crate::object::Objects;
@@ -25,6 +26,8 @@ pub enum Message {
     Points(Points),
     /// Depths of the objects that were asked for, of the frame that began last.
     Objects(Objects),
+    /// What the cameras lost so far: sent when it has changed, at most once a second.
+    Capture(CaptureReport),
 }
 
 /// What a board is.
@@ -40,6 +43,8 @@ pub struct Hello {
     pub segments: u16,
     /// The rig it uses.
     pub rig: RigReport,
+    /// Why it was reset, if it knows.
+    pub reset: Option<Reset>,
 }
 
 /// What became of a command.

@@ -158,7 +158,7 @@ fn a_buffer_needs_every_byte_of_the_packet() {
     }
 }
 
-/// The bytes of version 3. When this fails, the records changed: give them another [`VERSION`].
+/// The bytes of version 4. When this fails, the records changed: give them another [`VERSION`].
 #[test]
 fn the_layout_of_this_version_is_exactly_this() {
     /// What is under the byte stuffing and before the checksum.
@@ -169,19 +169,25 @@ fn the_layout_of_this_version_is_exactly_this() {
         assert_eq!(u32::from_le_bytes(*crc), crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload));
         payload.to_vec()
     }
-    assert_eq!(VERSION, 3);
+    assert_eq!(VERSION, 4);
     let rig = RigInUse { raw: [752, 480], rectified: [320, 204], slot: Some(1) };
     let rig = RigReport { in_use: Some(rig), slots: [Err(RigFault::Damaged), Ok(300)] };
-    let hello =
-        Hello { board: "qemu".try_into().unwrap(), largest_width: 320, largest_height: 240, segments: 512, rig };
+    let hello = Hello {
+        board: "qemu".try_into().unwrap(),
+        largest_width: 320,
+        largest_height: 240,
+        segments: 512,
+        rig,
+        reset: Some(Reset { cause: ResetCause::Fault, place: 300 }),
+    };
     let expected = [
-        3, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
-        0, 0xac, 2,
+        4, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
+        0, 0xac, 2, 1, 6, 0xac, 2,
     ];
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        3, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 0, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+        4, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 0, 1, 2, 3, 4, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15,
         16, 17, 3,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
@@ -211,24 +217,24 @@ fn the_layout_of_this_version_is_exactly_this() {
         census_q6: 13,
     };
     let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
-    let expected = [3, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
+    let expected = [4, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
     assert_eq!(payload(&Message::Segments(segments)), expected);
     let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
     let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
-    let expected = [3, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
+    let expected = [4, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
     assert_eq!(payload(&Message::Answer(answer)), expected);
-    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x83, 4, 2]);
+    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x84, 4, 2]);
     let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
-    let expected = [0x83, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
+    let expected = [0x84, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0];
     assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
     let bytes = [7, 8, 9].into_iter().collect();
-    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x83, 6, 5, 3, 7, 8, 9]);
+    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x84, 6, 5, 3, 7, 8, 9]);
     let head = PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
-    let expected = [0x83, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
+    let expected = [0x84, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
     assert_eq!(payload(&Command { id: 7, request: Request::RawPair(head) }), expected);
     let of = RegionBox { label: 9, left: 1, top: 2, right: 300, bottom: 4 };
     let regions = Regions { boxes: [of].into_iter().collect(), only: true };
-    let expected = [0x83, 8, 7, 1, 9, 1, 2, 0xac, 2, 4, 1];
+    let expected = [0x84, 8, 7, 1, 9, 1, 2, 0xac, 2, 4, 1];
     assert_eq!(payload(&Command { id: 8, request: Request::SetRegions(regions) }), expected);
     let object = ObjectRecord {
         label: 9,
@@ -242,7 +248,7 @@ fn the_layout_of_this_version_is_exactly_this() {
     };
     let refused = ObjectRecord { disparity_q6: Err(2), depth_q16: None, ..object };
     let objects = Objects { sequence: 4, list: [object, refused].into_iter().collect() };
-    let expected = [3, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
+    let expected = [4, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
     assert_eq!(payload(&Message::Objects(objects)), expected);
 }
 
@@ -339,4 +345,19 @@ fn a_board_says_what_its_slots_hold() {
     let rig = RigInUse { raw: [640, 480], rectified: [320, 240], slot: Some(0) };
     let report = RigReport { in_use: Some(rig), slots: [Ok(8), Err(RigFault::OtherVersion)] };
     assert_eq!(report.to_string(), "rig: 640x480 rectified to 320x240; slots: image 8 (in use), other version");
+}
+
+#[test]
+fn what_a_board_says_of_itself_reads_like_a_sentence() {
+    let said = |cause, place| Reset { cause, place }.to_string();
+    assert_eq!(said(ResetCause::Watchdog, 0), "the watchdog: no frame was finished in time");
+    assert!(said(ResetCause::Fault, 0x0800_1234).ends_with("address 0x08001234"));
+    assert!(said(ResetCause::Panic, 77).ends_with("line 77 of a source file"));
+    let mut lost = CaptureReport::default();
+    assert!(lost.is_empty() && lost.to_string() == "nothing");
+    lost.faults[0][4] = 2;
+    lost.faults[1][5] = 1;
+    (lost.sensors[1], lost.unpaired) = (9, 3);
+    assert_eq!(lost.to_string(), "left: torn_frame 2; right: stopped 1, sensor 9; unpaired 3");
+    assert!(Reset::of(ResetCause::BrownOut).is_fault() && !Reset::of(ResetCause::PowerOn).is_fault());
 }

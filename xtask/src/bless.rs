@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
-use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
+use linestereo_firmware::boards::{Board, capacities, mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::programs::selftest;
@@ -12,11 +12,12 @@ use std::path::Path;
 pub(crate) fn run(top: &Path) -> Result<()> {
     let mut text = String::from(
         "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
-         use linestereo::Stage;\n\n\
+         use crate::boards::Board;\nuse linestereo::Stage;\n\n\
          /// One digest per stage, and one of what an autopilot is told.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
-    write(&mut text, &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
-    write(&mut text, &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
+    text.push_str(OF);
+    write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(capacities::qvga::Workspace::new()))?;
+    write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(capacities::qqvga::Workspace::new()))?;
     let path = top.join("firmware/src/programs/expected.rs");
     let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
     std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
@@ -24,13 +25,20 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     Ok(())
 }
 
-fn write(text: &mut String, board: &Board, memory: &mut impl Memory) -> Result<()> {
-    let constant = board.name.to_uppercase().replace('-', "_");
+/// Boards with the same capacities have the same digests.
+const OF: &str = "
+/// Of the cases of a board, in their order: the same on every board of these capacities, whatever its processor.
+pub fn of(board: &Board) -> &'static [Digests] {
+    if board.largest.width == 320 { &QVGA } else { &QQVGA }
+}
+";
+
+fn write(text: &mut String, constant: &str, board: &Board, memory: &mut impl Memory) -> Result<()> {
     let cases: Vec<Case> = Case::all(board).collect();
     let (name, count) = (board.name, cases.len());
     writeln!(
         text,
-        "\n/// Of the cases of {name}, in their order.\n#[rustfmt::skip]\npub const {constant}: [Digests; {count}] = ["
+        "\n/// Of {name} and every board with its capacities.\n#[rustfmt::skip]\npub const {constant}: [Digests; {count}] = ["
     )?;
     for case in cases {
         let digests = selftest::digests(memory, &case).with_context(|| format!("{case} does not run on {name}"))?;

@@ -44,7 +44,7 @@ impl Boards {
     fn list(&self) -> Result<Vec<Board>> {
         match &self.board {
             Some(name) => Ok(vec![board::named(name)?]),
-            None => Ok(Board::ALL.into()),
+            None => Ok(Board::MEASURED.into()),
         }
     }
 }
@@ -211,7 +211,7 @@ fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String
     // Files of one run would overwrite those of the other: by default one board.
     let board = match &boards.board {
         Some(name) => board::named(name)?,
-        None => Board::ALL[0],
+        None => Board::MEASURED[0],
     };
     let Some(port) = serial else {
         return run_program(&board, program, &arguments)?.success(program, &board);

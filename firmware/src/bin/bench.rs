@@ -3,7 +3,7 @@
 
 #[cfg(target_os = "none")]
 fn bench() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
     use linestereo_firmware::programs::{bench, selftest};
@@ -13,7 +13,7 @@ fn bench() -> linestereo_firmware::startup::Exit {
     let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
     let Some(memory) = memory::take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
-    for case in Case::all(&SELECTED) {
+    for case in Case::all(&selected::BOARD) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
         let Ok(plan) = case.params().plan(case.dims) else { continue };

@@ -8,7 +8,7 @@ fn blocks() -> linestereo_firmware::startup::Exit {
     use core::fmt::Write as _;
     use cortex_m::interrupt::{self, Mutex};
     use linestereo::Dims;
-    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::programs::block_kernels::BlockKernels;
     use linestereo_firmware::programs::blocks::{self, Dense, Grid, METHODS, Workspace};
@@ -51,7 +51,7 @@ fn blocks() -> linestereo_firmware::startup::Exit {
                 }
             }
             None => {
-                for case in Case::all(&SELECTED).filter(|case| !case.dearest) {
+                for case in Case::all(&selected::BOARD).filter(|case| !case.dearest) {
                     let [left, right] = memory.frames();
                     case.scene.paint(case.dims, left, right);
                     all_fit &= measure(memory, &clock, &mut table, case.dims, case);

@@ -1,26 +1,28 @@
-//! A board at work: results and commands on UART 0, MAVLink for an autopilot on UART 1, frames painted in place of a camera. Argument, if any: a file in place of flash.
+//! A board at work: results and commands on the host's port, MAVLink on the autopilot's, pairs from the board's cameras. Emulated boards have
+//! UARTs, frames painted in place of cameras, and if they get an argument a file in place of flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 fn live() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::{SELECTED, flash_file::FlashFile, mps2};
-    use linestereo_firmware::programs::live::{Live, Painter};
-    use linestereo_firmware::semihosting::Arguments;
+    use linestereo_firmware::boards::selected;
+    use linestereo_firmware::ports::{Peripherals, Watchdog as _};
+    use linestereo_firmware::programs::live::Live;
     use linestereo_firmware::session::Session;
     use linestereo_firmware::{memory, startup::Exit};
 
-    let arguments = Arguments::ask();
     let Some(memory) = memory::take() else { return Exit::Usage };
-    let Ok(mut flash) = arguments.get(0).map(FlashFile::slots).transpose() else { return Exit::Usage };
-    let session = match &mut flash {
-        Some(flash) => Session::with_flash(SELECTED, flash, memory),
-        None => Session::new(SELECTED),
+    let Some(board) = selected::peripherals() else { return Exit::Usage };
+    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, reset } = board;
+    let mut session = match &mut flash {
+        Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
+        None => Session::new(selected::BOARD),
     };
-    let mut camera = Painter::new(SELECTED.largest);
-    let mut live = Live::start(session, mps2::InstructionClock::start(), mps2::Uart::start())
-        .with_autopilot(mps2::Uart::start_for_autopilot());
+    session.reset = reset;
+    let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
-        live.turn(memory, &mut camera);
+        if live.turn(memory, &mut pairs).is_work() {
+            watchdog.feed();
+        }
     }
 }
 

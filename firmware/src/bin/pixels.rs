@@ -3,7 +3,7 @@
 
 #[cfg(target_os = "none")]
 fn pixels() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory;
     use linestereo_firmware::programs::pixels;
@@ -13,7 +13,7 @@ fn pixels() -> linestereo_firmware::startup::Exit {
     let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
     let Some(memory) = memory::take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
-    for case in Case::all(&SELECTED) {
+    for case in Case::all(&selected::BOARD) {
         match pixels::measure(memory, &clock, &case) {
             Ok(measured) => pixels::line(&mut table, &case, &measured),
             Err(_) => return Exit::Difference,

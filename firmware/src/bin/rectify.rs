@@ -28,7 +28,7 @@ mod taken {
 
 #[cfg(target_os = "none")]
 fn rectify() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::{SELECTED, mps2::InstructionClock};
+    use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::programs::rectify::{self, BuiltIn};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::startup::Exit;
@@ -36,7 +36,7 @@ fn rectify() -> linestereo_firmware::startup::Exit {
     let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
     let Some(workspace) = taken::take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
-    for &dims in SELECTED.sizes {
+    for &dims in selected::BOARD.sizes {
         for rig in BuiltIn::ALL {
             match rectify::measure(workspace, &clock, rig, dims) {
                 Ok(measured) => rectify::line(&mut table, rig, dims, &measured),

@@ -4,7 +4,10 @@
 #[cfg(target_os = "none")]
 fn replay() -> linestereo_firmware::startup::Exit {
     use core::fmt::Write as _;
-    use linestereo_firmware::boards::{SELECTED, flash_file::FlashFile, mps2::InstructionClock};
+    use linestereo_firmware::boards::{
+        flash_file::FlashFile,
+        selected::{self, InstructionClock},
+    };
     use linestereo_firmware::programs::replay::{self, Event};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::session::Session;
@@ -26,8 +29,8 @@ fn replay() -> linestereo_firmware::startup::Exit {
         return Exit::Usage;
     };
     let mut session = match &mut flash {
-        Some(flash) => Session::with_flash(SELECTED, flash, memory),
-        None => Session::new(SELECTED),
+        Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
+        None => Session::new(selected::BOARD),
     };
     let counters = replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
         Event::Matched { sequence, rectification, costs, objects } => {

@@ -3,13 +3,12 @@
 
 #[cfg(target_os = "none")]
 fn selftest() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::SELECTED;
+    use linestereo_firmware::boards::selected;
     use linestereo_firmware::programs::{expected, selftest};
     use linestereo_firmware::{error, info, memory, startup::Exit};
 
     let Some(memory) = memory::take() else { return Exit::Usage };
-    let expected = if SELECTED.name == "mps2-an386" { &expected::MPS2_AN386 } else { &expected::MPS2_AN500 };
-    let all_equal = selftest::run(memory, &SELECTED, expected, |outcome| {
+    let all_equal = selftest::run(memory, &selected::BOARD, expected::of(&selected::BOARD), |outcome| {
         let (scene, width, height) = (outcome.case.scene.name(), outcome.case.dims.width, outcome.case.dims.height);
         let kind = if outcome.case.dearest { ", dearest parameters" } else { "" };
         match outcome.differs_in() {

@@ -1,22 +1,52 @@
-//! The boards: what each can hold, and its peripherals.
+//! The boards: one file each, with what it can hold and what its peripherals are. `docs/porting.md` adds one.
 
-pub mod mps2_an386;
-pub mod mps2_an500;
+pub mod capacities;
 
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod flash_file;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod mps2;
 
-use linestereo::{Dims, mesh_nodes};
+use linestereo::Dims;
+
+/// Every board by its feature and its file, the default one first. [`selected`] is the one that is built.
+macro_rules! boards {
+    ($($feature:literal $board:ident)*) => {
+        $(pub mod $board;)*
+
+        impl Board {
+            /// Every board, the default one first.
+            pub const ALL: [Self; [$($feature),*].len()] = [$($board::BOARD),*];
+        }
+
+        $(
+            /// The board that is built.
+            #[cfg(all(target_os = "none", feature = $feature))]
+            pub use $board as selected;
+        )*
+    };
+}
+
+/// On a PC the default one.
+#[cfg(not(target_os = "none"))]
+pub use mps2_an500 as selected;
+
+boards! {
+    "mps2-an500" mps2_an500
+    "mps2-an386" mps2_an386
+}
 
 /// What a program or a PC has to know of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Board {
-    /// Its name: of the feature that builds for it, of QEMU's machine, of `--on`.
+    /// Its name: of the feature that builds for it, of `--on`.
     pub name: &'static str,
     /// Its processor.
     pub processor: &'static str,
+    /// What rustc calls it.
+    pub target: &'static str,
+    /// What runs its programs.
+    pub device: Device,
     /// The largest pair: frames may be no wider than this and have no more pixels.
     pub largest: Dims,
     /// Segments it lists per image.
@@ -33,14 +63,40 @@ pub struct Board {
     pub sizes: &'static [Dims],
 }
 
+/// What runs a board's programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Device {
+    /// QEMU: the program, and the arguments that choose the machine.
+    Qemu {
+        /// Such as `qemu-system-arm`.
+        program: &'static str,
+        /// Such as `-machine mps2-an500`.
+        arguments: &'static [&'static str],
+    },
+    /// Silicon: the name of the chip for probe-rs.
+    Chip(&'static str),
+}
+
 impl Board {
-    /// Every board, the default one first.
-    pub const ALL: [Self; 2] = [mps2_an500::BOARD, mps2_an386::BOARD];
+    /// The two whose every program is run and measured: the classes of processors that the core is made for. The others show that bits are
+    /// the same elsewhere.
+    pub const MEASURED: [Self; 2] = [mps2_an500::BOARD, mps2_an386::BOARD];
 
     /// The board of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|board| board.name == name)
+    }
+
+    /// Those that QEMU runs.
+    pub fn emulated() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(Self::is_emulated)
+    }
+
+    /// Does QEMU run it?
+    #[must_use]
+    pub const fn is_emulated(&self) -> bool {
+        matches!(self.device, Device::Qemu { .. })
     }
 
     /// Does it hold pairs of this size?
@@ -50,20 +106,6 @@ impl Board {
     }
 }
 
-/// Nodes of a mesh, on every board: every 16 px of 320x240, and as many every 8 px of 160x120, where lenses may ask for it. A mesh depends on
-/// the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
-pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });
-
 const fn pixels(dims: Dims) -> usize {
     dims.width as usize * dims.height as usize
 }
-
-/// The memory of the board that is built.
-#[cfg(feature = "mps2-an386")]
-pub type Selected = mps2_an386::Workspace;
-/// The memory of the board that is built.
-#[cfg(not(feature = "mps2-an386"))]
-pub type Selected = mps2_an500::Workspace;
-
-/// The board that is built.
-pub const SELECTED: Board = if cfg!(feature = "mps2-an386") { mps2_an386::BOARD } else { mps2_an500::BOARD };

@@ -1,7 +1,25 @@
 //! Peripherals that QEMU's mps2 machines have in common, all of Arm's CMSDK: APB timer 0 as the clock, UART 0 as the
 //! host's port, UART 1 as the autopilot's.
 
-use crate::ports::{ByteSink, ByteSource, Clock};
+use super::flash_file::FlashFile;
+use crate::ports::{ByteSink, ByteSource, Clock, NoWatchdog, PairSource, Peripherals};
+use crate::programs::live::Painter;
+use crate::rig_store::RigStore;
+use crate::semihosting::Arguments;
+
+/// What such a machine gives to `live`: painted pairs, and the file that its argument names in place of flash. `None` when that cannot be used.
+pub fn peripherals()
+-> Option<Peripherals<InstructionClock, Uart, Uart, impl PairSource, RigStore<FlashFile>, NoWatchdog>> {
+    Some(Peripherals {
+        clock: InstructionClock::start(),
+        host: Uart::start(),
+        autopilot: Uart::start_for_autopilot(),
+        pairs: Painter::new(super::selected::BOARD.largest),
+        flash: Arguments::ask().get(0).map(FlashFile::slots).transpose().ok()?,
+        watchdog: NoWatchdog,
+        reset: None,
+    })
+}
 
 /// CMSDK APB timer 0 (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD, 25 MHz, counts down.
 const TIMER0: *mut u32 = 0x4000_0000 as *mut u32;

@@ -12,6 +12,7 @@
 //! any failure  -> reset pin held, else standby written, else HalfConfigured; nothing but `start` is taken after it
 //! CameraPair      both in one mode; exposure and gain of the left one given to both; one missing: the other is put to standby
 //! Trigger         one pulse for both
+//! StereoCamera    all of it at work: started again after a failure, a pulse per pair, exposed alike
 //! ```
 //! A model ([`Mt9v034`], [`Hm01b0`], [`Ov7670`]) is tables of registers; what is done with them, and what happens when it fails, is
 //! written once, in [`Chip`].
@@ -24,6 +25,7 @@ mod mt9v034;
 mod ov7670;
 mod pair;
 mod registers;
+mod stereo;
 mod trigger;
 
 pub use chip::Chip;
@@ -32,6 +34,7 @@ pub use mt9v034::Mt9v034;
 pub use ov7670::Ov7670;
 pub use pair::{CameraPair, PairError, PairExposure};
 pub use registers::{Identity, Step, Wire};
+pub use stereo::{StereoCamera, StereoConfig};
 pub use trigger::Trigger;
 
 use core::fmt;

@@ -28,11 +28,12 @@ mod tracker;
 
 pub use pairing::{Capture, Report};
 pub use sinks::{FrameRows, MemoryRows, luma};
-pub use source::CameraSource;
+pub use source::{CameraSource, Cameras, FreeCameras};
 pub use tracker::Tracker;
 
 use core::fmt;
 use linestereo::{Dims, Eye, RowError};
+use linestereo_wire::CaptureReport;
 
 /// What a camera's interrupts have seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +90,9 @@ pub trait RowRing {
 
     /// The clock of the signals, microseconds.
     fn now_us(&self) -> u64;
+
+    /// Sleeps until there may be a signal, of this camera or the other one, for at most some milliseconds. Called when there was none.
+    fn rest(&self) {}
 }
 
 /// Where raw rows go.
@@ -179,6 +183,14 @@ pub struct Losses {
     pub unpaired: u32,
     /// Frames that were not fetched in time because the last pair was still worked on.
     pub skipped: u32,
+    /// How often the left and the right sensor did not do what it was told.
+    pub sensors: [u32; 2],
+}
+
+impl From<Losses> for CaptureReport {
+    fn from(Losses { faults, unpaired, skipped, sensors }: Losses) -> Self {
+        Self { faults, unpaired, skipped, sensors }
+    }
 }
 
 impl Losses {

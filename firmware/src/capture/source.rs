@@ -1,40 +1,108 @@
-//! Two cameras as the source of a program's pairs, with frames as the sensors deliver them.
+//! Two cameras as the source of a program's pairs.
+//!
+//! ```text
+//! shoot   a trigger for both, or nothing where they run free; a sensor that failed is started again first
+//! turn    rows to the rectifiers as they come, or to the frames as they are, until both frames are whole; sleep in between
+//! follow  what the left sensor chose is given to the right one; when the middle of the next exposure will be
+//! ```
 
-use super::{Capture, FrameRows, Report, RowRing};
+use super::{Capture, Fault, FrameRows, Losses, MemoryRows, Report, RowRing, RowSink};
+use crate::memory::Memory;
 use crate::ports::{CapturedPair, PairSource};
 use linestereo::Dims;
 
+/// The sensors of both cameras, as the source of pairs needs them. [`StereoCamera`](crate::camera::StereoCamera) is what boards have.
+pub trait Cameras {
+    /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
+    fn shoot(&mut self) -> bool;
+
+    /// After a pair: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
+    /// when it is not known any more.
+    fn follow(&mut self) -> Option<[i32; 2]>;
+
+    /// A camera has stopped: both are started again before the next frame.
+    fn stopped(&mut self);
+
+    /// How often the left and the right sensor did not do what it was told.
+    fn failures(&self) -> [u32; 2] {
+        [0; 2]
+    }
+}
+
+/// Cameras that somebody else has started, and that run free.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FreeCameras;
+
+impl Cameras for FreeCameras {
+    fn shoot(&mut self) -> bool {
+        true
+    }
+
+    fn follow(&mut self) -> Option<[i32; 2]> {
+        None
+    }
+
+    fn stopped(&mut self) {}
+}
+
 /// Waits for the next pair, for a while.
 #[derive(Debug)]
-pub struct CameraSource<R> {
+pub struct CameraSource<R, C = FreeCameras> {
     rings: [R; 2],
+    cameras: C,
     /// Its losses say why there was no pair.
     pub capture: Capture,
     dims: Dims,
     patience_us: u32,
 }
 
-impl<R: RowRing> CameraSource<R> {
-    /// Images of this size; no pair for so many microseconds, at least two periods, is a pair that is missing.
-    pub const fn new(rings: [R; 2], capture: Capture, dims: Dims, patience_us: u32) -> Self {
-        Self { rings, capture, dims, patience_us }
+impl<R: RowRing, C: Cameras> CameraSource<R, C> {
+    /// Raw images of this size; no pair for so many microseconds, at least two periods, is a pair that is missing.
+    pub const fn new(rings: [R; 2], cameras: C, capture: Capture, dims: Dims, patience_us: u32) -> Self {
+        Self { rings, cameras, capture, dims, patience_us }
     }
-}
 
-impl<R: RowRing> PairSource for CameraSource<R> {
-    fn next_pair(&mut self, frames: [&mut [u8]; 2]) -> Option<CapturedPair> {
+    /// The next pair, into this sink.
+    fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
         let [left, _] = &self.rings;
         let until_us = left.now_us().saturating_add(self.patience_us.into());
         self.capture.leave();
-        let mut rows = FrameRows::new(frames, self.dims);
+        let is_shot = self.cameras.shoot();
         loop {
-            if let Some(Report::Pair(pair)) = self.capture.turn(&mut self.rings, &mut rows) {
-                return Some(pair);
+            match self.capture.turn(&mut self.rings, rows) {
+                Some(Report::Pair(pair)) if is_shot => {
+                    if let Some(middle_us) = self.cameras.follow() {
+                        self.capture.set_middle_us(middle_us);
+                    }
+                    return Some(pair);
+                }
+                Some(Report::Fault(_, Fault::Stopped)) => self.cameras.stopped(),
+                Some(_) => {}
+                None => {
+                    let [left, _] = &self.rings;
+                    left.rest();
+                }
             }
             let [left, _] = &self.rings;
             if left.now_us() > until_us {
                 return None;
             }
         }
+    }
+}
+
+impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        match rectified {
+            Some(dims) => self.fetch(&mut MemoryRows::new(memory, dims)),
+            None => {
+                let dims = self.dims;
+                self.fetch(&mut FrameRows::new(memory.frames(), dims))
+            }
+        }
+    }
+
+    fn losses(&self) -> Option<Losses> {
+        Some(Losses { sensors: self.cameras.failures(), ..*self.capture.losses() })
     }
 }

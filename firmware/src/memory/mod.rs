@@ -231,7 +231,7 @@ fn usable<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
 mod taken {
     //! The one workspace of the board that is built.
 
-    use crate::boards::Selected;
+    use crate::boards::selected::Workspace as Selected;
     use core::cell::UnsafeCell;
     use core::sync::atomic::{AtomicBool, Ordering};
 

@@ -5,14 +5,14 @@
 //! A file holds pairs one after the other: width and height in two bytes each, the lower one first, then the pixels of the left and of the
 //! right image.
 
-use crate::boards::SELECTED;
+use crate::boards::selected;
 use crate::ports::{ByteSource, Clock};
 use core::fmt;
 use linestereo::{Dims, Gray};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
 
-const WIDTH: usize = SELECTED.largest.width as usize;
-const PIXELS: usize = WIDTH * SELECTED.largest.height as usize;
+const WIDTH: usize = selected::BOARD.largest.width as usize;
+const PIXELS: usize = WIDTH * selected::BOARD.largest.height as usize;
 const DISPARITIES: usize = Settings::STRICT.disparities;
 
 /// Memory of the dense matcher for the largest pair of the board that is built.

@@ -1,13 +1,19 @@
 //! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.
 
+use crate::boards::Board;
 use linestereo::Stage;
 
 /// One digest per stage, and one of what an autopilot is told.
 pub type Digests = [u32; Stage::ALL.len() + 1];
 
-/// Of the cases of mps2-an500, in their order.
+/// Of the cases of a board, in their order: the same on every board of these capacities, whatever its processor.
+pub fn of(board: &Board) -> &'static [Digests] {
+    if board.largest.width == 320 { &QVGA } else { &QQVGA }
+}
+
+/// Of mps2-an500 and every board with its capacities.
 #[rustfmt::skip]
-pub const MPS2_AN500: [Digests; 22] = [
+pub const QVGA: [Digests; 22] = [
     [0xc4f0_7b6b, 0x8aa3_2d41, 0x5038_7d5b, 0x811c_9dc5, 0x8b50_9a5a, 0xcbca_c8c4, 0x7018_591e, 0x4b97_91e4, 0x2a9a_69e1], // blocks_320x240
     [0xc4f0_7b6b, 0x440a_75d8, 0xe3cf_f7bb, 0x811c_9dc5, 0x2680_41f9, 0xb6d8_4e50, 0x38b7_7e87, 0x3ed0_ff96, 0x9d49_f489], // rows_off_320x240
     [0xd020_d877, 0x7b92_37f0, 0xe70f_9492, 0x811c_9dc5, 0xfad3_fb1f, 0xc7c2_396b, 0x27fc_5b1d, 0xbdca_2f3e, 0x50eb_a85d], // bricks_320x240
@@ -32,9 +38,9 @@ pub const MPS2_AN500: [Digests; 22] = [
     [0x1c10_236e, 0x6aa1_5c1e, 0xf36e_86a1, 0x811c_9dc5, 0x6d41_0dae, 0xf4ca_c847, 0xd83e_0bf9, 0x529f_0d04, 0xa557_42e3], // noise_128x96_dearest
 ];
 
-/// Of the cases of mps2-an386, in their order.
+/// Of mps2-an386 and every board with its capacities.
 #[rustfmt::skip]
-pub const MPS2_AN386: [Digests; 22] = [
+pub const QQVGA: [Digests; 22] = [
     [0x9f4a_d4ac, 0x254c_0a66, 0x64f0_141e, 0x811c_9dc5, 0xbc9f_f7d4, 0x3bf0_ec85, 0x8636_d0d9, 0x91f8_7f9a, 0xf71f_c342], // blocks_160x120
     [0x9f4a_d4ac, 0xa93a_2e55, 0x07ef_3cf3, 0x811c_9dc5, 0x5542_6dba, 0xabd8_1bca, 0x7997_90f4, 0xc847_e0e7, 0x7392_1371], // rows_off_160x120
     [0x416e_866a, 0xc17e_85d1, 0x6b04_0e3e, 0x811c_9dc5, 0x1caa_be83, 0x215b_9c90, 0xdecf_902b, 0x3220_e489, 0x7f12_ed2a], // bricks_160x120

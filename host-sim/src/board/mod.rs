@@ -17,7 +17,7 @@ pub(crate) mod process;
 pub mod qemu;
 pub mod toolchain;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 pub use linestereo_firmware::boards::Board;
 pub use pairs::{BoardResult, Costs, Machine, Replayed, push, push_pair, push_raw_pair, update};
 use std::path::{Path, PathBuf};
@@ -31,8 +31,12 @@ pub fn top() -> Result<PathBuf> {
     Ok(top)
 }
 
-/// The board of this name.
+/// The emulated board of this name.
 pub fn named(name: &str) -> Result<Board> {
-    let names = || Board::ALL.map(|board| board.name).join(" or ");
-    Board::named(name).ok_or_else(|| anyhow::anyhow!("there is no board {name}; give {}", names()))
+    let names = || Board::emulated().map(|board| board.name).collect::<Vec<_>>().join(" or ");
+    let board = Board::named(name).with_context(|| format!("there is no board {name}; give {}", names()))?;
+    if !board.is_emulated() {
+        bail!("{name} is hardware, which no PC runs; give {}", names());
+    }
+    Ok(board)
 }

@@ -253,6 +253,7 @@ impl Monitor {
                 lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
             }
             Some(Ok(Message::Points(_))) => Ok(()), // only from programs that are fed by a file
+            Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
             Some(Ok(Message::Answer(answer))) => {
                 let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
@@ -306,8 +307,9 @@ impl Monitor {
 }
 
 fn introduction(hello: &Hello) -> String {
-    let Hello { board, largest_width, largest_height, segments, rig } = hello;
-    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}")
+    let Hello { board, largest_width, largest_height, segments, rig, reset } = hello;
+    let reset = reset.map_or_else(String::new, |reset| format!("; reset by {reset}"));
+    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}{reset}")
 }
 
 /// Set by the first Ctrl-C, so that the summary is still printed; the second one ends the program at once.

@@ -155,6 +155,7 @@ pub(crate) fn messages() -> Vec<Message> {
             largest_height: 0,
             segments: 0,
             rig: RigReport::NONE,
+            reset: None,
         }),
         Message::Hello(Hello {
             board: longest_name,
@@ -162,6 +163,7 @@ pub(crate) fn messages() -> Vec<Message> {
             largest_height: u16::MAX,
             segments: u16::MAX,
             rig: longest_rig,
+            reset: Some(Reset { cause: ResetCause::Unknown, place: u32::MAX }),
         }),
         Message::Frame(head(5, 20)),
         Message::Frame(FrameHead {
@@ -212,6 +214,15 @@ pub(crate) fn messages() -> Vec<Message> {
     list.extend([
         Message::Objects(Objects { sequence: 1, list: [refused].into_iter().collect() }),
         Message::Objects(Objects { sequence: u32::MAX, list: [longest_object; OBJECTS_PER_PACKET].into() }),
+    ]);
+    list.extend([
+        Message::Capture(CaptureReport::default()),
+        Message::Capture(CaptureReport {
+            faults: [[u32::MAX; CaptureReport::KINDS.len()]; 2],
+            unpaired: u32::MAX,
+            skipped: u32::MAX,
+            sensors: [u32::MAX; 2],
+        }),
     ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));

@@ -1,0 +1,85 @@
+//! How a program ends, and what it says before.
+//!
+//! ```text
+//! emulated   text to the PC's error output; the exit code of the simulator
+//! hardware   text nowhere; after a panic or a fault a note in memory that survives the reset that follows, so that the next run can tell
+//!            the host; a program that has ended otherwise sleeps
+//! ```
+
+use crate::startup::Exit;
+
+/// Says a number in hexadecimal behind its name.
+pub(crate) fn report_number(name: &str, number: u32) {
+    report(name);
+    report_hex(number);
+}
+
+#[cfg(feature = "emulated")]
+mod by_semihosting {
+    use super::Exit;
+    use crate::semihosting;
+
+    pub(crate) use semihosting::{report, report_hex};
+
+    /// Ends the program; the place where it could not go on has been reported.
+    pub(crate) fn end(exit: Exit, _place: u32) -> ! {
+        semihosting::exit(exit as u32)
+    }
+}
+#[cfg(feature = "emulated")]
+pub(crate) use by_semihosting::{end, report, report_hex};
+
+#[cfg(feature = "hardware")]
+mod by_reset {
+    use super::Exit;
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use linestereo_wire::{Reset, ResetCause};
+
+    /// Whether there is a note, the exit code, its complement, the place ([`Reset::place`]). Memory holds anything when power comes: the first word and
+    /// the complement say that it was written.
+    // SAFETY: the section is not initialised, and every pattern of bits is a number.
+    #[unsafe(link_section = ".uninit.note")]
+    static NOTE: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
+    const WRITTEN: u32 = 0x6c69_6e65;
+
+    /// To the debugger, in builds with logs.
+    pub(crate) fn report(text: &str) {
+        crate::error!("{=str}", text);
+    }
+
+    pub(crate) fn report_hex(number: u32) {
+        crate::error!("{=u32:#010x}", number);
+    }
+
+    /// Ends the program at this place, if it is known.
+    pub(crate) fn end(exit: Exit, place: u32) -> ! {
+        if matches!(exit, Exit::Panic | Exit::Fault | Exit::StackOverflow) {
+            let words = [WRITTEN, exit as u32, !(exit as u32), place];
+            for (place, word) in NOTE.iter().zip(words) {
+                place.store(word, Ordering::Relaxed);
+            }
+            cortex_m::asm::dsb(); // in memory before the reset
+            cortex_m::peripheral::SCB::sys_reset()
+        }
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    /// What the last run noted before its end, once.
+    pub fn last_words() -> Option<Reset> {
+        let [written, exit, complement, place] = NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
+        NOTE[0].store(0, Ordering::Relaxed);
+        let cause = match Exit::ALL.into_iter().find(|&known| known as u32 == exit)? {
+            Exit::Panic => ResetCause::Panic,
+            Exit::Fault => ResetCause::Fault,
+            Exit::StackOverflow => ResetCause::StackOverflow,
+            _ => return None,
+        };
+        (written == WRITTEN && complement == !exit).then_some(Reset { cause, place })
+    }
+}
+#[cfg(feature = "hardware")]
+pub use by_reset::last_words;
+#[cfg(feature = "hardware")]
+pub(crate) use by_reset::{end, report, report_hex};
