@@ -3,10 +3,12 @@
 //! ```text
 //! shoot    not running: start both; then a pulse for both, if they are triggered
 //! follow   the left one's choice to the right one; middle of the exposure = rows * time of a row, by the model's shutter
-//! failure  counted for the sensor that failed; both are started again by the next `shoot`
+//! failure  counted for the sensor that failed; unless both still run they are started again by the next `shoot`
 //! ```
 
-use super::{CameraPair, Chip, Config, Exposure, FrameStart, Model, PairError, PairExposure, ResetLine, Trigger};
+use super::{
+    CameraPair, Chip, Condition, Config, Exposure, FrameStart, Model, PairError, PairExposure, ResetLine, Trigger,
+};
 use crate::capture::Cameras;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
@@ -73,7 +75,7 @@ where
         self.is_running
     }
 
-    /// Counts a failure; what fails has to be started again.
+    /// Counts a failure. What does not run any more has to be started again.
     fn note<T>(&mut self, done: Result<T, PairError<BL::Error>>) -> Option<T> {
         match done {
             Ok(done) => Some(done),
@@ -82,7 +84,7 @@ where
                 let count = if error.eye == Eye::Left { left } else { right };
                 *count = count.saturating_add(1);
                 self.last = Some(error);
-                self.is_running = false;
+                self.is_running = self.pair.conditions() == [Condition::Running; 2];
                 None
             }
         }

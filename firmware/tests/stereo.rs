@@ -1,0 +1,232 @@
+//! A pair of sensors at work, from the first start to failures in the middle of a flight; and what the host is told of losses.
+
+mod support;
+
+use core::cell::RefCell;
+use embedded_hal_mock::eh1::delay::NoopDelay;
+use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
+use linestereo::Dims;
+use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::camera::*;
+use linestereo_firmware::capture::{Cameras, Fault, Losses};
+use linestereo_firmware::memory::Memory;
+use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
+use linestereo_firmware::programs::live::{Live, Painter, Turn};
+use linestereo_firmware::session::Session;
+use linestereo_wire::*;
+use std::rc::Rc;
+use support::Fake;
+
+const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
+const AGC_GAIN_OUTPUT: u16 = 0xba;
+const COARSE_SHUTTER_WIDTH_TOTAL: u16 = 0x0b;
+
+type Stereo = StereoCamera<Mt9v034, Fake, NoReset, Fake, NoReset, Pin, NoopDelay>;
+
+/// Two fakes, and a trigger that is to be fired so often.
+fn stereo(pulses: usize, start: FrameStart) -> (Stereo, [Fake; 2], Pin) {
+    let fakes = [Fake::of::<Mt9v034>(), Fake::of::<Mt9v034>()];
+    fakes[0].set(AEC_EXPOSURE_OUTPUT, 100);
+    fakes[0].set(AGC_GAIN_OUTPUT, 16);
+    let [left, right] = fakes.clone().map(|fake| Chip::<Mt9v034, _, _>::new(fake, 0x48, NoReset));
+    let states =
+        [State::Low].into_iter().chain([State::Low, State::High, State::Low].into_iter().cycle().take(3 * pulses));
+    let pin = Pin::new(&states.map(Edge::set).collect::<Vec<_>>());
+    let config = StereoConfig {
+        config: Config {
+            dims: Dims { width: 320, height: 240 },
+            binning: Binning::Two,
+            start,
+            exposure: ExposureControl::Auto,
+            test_pattern: false,
+        },
+        exposure: PairExposure::LeftChooses,
+        row_ns: 31_700,
+        readout_us: 7608,
+    };
+    let trigger = Trigger::new(pin.clone(), 10).unwrap();
+    (StereoCamera::new((left, right), Some(trigger), NoopDelay, config), fakes, pin)
+}
+
+#[test]
+fn a_pair_is_started_once_triggered_each_time_and_exposed_alike() {
+    let (mut cameras, [left, right], mut pin) = stereo(2, FrameStart::Triggered);
+    assert_eq!(left.get(0x07), 0, "nothing is sent before the first pair");
+    assert!(cameras.shoot());
+    let starting = left.said().len();
+    assert_eq!(cameras.follow(), Some([-(100 * 31_700 / 2000); 2])); // a global shutter: half of the exposure before the readout
+    left.set(AEC_EXPOSURE_OUTPUT, 300);
+    assert!(cameras.shoot());
+    assert_eq!(cameras.follow(), Some([-(300 * 31_700 / 2000); 2]));
+    assert_eq!(right.get(COARSE_SHUTTER_WIDTH_TOTAL), 300);
+    assert!(left.said().len() < starting, "started once");
+    assert_eq!((cameras.failures(), cameras.last_error()), ([0, 0], None));
+    pin.done();
+}
+
+#[test]
+fn cameras_that_run_free_get_no_pulse() {
+    let (mut cameras, _, mut pin) = stereo(0, FrameStart::Free);
+    assert!(cameras.shoot() && cameras.shoot());
+    pin.done();
+}
+
+#[test]
+fn what_fails_is_counted_and_started_again() {
+    let (mut cameras, [left, right], mut pin) = stereo(3, FrameStart::Triggered);
+    right.0.borrow_mut().fails_after = Some(3);
+    assert!(!cameras.shoot(), "no pulse for half a pair");
+    assert_eq!(cameras.failures(), [0, 1]);
+    assert!(cameras.last_error().is_some_and(|error| error.to_string().starts_with("right camera: the bus failed")));
+    assert!(cameras.shoot());
+
+    // A choice that cannot be read: both run on, nothing is started anew.
+    left.said();
+    left.0.borrow_mut().fails_after = Some(0);
+    assert_eq!((cameras.follow(), cameras.failures()), (None, [1, 1]));
+    assert!(cameras.shoot());
+    assert_eq!(left.said().len(), 0);
+
+    // A choice that cannot be written: neither runs until the next pair.
+    left.set(AEC_EXPOSURE_OUTPUT, 200);
+    right.0.borrow_mut().fails_after = Some(0);
+    assert_eq!((cameras.follow(), cameras.failures()), (None, [1, 2]));
+    assert_eq!([left.get(0x07), right.get(0x07)], [0, 0], "both in standby");
+    assert!(cameras.shoot());
+    assert_ne!([left.get(0x07), right.get(0x07)], [0, 0]);
+    pin.done();
+}
+
+#[test]
+fn a_camera_that_has_stopped_is_started_again_before_the_next_pair() {
+    let (mut cameras, [left, _], mut pin) = stereo(2, FrameStart::Triggered);
+    assert!(cameras.shoot());
+    let starting = left.said().len();
+    cameras.stopped();
+    assert!(cameras.shoot());
+    assert_eq!((left.said().len(), cameras.failures()), (starting, [0, 0]));
+    pin.done();
+}
+
+/// Both ends of a serial line, and a clock that its test turns.
+#[derive(Clone, Default)]
+struct Bench(Rc<RefCell<Line>>);
+
+#[derive(Default)]
+struct Line {
+    to_board: Vec<u8>,
+    from_board: Vec<u8>,
+    now_us: u32,
+}
+
+impl Bench {
+    fn send(&self, request: Request) {
+        let mut buffer = [0; MAX_COMMAND];
+        self.0.borrow_mut().to_board.extend_from_slice(encode(&Command { id: 1, request }, &mut buffer).unwrap());
+    }
+
+    fn received(&self) -> Vec<Message> {
+        let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
+        let bytes = core::mem::take(&mut self.0.borrow_mut().from_board);
+        bytes.into_iter().filter_map(|byte| decoder.push(byte)).map(|message| message.unwrap()).collect()
+    }
+
+    fn losses(&self) -> Vec<CaptureReport> {
+        self.received()
+            .into_iter()
+            .filter_map(|message| if let Message::Capture(lost) = message { Some(lost) } else { None })
+            .collect()
+    }
+}
+
+impl ByteSource for Bench {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let mut state = self.0.borrow_mut();
+        let count = bytes.len().min(state.to_board.len());
+        bytes.iter_mut().zip(state.to_board.drain(..count)).for_each(|(place, byte)| *place = byte);
+        count
+    }
+}
+
+impl ByteSink for Bench {
+    fn write(&mut self, bytes: &[u8]) {
+        self.0.borrow_mut().from_board.extend_from_slice(bytes);
+    }
+}
+
+impl Clock for Bench {
+    const UNIT: &'static str = "microseconds";
+
+    fn now(&self) -> u32 {
+        self.0.borrow().now_us
+    }
+
+    fn elapsed(&self, from: u32, to: u32) -> u64 {
+        to.wrapping_sub(from).into()
+    }
+
+    fn microseconds(&self, from: u32, to: u32) -> u64 {
+        self.elapsed(from, to)
+    }
+}
+
+/// Every second pair is lost, with a torn left frame.
+struct Lossy {
+    calls: u32,
+    painter: Painter,
+}
+
+impl PairSource for Lossy {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        self.calls += 1;
+        if self.calls % 2 == 0 { None } else { self.painter.next_pair(memory, rectified) }
+    }
+
+    fn losses(&self) -> Option<Losses> {
+        let mut losses = Losses::default();
+        losses.faults[0][Fault::TornFrame as usize] = self.calls / 2;
+        losses.unpaired = self.calls / 2;
+        Some(losses)
+    }
+}
+
+#[test]
+fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished_frames() {
+    let bench = Bench::default();
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Lossy { calls: 0, painter: Painter::new(Dims { width: 128, height: 96 }) };
+    let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
+    assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
+    assert!(Turn::Idle.is_work() && Turn::Finished.is_work() && !Turn::Missing.is_work());
+    bench.send(Request::Start);
+    let mut turn = |after_us: u32| {
+        bench.0.borrow_mut().now_us += after_us;
+        (live.turn(&mut *memory, &mut camera), bench.losses())
+    };
+    assert_eq!(turn(0), (Turn::Finished, vec![]));
+    let (missing, told) = turn(50_000);
+    assert_eq!((missing, told.len()), (Turn::Missing, 1));
+    assert_eq!((told[0].faults[0][4], told[0].unpaired), (1, 1));
+    assert_eq!(told[0].to_string(), "left: torn_frame 1; unpaired 1");
+    assert_eq!(turn(50_000), (Turn::Finished, vec![]));
+    assert_eq!(turn(50_000), (Turn::Missing, vec![]), "not more than once a second");
+    let (_, told) = turn(1_000_000);
+    assert_eq!((told.len(), told[0].unpaired), (1, 2));
+    assert_eq!(turn(1_000_000).1.len(), 1);
+}
+
+#[test]
+fn the_kinds_of_faults_have_the_names_of_the_record() {
+    let names = Fault::ALL.map(|fault| format!("{fault:?}"));
+    for (name, kind) in names.iter().zip(CaptureReport::KINDS) {
+        assert_eq!(name.to_lowercase(), kind.replace('_', ""));
+    }
+}
+
+#[test]
+fn why_the_board_was_reset_stands_in_its_description() {
+    let mut session = Session::new(BOARD);
+    assert_eq!(session.hello().reset, None);
+    session.reset = Some(Reset::of(ResetCause::Watchdog));
+    assert_eq!(session.hello().reset, Some(Reset::of(ResetCause::Watchdog)));
+}
