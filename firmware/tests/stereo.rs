@@ -179,7 +179,7 @@ struct Lossy {
 impl PairSource for Lossy {
     fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
         self.calls += 1;
-        if self.calls % 2 == 0 { None } else { self.painter.next_pair(memory, rectified) }
+        if self.calls.is_multiple_of(2) { None } else { self.painter.next_pair(memory, rectified) }
     }
 
     fn losses(&self) -> Option<Losses> {
