@@ -30,6 +30,10 @@ Examples:
       a board in QEMU: set a parameter, start, show 100 frames
   linestereo monitor --tcp localhost:4444 --record run.bin --json > run.jsonl
       everything as JSON, and the bytes as they came
+  linestereo monitor --serial /dev/ttyACM0 --send rig=rig.bin --send start
+      keep a rig in the board's flash (linestereo flash-image makes it), then start
+  linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
+      the depth of an object in every frame; only_box= matches around the boxes alone, box=none asks no more
   linestereo monitor run.bin
       the same bytes again
 
@@ -79,7 +83,7 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe or NAME=VALUE, and wait for the answer; may be given several times.
+    /// Send start, stop, describe, rig=FILE, box=LABEL:LEFT,TOP,RIGHT,BOTTOM or NAME=VALUE, and wait for the answer; may be given several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
 }

@@ -1,12 +1,15 @@
 //! Words of the command line to requests.
 //!
-//! In: `start`, `stop`, `describe`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go together, so that two which
-//! only fit together can be changed. Ranges are the board's to check; here a value only has to be one that can be sent.
+//! In: `start`, `stop`, `describe`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
+//! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
+//! only has to be one that can be sent.
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity};
-use linestereo_wire::{MarginUpdate, ParamUpdate, Request, RigUpdate};
+use linestereo_wire::{
+    MAX_REGIONS, MarginUpdate, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigImage, RigUpdate,
+};
 
 /// Every name that can stand before `=`.
 pub const NAMES: [&str; 14] = [
@@ -38,19 +41,84 @@ pub struct Wanted {
 /// The requests of these words.
 pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
     let mut list = Vec::new();
-    for group in words.chunk_by(|before, after| before.contains('=') && after.contains('=')) {
+    for group in words.chunk_by(|before, after| Kind::of(before) == Kind::of(after) && Kind::of(after).goes_together())
+    {
         let request = match group {
+            [word, ..] if Kind::of(word) == Kind::Box => regions(group, false)?,
+            [word, ..] if Kind::of(word) == Kind::OnlyBox => regions(group, true)?,
+            [word] if Kind::of(word) == Kind::Rig => rig(word)?,
             [word] if !word.contains('=') => match word.as_str() {
                 "start" => Request::Start,
                 "stop" => Request::Stop,
                 "describe" => Request::Describe,
-                _ => bail!("--send {word} is unknown; give start, stop, describe or NAME=VALUE"),
+                _ => bail!(
+                    "--send {word} is unknown; give start, stop, describe, rig=FILE, box=LABEL:LEFT,TOP,RIGHT,BOTTOM or NAME=VALUE"
+                ),
             },
             parameters => Request::SetParams(update(parameters)?),
         };
         list.push(Wanted { request, words: group.join(" ") });
     }
     Ok(list)
+}
+
+/// What a word asks for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Plain,
+    Rig,
+    Box,
+    OnlyBox,
+    Parameter,
+}
+
+impl Kind {
+    fn of(word: &str) -> Self {
+        match word.split_once('=') {
+            None => Self::Plain,
+            Some(("rig", _)) => Self::Rig,
+            Some(("box", _)) => Self::Box,
+            Some(("only_box" | "only-box", _)) => Self::OnlyBox,
+            Some(_) => Self::Parameter,
+        }
+    }
+
+    /// Do neighbours of this kind make one request?
+    const fn goes_together(self) -> bool {
+        matches!(self, Self::Parameter | Self::Box | Self::OnlyBox)
+    }
+}
+
+/// A rig for a board's flash: what `linestereo flash-image` writes.
+fn rig(word: &str) -> Result<Request> {
+    let path = word.split_once('=').map_or("", |(_, path)| path);
+    let bytes = std::fs::read(path).with_context(|| format!("--send {word}: {path} cannot be read"))?;
+    RigImage::decode(&bytes).with_context(|| {
+        format!("--send {word}: {path} is no rig for a board; make one with linestereo flash-image")
+    })?;
+    let bytes = RigBytes::from_slice(&bytes).map_err(|_| anyhow!("--send {word}: {path} is too long"))?;
+    Ok(Request::SetRig(bytes))
+}
+
+/// Objects whose depths are wanted from now on; `none` asks for no more.
+fn regions(words: &[String], only: bool) -> Result<Request> {
+    let mut regions = Regions { only, ..Regions::default() };
+    for word in words {
+        let text = word.split_once('=').map_or("", |(_, text)| text);
+        if text == "none" {
+            regions.boxes.clear();
+            continue;
+        }
+        let numbers: Option<Vec<u16>> = text.split([':', ',']).map(|number| number.trim().parse().ok()).collect();
+        let Some(&[label, left, top, right, bottom]) = numbers.as_deref() else {
+            bail!(
+                "--send {word}: give LABEL:LEFT,TOP,RIGHT,BOTTOM in whole pixels of the rectified left image, or none"
+            );
+        };
+        let of = RegionBox { label, left, top, right, bottom };
+        regions.boxes.push(of).map_err(|_| anyhow!("--send {word}: a board takes {MAX_REGIONS} boxes"))?;
+    }
+    Ok(Request::SetRegions(regions))
 }
 
 fn update(words: &[String]) -> Result<ParamUpdate> {
@@ -156,6 +224,28 @@ mod tests {
     }
 
     #[test]
+    fn neighbouring_boxes_go_together_and_none_clears() {
+        let list =
+            requests(&["box=1:10,20,30,40", "box=2:0,0,9,9", "cell=8", "only_box=3:1,2,3,4", "box=none"]).unwrap();
+        let boxes = |list: &[[u16; 5]], only| {
+            let of = |&[label, left, top, right, bottom]: &[u16; 5]| RegionBox { label, left, top, right, bottom };
+            Request::SetRegions(Regions { boxes: list.iter().map(of).collect(), only })
+        };
+        assert_eq!(list.len(), 4);
+        assert_eq!(list[0], boxes(&[[1, 10, 20, 30, 40], [2, 0, 0, 9, 9]], false));
+        assert_eq!(list[2..], [boxes(&[[3, 1, 2, 3, 4]], true), boxes(&[], false)]);
+    }
+
+    #[test]
+    fn a_rig_is_checked_before_it_is_sent() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let word = format!("rig={}", file.path().display());
+        let error = format!("{:#}", requests(&[&word]).unwrap_err());
+        assert!(error.contains("flash-image"), "{error}");
+        assert!(requests(&["rig=nowhere.bin"]).unwrap_err().to_string().contains("cannot be read"));
+    }
+
+    #[test]
     fn every_name_is_known_and_sets_its_field() {
         let words: Vec<String> =
             NAMES.iter().filter(|name| **name != "margin_px").map(|name| format!("{name}=0.25")).collect();
@@ -181,8 +271,11 @@ mod tests {
 
     #[test]
     fn what_cannot_be_sent_is_named() {
-        let cases: [(&[&str], &str); 14] = [
+        let cases: [(&[&str], &str); 17] = [
             (&["begin"], "begin"),
+            (&["box=1,2,3"], "LABEL:LEFT,TOP,RIGHT,BOTTOM"),
+            (&["box=1:2,x,3,4,5"], "whole pixels"),
+            (&["box=0:0,0,9,9"; 17], "16 boxes"),
             (&["size=3"], "size is no parameter"),
             (&["cell="], "no whole number"),
             (&["cell=8.5"], "8.5"),
