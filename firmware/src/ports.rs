@@ -60,6 +60,11 @@ pub trait PairSource {
     /// memory's rig rectifies to, rectified, else as it comes. `None` when the camera delivered no whole pair.
     fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair>;
 
+    /// Size of the images that the cameras deliver; `None` when they come rectified.
+    fn raw_dims(&self) -> Option<Dims> {
+        None
+    }
+
     /// What was lost on the way so far; `None` where nothing can be.
     fn losses(&self) -> Option<Losses> {
         None

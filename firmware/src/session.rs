@@ -44,6 +44,11 @@ pub enum Reply {
     Answer(Answer),
     /// A description, then the answer.
     Describe(Answer),
+    /// The next pair is wanted as it comes; the answer when it has come.
+    Photograph {
+        /// The id of the command.
+        command: u16,
+    },
     /// Pixels of a pair follow; the answer when they were matched.
     Pair {
         /// The id of the command.
@@ -114,6 +119,7 @@ impl<'a> Session<'a> {
             Request::Describe => return Reply::Describe(answer(Outcome::Accepted)),
             Request::Start => self.running = true,
             Request::Stop => self.running = false,
+            Request::Photograph => return Reply::Photograph { command: command.id },
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
                 Ok((params, _)) => {

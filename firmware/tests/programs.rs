@@ -197,6 +197,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             Message::Segments(_) | Message::Points(_) => {}
             Message::Objects(list) => panic!("nobody asked for {list:?}"),
             Message::Capture(lost) => panic!("a file loses nothing: {lost}"),
+            Message::Photo(_) | Message::Pixels(_) => panic!("nobody asked for a photo"),
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
         }
     }

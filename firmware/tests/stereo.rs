@@ -216,6 +216,89 @@ fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished
 }
 
 #[test]
+fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
+    let dims = Dims { width: 128, height: 96 };
+    let bench = Bench::default();
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Lossy { calls: 0, painter: Painter::new(dims) };
+    let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
+    bench.received();
+    bench.send(Request::Photograph);
+    bench.0.borrow_mut().now_us = 77;
+    live.turn(&mut *memory, &mut camera);
+    let mut sent = bench.received();
+    assert_eq!(sent[0], Message::Answer(Answer { command: 1, outcome: Outcome::Accepted }));
+    let head = PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
+    assert_eq!(sent[1], Message::Photo(head));
+    let expected = memory.frames().map(|frame| frame[..128 * 96].to_vec());
+    let mut turns = 1;
+    while sent.len() < 2 + 2 * (128 * 96) / PIXELS_PER_PACKET {
+        bench.send(Request::Describe); // is answered in between
+        assert!(live.turn(&mut *memory, &mut camera).is_work());
+        let received = bench.received();
+        assert!(received.iter().any(|message| matches!(message, Message::Hello(_))));
+        sent.extend(received.into_iter().filter(|message| matches!(message, Message::Pixels(_))));
+        turns += 1;
+        assert!(turns < 20, "{} packets", sent.len());
+    }
+    let mut images = [Vec::new(), Vec::new()];
+    for message in &sent[2..] {
+        let Message::Pixels(pixels) = message else { panic!("{message:?}") };
+        let image = &mut images[usize::from(pixels.is_right)];
+        assert_eq!(pixels.first as usize, image.len());
+        image.extend_from_slice(&pixels.list);
+    }
+    assert_eq!(images, expected);
+    // The second pair is missing, and nothing is left of the first one.
+    bench.send(Request::Photograph);
+    live.turn(&mut *memory, &mut camera);
+    let refused = Outcome::Refused(Refusal::NoPair);
+    assert_eq!(bench.received(), [Message::Answer(Answer { command: 1, outcome: refused })]);
+    assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
+}
+
+/// Says that it delivers raw images of a size, and paints rectified ones.
+struct Raw(Dims, Painter);
+
+impl PairSource for Raw {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        self.1.next_pair(memory, rectified).map(|pair| CapturedPair { dims: rectified.unwrap_or(self.0), ..pair })
+    }
+
+    fn raw_dims(&self) -> Option<Dims> {
+        Some(self.0)
+    }
+}
+
+#[test]
+fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
+    use linestereo::{Calibration, Camera, Lens, View};
+    let dims = Dims { width: 128, height: 96 };
+    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::BrownConrady { k: [0.0; 3], p: [0.0; 2] });
+    let rig = Calibration::new(camera().unwrap(), camera().unwrap(), [1.0, 0.0, 0.0, 0.0], [-0.06, 0.0, 0.0]).unwrap();
+    let image = RigImage::new(rig, dims, View::default(), (0, 48)).unwrap();
+    for (raw, good) in [(dims, true), (Dims { width: 160, height: 120 }, false)] {
+        let bench = Bench::default();
+        let mut memory = Box::new(Workspace::new());
+        let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
+        bench.send(Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
+        bench.send(Request::Start);
+        assert_eq!(live.turn(&mut *memory, &mut Raw(raw, Painter::new(dims))), Turn::Finished);
+        let heads = bench.received().into_iter().filter_map(|message| match message {
+            Message::Frame(head) => Some(head),
+            Message::Answer(answer) => {
+                assert_eq!(answer.outcome, Outcome::Accepted);
+                None
+            }
+            _ => None,
+        });
+        let [head] = heads.collect::<Vec<_>>()[..] else { panic!("one frame") };
+        assert_eq!(head.health.contains(Health::SIZE_MISMATCH), !good, "{}", head.health);
+        assert_eq!(head.segments > 0, good);
+    }
+}
+
+#[test]
 fn the_kinds_of_faults_have_the_names_of_the_record() {
     let names = Fault::ALL.map(|fault| format!("{fault:?}"));
     for (name, kind) in names.iter().zip(CaptureReport::KINDS) {

@@ -45,6 +45,9 @@ pub enum Request {
     RawPair(PairHead),
     /// Say the depth of these objects with every pair from now on; what was asked for before is forgotten.
     SetRegions(Regions),
+    /// Send the next pair as the cameras deliver it, before it is rectified: [`Message::Photo`](crate::Message::Photo) and its pixels, after
+    /// the answer. For calibration, and to see what a camera sees.
+    Photograph,
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.
@@ -213,6 +216,8 @@ pub enum Refusal {
     NotKept,
     /// The box at this place of the list has no pixel in the board's largest image.
     Region(u8),
+    /// The cameras delivered no whole pair.
+    NoPair,
     /// [`Skewed`]: the images of the pair were captured too far apart.
     Skewed {
         /// Microseconds between the captures.
@@ -288,6 +293,7 @@ impl fmt::Display for Refusal {
                 write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
             }
             Self::NotKept => write!(f, "the board's flash does not keep the rig"),
+            Self::NoPair => write!(f, "the cameras delivered no whole pair: look at what they lost"),
             Self::Region(place) => write!(f, "box {place} has no pixel in the image"),
         }
     }

@@ -60,7 +60,7 @@ pub use board_state::{CaptureReport, Reset, ResetCause};
 pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigBytes, RigUpdate};
 pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
-pub use message::{Answer, BoardName, Hello, Message, Outcome};
+pub use message::{Answer, BoardName, Hello, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
 pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,

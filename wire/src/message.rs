@@ -1,7 +1,7 @@
 //! What a board says.
 
 use crate::board_state::{CaptureReport, Reset};
-use crate::command::Refusal;
+use crate::command::{PairHead, Refusal};
 use crate::frame::{FrameHead, Points, Segments};
 use crate::object::Objects;
 use crate::rig_fault::RigReport;
@@ -28,7 +28,25 @@ pub enum Message {
     Objects(Objects),
     /// What the cameras lost so far: sent when it has changed, at most once a second.
     Capture(CaptureReport),
+    /// A photo that was asked for begins: the pair as the cameras deliver it.
+    Photo(PairHead),
+    /// Pixels of the photo that began last.
+    Pixels(Pixels),
 }
+
+/// Neighbouring pixels of a photo, row by row.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pixels {
+    /// Of the right image; of the left one if not.
+    pub is_right: bool,
+    /// The number of the first one, counted from the upper left corner.
+    pub first: u32,
+    /// Grey levels.
+    pub list: heapless::Vec<u8, PIXELS_PER_PACKET>,
+}
+
+/// Most pixels in one packet: fewer bytes than a full list of segments.
+pub const PIXELS_PER_PACKET: usize = 512;
 
 /// What a board is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

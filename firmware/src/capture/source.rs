@@ -102,6 +102,10 @@ impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
         }
     }
 
+    fn raw_dims(&self) -> Option<Dims> {
+        Some(self.dims)
+    }
+
     fn losses(&self) -> Option<Losses> {
         Some(Losses { sensors: self.cameras.failures(), ..*self.capture.losses() })
     }

@@ -8,7 +8,8 @@ use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_wire::{
-    CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, send, send_frame, send_objects,
+    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome,
+    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot can be told of obstacles.
@@ -26,7 +27,18 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     /// What the cameras lost, as the host was told, and when.
     lost: CaptureReport,
     told_us: Option<u64>,
+    photo: Option<Photo>,
 }
+
+/// A photo that lies in the frames, and pixels of it that are sent.
+#[derive(Clone, Copy, Debug)]
+struct Photo {
+    dims: Dims,
+    sent: usize,
+}
+
+/// Packets of a photo that are sent in one turn: between them commands are served, and a slow port does not starve a watchdog.
+const PHOTO_PACKETS: usize = 8;
 
 /// What a turn has done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +85,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             autopilot_port: None,
             lost: CaptureReport::default(),
             told_us: None,
+            photo: None,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -82,18 +95,22 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
 
     /// With an autopilot at this port: as soon as there is a rig it is told of obstacles, whether a host asks for results or not.
     pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
-        let Self { session, clock, port: host, decoder, last, time_us, autopilot, lost, told_us, .. } = self;
+        let Self { session, clock, port: host, decoder, last, time_us, autopilot, lost, told_us, photo, .. } = self;
         let autopilot_port = Some(port);
-        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port, lost, told_us }
+        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port, lost, told_us, photo }
     }
 }
 
 impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
-        self.serve_commands(memory);
+        self.serve_commands(memory, camera);
         let is_told = self.autopilot_port.is_some() && self.session.has_rig();
-        let turn = if self.session.running || is_told { self.match_pair(memory, camera) } else { Turn::Idle };
+        let turn = match self.photo.take() {
+            Some(photo) => self.send_photo(photo, memory),
+            None if self.session.running || is_told => self.match_pair(memory, camera),
+            None => Turn::Idle,
+        };
         let now_us = self.time();
         if let Some(port) = &mut self.autopilot_port {
             self.autopilot.turn(now_us, port);
@@ -113,7 +130,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         }
     }
 
-    fn serve_commands(&mut self, memory: &mut impl Memory) {
+    fn serve_commands(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
         let mut bytes = [0; 16];
         // A host that never pauses does not stop the pairs.
         for _ in 0..MAX_COMMAND {
@@ -130,18 +147,67 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
                         self.write(&Message::Hello(hello));
                         self.write(&Message::Answer(answer));
                     }
+                    Reply::Photograph { command } => {
+                        let taken = self.photograph(memory, camera);
+                        let outcome = taken.as_ref().map(|_| ()).map_err(Refusal::clone).into();
+                        self.write(&Message::Answer(Answer { command, outcome }));
+                        if let Ok(head) = taken {
+                            self.write(&Message::Photo(head));
+                        }
+                    }
                     // Pixels come from the camera here; what follows is garbage to the decoder.
-                    Reply::Pair { command, .. } => self.write(&Message::Answer(linestereo_wire::Answer {
-                        command,
-                        outcome: linestereo_wire::Outcome::Refused(linestereo_wire::Refusal::Unsupported),
-                    })),
+                    Reply::Pair { command, .. } => self
+                        .write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) })),
                 }
             }
         }
     }
 
+    /// Takes a pair as it comes, to be sent in the turns that follow.
+    fn photograph(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Result<PairHead, Refusal> {
+        let pair = camera.next_pair(memory, None).ok_or(Refusal::NoPair)?;
+        let Dims { width, height } = pair.dims;
+        self.photo = Some(Photo { dims: pair.dims, sent: 0 });
+        let times_us = pair.times_us.map(|[left, right]| (left, Some(right)));
+        let (capture_time_us, right_capture_time_us) = times_us.unwrap_or((self.time(), None));
+        Ok(PairHead { width, height, capture_time_us, right_capture_time_us })
+    }
+
+    /// Sends some pixels of a photo: the left image first.
+    fn send_photo(&mut self, photo: Photo, memory: &mut impl Memory) -> Turn {
+        let Photo { dims, mut sent } = photo;
+        let pixels = usize::from(dims.width) * usize::from(dims.height);
+        for _ in 0..PHOTO_PACKETS {
+            let (is_right, first) = if sent < pixels { (false, sent) } else { (true, sent - pixels) };
+            let [left, right] = memory.frames();
+            let frame = (if is_right { right } else { left }).get(first..pixels).unwrap_or_default();
+            let Some(piece) = frame.chunks(PIXELS_PER_PACKET).next() else { return Turn::Finished }; // the last ones are sent
+            let mut list = heapless::Vec::new();
+            let _ = list.extend_from_slice(piece); // a piece fits
+            sent += piece.len();
+            self.write(&Message::Pixels(Pixels { is_right, first: first as u32, list }));
+        }
+        self.photo = Some(Photo { dims, sent });
+        Turn::Finished
+    }
+
+    /// The rig is not one of such cameras.
+    fn refuse_rig(&mut self, raw: Dims) -> Turn {
+        self.autopilot.miss();
+        let now_us = self.time();
+        self.write_frame(failed_frame(0, now_us, raw, Health::SIZE_MISMATCH), None);
+        Turn::Finished
+    }
+
     fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
-        let captured = camera.next_pair(memory, self.session.rig_dims());
+        let rectified = match camera.raw_dims().filter(|_| self.session.rig_dims().is_some()) {
+            None => None,
+            Some(raw) => match self.session.rectified(raw) {
+                Ok(dims) => Some(dims),
+                Err(_) => return self.refuse_rig(raw),
+            },
+        };
+        let captured = camera.next_pair(memory, rectified);
         let now_us = self.time();
         let time_us = captured.and_then(|pair| pair.times_us).map_or(now_us, |[left, _]| left);
         self.autopilot.miss(); // until its matches say otherwise

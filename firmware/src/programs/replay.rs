@@ -60,6 +60,9 @@ pub fn run(
                 write(&Message::Hello(session.hello()), output);
                 write(&Message::Answer(answer), output);
             }
+            Reply::Photograph { command } => {
+                write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);
+            }
             Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
                 let outcome = match pair(memory, clock, session, &mut input, &head, is_raw) {

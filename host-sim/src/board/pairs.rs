@@ -242,6 +242,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
         let Some(message) = decoder.push(byte) else { continue };
         match message? {
             Message::Hello(hello) => replayed.rig = Some(hello.rig),
+            Message::Photo(_) | Message::Pixels(_) => bail!("a board that is fed by a file sent a photo"),
             Message::Capture(lost) => bail!("a board that is fed by a file lost {lost}"),
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;

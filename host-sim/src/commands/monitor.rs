@@ -256,7 +256,8 @@ impl Monitor {
                 let mut lines = objects.list.iter().map(|record| text::object(&record.into()));
                 lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
             }
-            Some(Ok(Message::Points(_))) => Ok(()), // only from programs that are fed by a file
+            // Points come only from programs that are fed by a file; photos are for `linestereo photograph`.
+            Some(Ok(Message::Points(_) | Message::Photo(_) | Message::Pixels(_))) => Ok(()),
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
             Some(Ok(Message::Answer(answer))) => {

@@ -145,6 +145,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::RawSize { needed: [u16::MAX; 2], given: [640, 480] },
         Refusal::NotKept,
         Refusal::Region(u8::MAX),
+        Refusal::NoPair,
     ];
     let rig = RigInUse { raw: [u16::MAX; 2], rectified: [u16::MAX; 2], slot: Some(1) };
     let longest_rig = RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
@@ -215,7 +216,12 @@ pub(crate) fn messages() -> Vec<Message> {
         Message::Objects(Objects { sequence: 1, list: [refused].into_iter().collect() }),
         Message::Objects(Objects { sequence: u32::MAX, list: [longest_object; OBJECTS_PER_PACKET].into() }),
     ]);
+    let photo =
+        PairHead { width: u16::MAX, height: 1, capture_time_us: u64::MAX, right_capture_time_us: Some(u64::MAX) };
     list.extend([
+        Message::Photo(photo),
+        Message::Pixels(Pixels { is_right: false, first: 0, list: heapless::Vec::new() }),
+        Message::Pixels(Pixels { is_right: true, first: u32::MAX, list: [255; PIXELS_PER_PACKET].into() }),
         Message::Capture(CaptureReport::default()),
         Message::Capture(CaptureReport {
             faults: [[u32::MAX; CaptureReport::KINDS.len()]; 2],
@@ -245,11 +251,12 @@ pub(crate) fn commands() -> Vec<Command> {
     let longest = RegionBox { label: u16::MAX, left: u16::MAX, top: u16::MAX, right: u16::MAX, bottom: u16::MAX };
     let all = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
     let regions = [Regions::default(), all].map(Request::SetRegions);
-    let requests = [Request::Describe, Request::Start, Request::Stop].into_iter().chain(updates).chain(pairs);
+    let requests =
+        [Request::Describe, Request::Start, Request::Stop, Request::Photograph].into_iter().chain(updates).chain(pairs);
     requests
         .chain(rigs)
         .chain(regions)
-        .zip([0, 1, 127, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
+        .zip([0, 1, 127, 10, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
         .map(|(request, id)| Command { id, request })
         .collect()
 }
