@@ -257,7 +257,7 @@ impl<P: Read + Write> Board<P> {
                     Outcome::Accepted
                 }
                 Request::Start | Request::Stop | Request::SetRegions(_) => Outcome::Accepted,
-                Request::Pair(_) | Request::SetRig(_) | Request::RawPair(_) => {
+                Request::Pair(_) | Request::SetRig(_) | Request::RawPair(_) | Request::Photograph => {
                     Outcome::Refused(linestereo_wire::Refusal::Unsupported)
                 }
             };

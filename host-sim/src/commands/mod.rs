@@ -19,6 +19,7 @@ mod input;
 mod method;
 pub mod monitor;
 mod objects;
+pub mod photograph;
 pub mod plan_rig;
 pub mod rectify;
 pub mod report;
@@ -64,6 +65,7 @@ enum Command {
     Sequence(Box<sequence::Args>),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
+    Photograph(photograph::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
 }
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Some(Command::Sequence(args)) => sequence::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
+        Some(Command::Photograph(args)) => photograph::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),
         None => demo::run(&demo::Args::default()),

@@ -2,7 +2,7 @@
 
 use crate::health;
 use crate::monitor::frames::{Assembler, Frame};
-use crate::monitor::port::{Port, Received};
+use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
 use anyhow::{Result, anyhow, bail};
@@ -64,16 +64,10 @@ health, segments and counts as in linestereo run --json.";
 #[command(group(clap::ArgGroup::new("source").required(true).args(["file", "tcp", "serial"])))]
 pub struct Args {
     /// Read recorded bytes; "-" is stdin.
+    #[arg(conflicts_with = "baud")]
     file: Option<PathBuf>,
-    /// Connect to a port, such as QEMU's UART.
-    #[arg(long, value_name = "HOST:PORT")]
-    tcp: Option<String>,
-    /// Open a serial port: 8 data bits, no parity, 1 stop bit.
-    #[arg(long, value_name = "PORT")]
-    serial: Option<String>,
-    /// Speed of the serial port.
-    #[arg(long, value_name = "N", default_value_t = 115_200, conflicts_with_all = ["file", "tcp"])]
-    baud: u32,
+    #[command(flatten)]
+    port: PortArgs,
     /// Save the bytes as they come.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -95,11 +89,9 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => Some(create_record(path, args.file.as_deref())?),
         None => None,
     };
-    let mut port = match (&args.file, &args.tcp, &args.serial) {
-        (Some(path), ..) => Port::file(path)?,
-        (_, Some(address), _) => Port::tcp(address)?,
-        (.., Some(name)) => Port::serial(name, args.baud)?,
-        _ => bail!("nothing to monitor; give FILE, --tcp or --serial"),
+    let mut port = match &args.file {
+        Some(path) => Port::file(path)?,
+        None => args.port.open()?,
     };
     let mut monitor = Monitor::new(args, wanted);
     let outcome = monitor.follow(&mut port, &mut record);

@@ -8,7 +8,6 @@ use crate::frames::{check_same_size, find_pairs, load_gray};
 use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, bail};
-use image::{ImageEncoder, codecs::png::PngEncoder};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::{Eye, Rectification};
 use std::path::{Path, PathBuf};
@@ -79,7 +78,7 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<Strin
     let mut output = OutputFiles::new();
     for (path, image) in [(&args.out_left, &pair.rectified[0]), (&args.out_right, &pair.rectified[1])] {
         if let Some(path) = path {
-            output.add(path, &grey_png(image)?)?;
+            output.add(path, &draw::gray_png(image)?)?;
         }
     }
     if let Some(path) = &args.picture {
@@ -106,8 +105,8 @@ fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<Stri
         std::fs::create_dir_all(&target)
             .with_context(|| format!("cannot make {}; choose a folder that can be written to", target.display()))?;
         let mut output = OutputFiles::new();
-        output.add(&target.join("left.png"), &grey_png(&pair.rectified[0])?)?;
-        output.add(&target.join("right.png"), &grey_png(&pair.rectified[1])?)?;
+        output.add(&target.join("left.png"), &draw::gray_png(&pair.rectified[0])?)?;
+        output.add(&target.join("right.png"), &draw::gray_png(&pair.rectified[1])?)?;
         output.add(&target.join("rows.png"), &pair.picture()?)?;
         output.commit()?;
         progress.inc(1);
@@ -136,13 +135,6 @@ impl Pair {
     fn picture(&self) -> Result<Vec<u8>> {
         Ok(draw::png(&draw::rows(&self.raw, &self.rectified))?)
     }
-}
-
-fn grey_png(image: &GrayImage) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    PngEncoder::new(&mut bytes).write_image(&image.pixels, width, height, image::ExtendedColorType::L8)?;
-    Ok(bytes)
 }
 
 fn summary(rectification: &Rectification, rectifier: &PairRectifier) -> String {

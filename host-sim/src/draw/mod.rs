@@ -64,6 +64,15 @@ pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_di
     legend::below(&canvas.into_image(), result, rig, &range)
 }
 
+/// An image as the bytes of a PNG file of grey levels.
+pub fn gray_png(image: &GrayImage) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let (width, height) = (image.dims.width.into(), image.dims.height.into());
+    let encoder = PngEncoder::new(&mut bytes);
+    encoder.write_image(&image.pixels, width, height, image::ExtendedColorType::L8)?;
+    Ok(bytes)
+}
+
 /// A picture as the bytes of a PNG file.
 pub fn png(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();

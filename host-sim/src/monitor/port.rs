@@ -15,6 +15,31 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// A connection has to be there within this time.
 const CONNECT: Duration = Duration::from_secs(5);
 
+/// Which live port.
+#[derive(Clone, Debug, clap::Args)]
+pub struct PortArgs {
+    /// Connect to a port, such as QEMU's UART.
+    #[arg(long, value_name = "HOST:PORT")]
+    pub tcp: Option<String>,
+    /// Open a serial port: 8 data bits, no parity, 1 stop bit.
+    #[arg(long, value_name = "PORT")]
+    pub serial: Option<String>,
+    /// Speed of the serial port; one over USB has none.
+    #[arg(long, value_name = "N", default_value_t = 115_200, conflicts_with = "tcp")]
+    pub baud: u32,
+}
+
+impl PortArgs {
+    /// Opens it.
+    pub fn open(&self) -> Result<Port> {
+        match (&self.tcp, &self.serial) {
+            (Some(address), _) => Port::tcp(address),
+            (_, Some(name)) => Port::serial(name, self.baud),
+            _ => bail!("no port is named; give --tcp or --serial"),
+        }
+    }
+}
+
 /// What a read gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {

@@ -1,0 +1,169 @@
+//! `linestereo photograph`: what a board's cameras see, as files.
+
+use crate::draw;
+use crate::engine::GrayImage;
+use crate::monitor::port::{Port, PortArgs, Received};
+use crate::output::OutputFiles;
+use anyhow::{Context, Result, bail};
+use core::time::Duration;
+use indicatif::{ProgressBar, ProgressStyle};
+use linestereo::Dims;
+use linestereo_wire::{
+    Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, Pixels, Request, encode,
+};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo photograph photos --serial /dev/ttyACM0 --count 20 --every 3
+      twenty pairs, three seconds from one to the next: time to move the chessboard
+  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
+      what they are for
+  linestereo photograph look --serial /dev/ttyACM0
+      one pair: is it sharp, is it bright, is left left?
+
+Photos are left01.png, right01.png and so on, behind those that are there. They are raw: before rectification, as the
+sensors deliver them. Over USB a QVGA pair takes a second, over a serial port at 115200 baud a quarter of a minute.";
+
+/// A board that says nothing for so long does not answer.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Save pairs of photos as a board's cameras deliver them, for calibration or to have a look.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+#[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
+pub struct Args {
+    /// Folder of the photos; made if it is not there.
+    folder: PathBuf,
+    #[command(flatten)]
+    port: PortArgs,
+    /// Pairs to take.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=999))]
+    count: u32,
+    /// From one pair to the next.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    every: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let every = Duration::try_from_secs_f64(args.every).context("--every is no time; give seconds, as in --every 3")?;
+    let mut camera = Camera { port: args.port.open()?, decoder: Decoder::new(), next_id: 0 };
+    fs::create_dir_all(&args.folder).with_context(|| format!("cannot make the folder {}", args.folder.display()))?;
+    let before = taken(&args.folder)?;
+    for number in 1..=args.count {
+        let begin = Instant::now();
+        let bar = progress();
+        let pair = camera.photograph(&bar).with_context(|| format!("photo {number} of {}", args.count))?;
+        bar.finish_and_clear();
+        let name = before + number;
+        let mut files = OutputFiles::new();
+        for (side, image) in ["left", "right"].into_iter().zip(&pair) {
+            files.add(&args.folder.join(format!("{side}{name:02}.png")), &draw::gray_png(image)?)?;
+        }
+        files.commit()?;
+        super::print(&format!("photo {name:02}: {}\n", described(&pair)))?;
+        if number < args.count {
+            std::thread::sleep(every.saturating_sub(begin.elapsed()));
+        }
+    }
+    Ok(())
+}
+
+/// The highest number of a photo that lies there.
+fn taken(folder: &Path) -> Result<u32> {
+    let mut highest = 0;
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        let number = ["left", "right"].iter().find_map(|side| name.strip_prefix(side)?.strip_suffix(".png"));
+        highest = highest.max(number.and_then(|number| number.parse().ok()).unwrap_or(0));
+    }
+    Ok(highest)
+}
+
+/// Size and mean grey levels: what a look at the picture would ask first.
+fn described([left, right]: &[GrayImage; 2]) -> String {
+    let mean = |image: &GrayImage| {
+        image.pixels.iter().map(|&grey| u64::from(grey)).sum::<u64>() / image.pixels.len().max(1) as u64
+    };
+    format!("{}, mean grey level {} left, {} right", left.dims, mean(left), mean(right))
+}
+
+fn progress() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {bytes} of {total_bytes}");
+    ProgressBar::no_length().with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// A board at the other end of a port.
+struct Camera {
+    port: Port,
+    decoder: Decoder<Message, MAX_PACKET>,
+    next_id: u16,
+}
+
+/// A pair of which pixels come.
+struct Coming {
+    dims: Dims,
+    images: [Vec<u8>; 2],
+}
+
+impl Camera {
+    /// One pair. A packet that is lost on the way costs the photo: a calibration wants whole ones.
+    fn photograph(&mut self, bar: &ProgressBar) -> Result<[GrayImage; 2]> {
+        self.next_id = self.next_id.wrapping_add(1);
+        let command = Command { id: self.next_id, request: Request::Photograph };
+        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
+        let length = encode(&command, &mut packet[1..])?.len();
+        self.port.write(&packet[..=length])?;
+        let (mut buffer, mut coming, mut last) = ([0; 4096], None, Instant::now());
+        loop {
+            let count = match self.port.read(&mut buffer)? {
+                Received::Bytes(count) => count,
+                Received::End => bail!("the port has ended"),
+                Received::Silence if last.elapsed() > PATIENCE => {
+                    bail!("no answer in {} s; does the board run, and is the speed right?", PATIENCE.as_secs())
+                }
+                Received::Silence => continue,
+            };
+            last = Instant::now();
+            for &byte in &buffer[..count] {
+                let Some(Ok(message)) = self.decoder.push(byte) else { continue };
+                if let Some(pair) = take(message, command.id, &mut coming, bar)? {
+                    return Ok(pair);
+                }
+            }
+        }
+    }
+}
+
+/// Takes a message; gives the pair when it is whole.
+fn take(message: Message, id: u16, coming: &mut Option<Coming>, bar: &ProgressBar) -> Result<Option<[GrayImage; 2]>> {
+    match (message, &mut *coming) {
+        (Message::Answer(Answer { command, outcome: Outcome::Refused(why) }), _) if command == id => {
+            bail!("the board refused: {why}")
+        }
+        (Message::Photo(PairHead { width, height, .. }), _) => {
+            let dims = Dims { width, height };
+            bar.set_length(2 * pixels(dims) as u64);
+            *coming = Some(Coming { dims, images: [Vec::new(), Vec::new()] });
+        }
+        (Message::Pixels(Pixels { is_right, first, list }), Some(coming)) => {
+            let image = &mut coming.images[usize::from(is_right)];
+            if image.len() != first as usize {
+                bail!("pixels were lost on the way; take the photo again, or use a better cable or a lower speed");
+            }
+            image.extend_from_slice(&list);
+            bar.inc(list.len() as u64);
+        }
+        _ => {} // results, if the board sends them
+    }
+    let is_whole = |coming: &mut Coming| coming.images.iter().all(|image| image.len() == pixels(coming.dims));
+    let whole = coming.take_if(is_whole).filter(|coming| pixels(coming.dims) > 0);
+    Ok(whole.map(|Coming { dims, images }| images.map(|pixels| GrayImage { dims, pixels })))
+}
+
+fn pixels(dims: Dims) -> usize {
+    usize::from(dims.width) * usize::from(dims.height)
+}
