@@ -48,7 +48,7 @@ pub(crate) struct Builtin {
 
 /// Runs the program `bench`, as it is without logs.
 pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
-    let toolchain = Toolchain::find(&board::top()?)?;
+    let toolchain = Toolchain::for_board(board)?;
     let elf = firmware::build(&toolchain, board, "bench", Logs::None)?;
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
@@ -87,7 +87,7 @@ pub(crate) struct Rectified {
 
 /// Runs the program `rectify`: by rig and size, such as `moderate_320x240`.
 pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
-    let toolchain = Toolchain::find(&board::top()?)?;
+    let toolchain = Toolchain::for_board(board)?;
     let elf = firmware::build(&toolchain, board, "rectify", Logs::None)?;
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("rectify", board)?;

@@ -11,6 +11,7 @@ mod sizes;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
 use core::time::Duration;
+use linestereo_firmware::boards::Device;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;
@@ -35,16 +36,26 @@ struct Cli {
 
 #[derive(Debug, clap::Args)]
 struct Boards {
-    /// The board; without it, every board.
+    /// The board; without it, the two that everything is measured on, and for selftest, kernels and bench all that QEMU runs.
     #[arg(long, value_name = "BOARD")]
     board: Option<String>,
 }
 
 impl Boards {
+    /// The one that is named, else those whose every program is run and measured.
     fn list(&self) -> Result<Vec<Board>> {
+        self.or(&Board::MEASURED)
+    }
+
+    /// The one that is named, else all that QEMU runs: one of each family of processors.
+    fn emulated(&self) -> Result<Vec<Board>> {
+        self.or(&Board::emulated().collect::<Vec<_>>())
+    }
+
+    fn or(&self, boards: &[Board]) -> Result<Vec<Board>> {
         match &self.board {
             Some(name) => Ok(vec![board::named(name)?]),
-            None => Ok(Board::MEASURED.into()),
+            None => Ok(boards.into()),
         }
     }
 }
@@ -142,7 +153,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Bench { boards, frames, rival: true, .. } => {
             boards.list()?.iter().try_for_each(|board| rival::run(board, frames.as_deref()))
         }
-        Command::Bench { boards, frames, objects, .. } => bench::run(&boards.list()?, frames.as_deref(), objects),
+        Command::Bench { boards, frames, objects, .. } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
         Command::Stack(boards) => {
             for board in boards.list()? {
@@ -157,9 +168,14 @@ fn execute(command: Command) -> Result<()> {
 
 fn setup() -> Result<()> {
     let top = board::top()?;
-    let toolchain = Toolchain::find(&top)?;
-    println!("compiler, by {}: {}", toolchain.way, toolchain.version(&top)?);
-    println!("QEMU: {}", qemu::find()?.display());
+    for board in Board::ALL {
+        let toolchain = Toolchain::for_board(&board)?;
+        println!("{}: compiler for {}, by {}: {}", board.name, board.target, toolchain.way, toolchain.version(&top)?);
+        if let Device::Qemu { program, .. } = board.device {
+            qemu::find(&board)?;
+            println!("{}: {program}", board.name);
+        }
+    }
     // Only the tests of report pages need one, and they say when they are skipped.
     match Browser::install() {
         Ok(browser) => println!("browser: {}", browser.path().display()),
@@ -170,12 +186,12 @@ fn setup() -> Result<()> {
 
 fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
     let top = board::top()?;
-    let toolchain = Toolchain::find(&top)?;
     let programs = match program {
         Some(program) => vec![program.to_owned()],
         None => programs(&top.join("firmware/src/bin"))?,
     };
     for board in boards.list()? {
+        let toolchain = Toolchain::for_board(&board)?;
         for program in &programs {
             let logs = if no_logs { Logs::None } else { Logs::Semihosting };
             println!("{}", firmware::build(&toolchain, &board, program, logs)?.display());
@@ -196,7 +212,7 @@ fn programs(folder: &std::path::Path) -> Result<Vec<String>> {
 
 /// Builds and runs a program, prints its log and gives its end.
 fn run_program(board: &Board, program: &str, arguments: &[&str]) -> Result<Ended> {
-    let toolchain = Toolchain::find(&board::top()?)?;
+    let toolchain = Toolchain::for_board(board)?;
     let elf = firmware::build(&toolchain, board, program, Logs::Semihosting)?;
     let ended = qemu::run(board, &elf, arguments, &std::env::current_dir()?, LIMIT)?;
     for line in &ended.log {
@@ -216,7 +232,7 @@ fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String
     let Some(port) = serial else {
         return run_program(&board, program, &arguments)?.success(program, &board);
     };
-    let elf = firmware::build(&Toolchain::find(&board::top()?)?, &board, program, Logs::None)?;
+    let elf = firmware::build(&Toolchain::for_board(&board)?, &board, program, Logs::None)?;
     let mut qemu = qemu::command(&board, &elf, &arguments, &std::env::current_dir()?)?;
     let status = qemu.args(["-serial", port]).status()?;
     if !status.success() {
@@ -244,7 +260,7 @@ fn kernels(boards: &Boards) -> Result<()> {
 /// The boards on which a program finds a difference.
 fn unsuccessful(boards: &Boards, program: &str) -> Result<Vec<&'static str>> {
     let mut different = Vec::new();
-    for board in boards.list()? {
+    for board in boards.emulated()? {
         println!("{}", board.name);
         if run_program(&board, program, &[])?.success(program, &board).is_err() {
             different.push(board.name);

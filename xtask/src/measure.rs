@@ -7,7 +7,7 @@ use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Board, Costs, Machine, update};
+use linestereo_sim::board::{Board, Costs, Machine, update};
 use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_wire::RigImage;
@@ -138,7 +138,7 @@ fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
         eprintln!("measuring {}", board.name);
         boards.insert(board.name.to_owned(), measure_board(&board, frames)?);
     }
-    Ok(Numbers { compiler: Toolchain::find(&board::top()?)?.version(top)?, boards })
+    Ok(Numbers { compiler: Toolchain::for_board(&Board::ALL[0])?.version(top)?, boards })
 }
 
 /// Raw pairs of the size of the board's largest one and half as large again, and the largest depth of the stack over them: that of the program

@@ -9,7 +9,7 @@ use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::blocks::{METHODS, Measured, Workspace};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Board, qemu};
+use linestereo_sim::board::{Board, qemu};
 use linestereo_sim::engine::GrayImage;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -27,7 +27,7 @@ struct Blocks {
 
 /// Runs the program `blocks` on these pairs, or on the built-in ones.
 fn blocks(board: &Board, pairs: Option<&[(GrayImage, GrayImage)]>) -> Result<Blocks> {
-    let toolchain = Toolchain::find(&board::top()?)?;
+    let toolchain = Toolchain::for_board(board)?;
     let elf = firmware::build(&toolchain, board, "blocks", Logs::None)?;
     let folder = tempfile::tempdir()?;
     let mut arguments = vec!["table"];

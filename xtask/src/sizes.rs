@@ -1,13 +1,16 @@
 //! Flash and RAM of a program, read from its ELF file.
 
 use anyhow::{Context, Result};
+use linestereo_sim::board::Board;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Board};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
 /// The program that is measured where none is named.
 pub(crate) const PROGRAM: &str = "replay";
+/// Sections in flash alone, by cortex-m-rt and riscv-rt.
+const CODE: [&str; 2] = [".text", ".init.rust"];
+const CONSTANTS: [&str; 2] = [".rodata", ".vector_table"];
 /// Symbols listed.
 const LARGEST: usize = 12;
 
@@ -42,14 +45,14 @@ impl Sizes {
 
 /// Builds a program without logs and reads its sizes.
 pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
-    let toolchain = Toolchain::find(&board::top()?)?;
+    let toolchain = Toolchain::for_board(board)?;
     let elf = std::fs::read(firmware::build(&toolchain, board, program, Logs::None)?)?;
     let file = object::File::parse(&*elf).context("the program is no ELF file")?;
     let mut sizes = Sizes { text: 0, rodata: 0, data: 0, bss: 0, stack: 0, in_flash: Vec::new(), in_ram: Vec::new() };
     for section in file.sections() {
         let counter = match section.name()? {
-            ".text" => &mut sizes.text,
-            ".rodata" | ".vector_table" => &mut sizes.rodata,
+            name if CODE.contains(&name) => &mut sizes.text,
+            name if CONSTANTS.contains(&name) => &mut sizes.rodata,
             ".data" => &mut sizes.data,
             ".bss" | ".uninit" => &mut sizes.bss,
             _ => continue, // debug information and the like, which stay on the PC
@@ -63,7 +66,10 @@ pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
     sizes.stack = address("_stack_start")? - address("_stack_end")?;
     for symbol in file.symbols().filter(|symbol| symbol.size() > 0) {
         let name = format!("{:#}", rustc_demangle::demangle(symbol.name().unwrap_or("?")));
-        let place = if symbol.address() >= 0x2000_0000 { &mut sizes.in_ram } else { &mut sizes.in_flash };
+        let section = symbol.section_index().map(|index| file.section_by_index(index)).transpose()?;
+        let section = section.as_ref().map_or(Ok(""), |section| section.name())?;
+        let in_flash = [&CODE[..], &CONSTANTS].concat().contains(&section);
+        let place = if in_flash { &mut sizes.in_flash } else { &mut sizes.in_ram };
         if matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data) {
             place.push((name, symbol.size()));
         }

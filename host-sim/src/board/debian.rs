@@ -1,6 +1,14 @@
 //! A toolchain made of Debian's packages: the installed compiler, with `core` for boards beside its own libraries.
+//!
+//! ```text
+//! <cache>/linestereo/rustc-<version>/bin/rustc                       the installed compiler, told to look here
+//!                                    lib/rustlib/<this PC>/...       its own libraries, the linker
+//!                                    lib/rustlib/<target>/lib        core and alloc, one such folder per target
+//! ```
+//!
+//! Each part is made beside it and renamed into place, under a lock: what is there is whole.
 
-use super::toolchain::{TARGET, Toolchain, sysroot};
+use super::toolchain::{Toolchain, sysroot};
 use super::{packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -22,8 +30,8 @@ fn symlink(_: impl AsRef<Path>, _: impl AsRef<Path>) -> std::io::Result<()> {
     Err(std::io::Error::other("Debian's packages need a Unix"))
 }
 
-/// Finds it, or makes it once.
-pub(super) fn toolchain() -> Result<Toolchain> {
+/// Finds it, or makes it once, with this target.
+pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
     if source().is_none() || !Path::new(CARGO).is_file() || linker().is_none() {
         packages::install("a board build", &PACKAGES)?;
     }
@@ -36,11 +44,17 @@ pub(super) fn toolchain() -> Result<Toolchain> {
     let lock = fs::File::create(cache.join("lock"))?;
     lock.lock()?;
     if !folder.is_dir() {
-        eprintln!("building core for {TARGET} once, about a minute, into {}", folder.display());
         let unfinished = tempfile::tempdir_in(&cache)?;
         assemble(unfinished.path(), &folder, &linker)?;
-        build_core(unfinished.path(), &source)?;
         fs::rename(unfinished.keep(), &folder)?;
+    }
+    let libraries = folder.join("lib/rustlib").join(target);
+    if !libraries.is_dir() {
+        eprintln!("building core for {target} once, about a minute, into {}", libraries.display());
+        let unfinished = tempfile::tempdir_in(&cache)?;
+        build_core(unfinished.path(), &source, target)?;
+        make_readable(unfinished.path())?;
+        fs::rename(unfinished.keep(), &libraries)?;
     }
     Ok(Toolchain { way: "apt", folder: Some(folder) })
 }
@@ -78,23 +92,24 @@ fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
     let script = format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
     let rustc = folder.join("bin/rustc");
     fs::write(&rustc, script)?;
-    make_executable(&rustc)?;
-    make_executable(folder)
+    make_readable(&rustc)?;
+    make_readable(folder)
 }
 
+/// For everybody, and a program can be run: what is made as a temporary folder is its maker's alone.
 #[cfg(unix)]
-fn make_executable(path: &Path) -> Result<()> {
+fn make_readable(path: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
     Ok(fs::set_permissions(path, fs::Permissions::from_mode(0o755))?)
 }
 
 #[cfg(not(unix))]
-fn make_executable(_: &Path) -> Result<()> {
+fn make_readable(_: &Path) -> Result<()> {
     bail!("Debian's packages need a Unix")
 }
 
-/// Builds `core` and `alloc` for the target from Debian's source by an empty package.
-fn build_core(folder: &Path, source: &Path) -> Result<()> {
+/// Builds `core` and `alloc` for a target from Debian's source by an empty package, into the folder `lib` of `folder`.
+fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
     let package = tempfile::tempdir()?;
     let at = |name: &str| package.path().join(name);
     fs::create_dir(at("src"))?;
@@ -105,7 +120,7 @@ fn build_core(folder: &Path, source: &Path) -> Result<()> {
     let mut command = Command::new(CARGO);
     command
         .current_dir(package.path())
-        .args(["build", "--quiet", "--release", "-Zbuild-std=core,alloc", "--target", TARGET])
+        .args(["build", "--quiet", "--release", "-Zbuild-std=core,alloc", "--target", target])
         .env_clear()
         .envs(std::env::vars_os().filter(|(name, _)| {
             let name = name.to_string_lossy();
@@ -122,10 +137,10 @@ fn build_core(folder: &Path, source: &Path) -> Result<()> {
         let reason = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
         bail!("core cannot be built from {}: {reason}", source.display());
     }
-    let libraries = folder.join("lib/rustlib").join(TARGET).join("lib");
+    let libraries = folder.join("lib");
     fs::create_dir_all(&libraries)?;
     let mut found = 0;
-    for entry in fs::read_dir(at("target").join(TARGET).join("release/deps"))? {
+    for entry in fs::read_dir(at("target").join(target).join("release/deps"))? {
         let path = entry?.path();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"].iter().any(|start| name.starts_with(start));

@@ -1,6 +1,6 @@
 //! Builds a board program.
 
-use super::toolchain::{TARGET, Toolchain};
+use super::toolchain::Toolchain;
 use super::{Board, process, top};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -37,7 +37,7 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
     command
         .current_dir(&top)
         .args(["build", "--quiet", "--release", "--locked", "-p", "linestereo-firmware", "--no-default-features"])
-        .args(["--target", TARGET, "--features", &features, "--bin", program, "--target-dir"])
+        .args(["--target", board.target, "--features", &features, "--bin", program, "--target-dir"])
         .arg(&target)
         .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
     let outcome = process::run(&mut command, LIMIT)?;
@@ -50,7 +50,7 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
     let elf = folder.join(program);
     // Renamed into place: another call may be running the one before it.
     let copy = tempfile::NamedTempFile::new_in(&folder)?;
-    fs::copy(target.join(TARGET).join("release").join(program), copy.path())
+    fs::copy(target.join(board.target).join("release").join(program), copy.path())
         .with_context(|| format!("cannot write {}", elf.display()))?;
     copy.persist(&elf)?;
     Ok(elf)

@@ -2,7 +2,7 @@
 
 use super::firmware::{self, Logs};
 use super::toolchain::Toolchain;
-use super::{Board, qemu, top};
+use super::{Board, qemu};
 use crate::engine::{FrameResult, GrayImage};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -79,7 +79,7 @@ pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
 impl Machine {
     /// Builds the firmware of a board.
     pub fn new(board: Board) -> Result<Self> {
-        let toolchain = Toolchain::find(&top()?)?;
+        let toolchain = Toolchain::for_board(&board)?;
         // Without logs: what is measured is what is shipped.
         Ok(Self { board, elf: firmware::build(&toolchain, &board, "replay", Logs::None)? })
     }

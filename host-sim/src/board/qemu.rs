@@ -5,12 +5,15 @@
 use super::{Board, log, packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
+use linestereo_firmware::boards::Device;
 use linestereo_firmware::startup::Exit;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const PROGRAM: &str = "qemu-system-arm";
-const PACKAGE: &str = "qemu-system-arm";
+/// Debian's package of a QEMU: Arm has one of its own, most others share one.
+fn package(program: &str) -> &str {
+    if program == "qemu-system-arm" { program } else { "qemu-system-misc" }
+}
 
 /// How a program ended.
 #[derive(Clone, Debug)]
@@ -35,13 +38,16 @@ impl Ended {
     }
 }
 
-/// Makes sure that QEMU is there.
-pub fn find() -> Result<PathBuf> {
-    let there = || process::first_line(Command::new(PROGRAM).arg("--version")).is_some();
+/// The QEMU of a board, and the arguments that choose the machine. Makes sure that it is there.
+pub fn find(board: &Board) -> Result<(PathBuf, &'static [&'static str])> {
+    let Device::Qemu { program, arguments } = board.device else {
+        bail!("{} is no machine of QEMU: build its program, and flash it", board.name)
+    };
+    let there = || process::first_line(Command::new(program).arg("--version")).is_some();
     if !there() {
-        packages::install("running a board", &[PACKAGE])?;
+        packages::install("running a board", &[package(program)])?;
     }
-    if there() { Ok(PROGRAM.into()) } else { bail!("{PROGRAM} does not run; install QEMU for Arm") }
+    if there() { Ok((program.into(), arguments)) } else { bail!("{program} does not run; install QEMU for it") }
 }
 
 /// The command that runs a program with these arguments, reading and writing files in `folder`.
@@ -53,10 +59,12 @@ pub fn command(board: &Board, elf: &Path, arguments: &[&str], folder: &Path) -> 
         }
         semihosting.push_str(&format!(",arg={argument}"));
     }
-    let mut command = Command::new(find()?);
+    let (program, machine) = find(board)?;
+    let mut command = Command::new(program);
     command
         .current_dir(folder)
-        .args(["-machine", board.name, "-display", "none", "-monitor", "none", "-icount", "shift=6"])
+        .args(machine)
+        .args(["-display", "none", "-monitor", "none", "-icount", "shift=6"])
         .args(["-semihosting-config", &semihosting])
         .arg("-kernel")
         .arg(std::path::absolute(elf)?);

@@ -7,16 +7,14 @@
 //! ```
 //!
 //! `LINESTEREO_TOOLCHAIN=rustup` or `=apt` takes that way or fails. The third is a folder in the user's cache: the installed compiler with
-//! `core` for the board beside its own libraries, so that plain cargo builds for it.
+//! `core` for the boards beside its own libraries, so that plain cargo builds for them. Targets come to it one by one, as they are asked for.
 
-use super::{debian, process};
+use super::{Board, debian, process, top};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Armv7E-M with hardware single precision: Cortex-M4F and Cortex-M7.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// Forces a way.
 pub const VARIABLE: &str = "LINESTEREO_TOOLCHAIN";
 
@@ -32,16 +30,21 @@ pub struct Toolchain {
 }
 
 impl Toolchain {
-    /// Finds or makes one. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
-    pub fn find(top: &Path) -> Result<Self> {
+    /// Finds or makes one that builds for this board.
+    pub fn for_board(board: &Board) -> Result<Self> {
+        Self::find(&top()?, board.target)
+    }
+
+    /// Finds or makes one that builds for this target. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
+    fn find(top: &Path, target: &str) -> Result<Self> {
         match std::env::var(VARIABLE).as_deref() {
-            Err(_) | Ok("") => match rustup(top) {
+            Err(_) | Ok("") => match rustup(top, target) {
                 Ok(toolchain) => Ok(toolchain),
-                Err(rustup) => debian::toolchain()
+                Err(rustup) => debian::toolchain(target)
                     .with_context(|| format!("no compiler for boards: {rustup:#}; by Debian's packages")),
             },
-            Ok("rustup") => rustup(top),
-            Ok("apt") => debian::toolchain(),
+            Ok("rustup") => rustup(top, target),
+            Ok("apt") => debian::toolchain(target),
             Ok(other) => bail!("{VARIABLE} is {other}; give rustup or apt, or leave it unset"),
         }
     }
@@ -94,21 +97,21 @@ fn host() -> Result<String> {
 }
 
 /// The compiler in use, with the target added if need be.
-fn rustup(top: &Path) -> Result<Toolchain> {
+fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
     let toolchain = Toolchain { way: "rustup", folder: None };
     let has_target = || {
         let sysroot = sysroot(Command::new("rustc").current_dir(top))?;
-        sysroot.join("lib/rustlib").join(TARGET).join("lib").is_dir().then_some(())
+        sysroot.join("lib/rustlib").join(target).join("lib").is_dir().then_some(())
     };
     if has_target().is_some() {
         return Ok(toolchain);
     }
-    eprintln!("rustup target add {TARGET}");
-    let added = process::run(Command::new("rustup").args(["target", "add", TARGET]).current_dir(top), RUSTUP_LIMIT);
+    eprintln!("rustup target add {target}");
+    let added = process::run(Command::new("rustup").args(["target", "add", target]).current_dir(top), RUSTUP_LIMIT);
     let reason = match added {
         Ok(_) if has_target().is_some() => return Ok(toolchain),
         Ok(outcome) => outcome.stderr.lines().rfind(|line| line.contains("error")).unwrap_or("it failed").to_owned(),
         Err(error) => format!("{error:#}"),
     };
-    bail!("`rustup target add {TARGET}` does not work here ({reason})")
+    bail!("`rustup target add {target}` does not work here ({reason})")
 }
