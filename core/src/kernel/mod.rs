@@ -4,9 +4,10 @@
 //! for every input, and stands here only because it was measured to pay. The target chooses, when it is compiled for:
 //!
 //! ```text
-//! thumbv7em (Cortex-M4, M7)   dsp       every kernel; `cfg(dsp)` is set by build.rs
-//! x86_64                      sse2      sad_curve; the others are portable
-//! any other                   portable
+//! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
+//! thumbv8m.main (Cortex-M33 and above)    dsp       where it is compiled for such a processor, as .cargo/config.toml does
+//! x86_64                                  sse2      sad_curve; the others are portable
+//! any other, such as RISC-V               portable
 //! ```
 //!
 //! `firmware/src/programs/kernels.rs` compares the chosen kernels with the portable ones, on boards and on a PC.

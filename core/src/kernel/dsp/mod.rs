@@ -1,4 +1,5 @@
-//! Kernels for cores with the Armv7E-M DSP extension (Cortex-M4 and M7): four bytes or two half words per instruction.
+//! Kernels for cores with Arm's DSP extension (Armv7E-M: Cortex-M4 and M7; Armv8-M Mainline with it: Cortex-M33 and above): four bytes or
+//! two half words per instruction.
 //!
 //! In and out as the [`portable`](super::portable) versions, the same bits for every input: what a loop here cannot do goes to them.
 //!
@@ -10,7 +11,7 @@
 //! ```
 //!
 //! # Bounds
-//! Words are read and written at any address, which these cores do for single words (Armv7-M Architecture Reference Manual, A3.2.1).
+//! Words are read and written at any address, which these cores do for single words (Armv7-M Architecture Reference Manual, A3.2.1; Armv8-M the same).
 //! `firmware/src/programs/kernels.rs` compares every kernel with its portable version between fences of forbidden memory.
 //!
 //! # Cost
