@@ -12,10 +12,11 @@
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! rig_store       the rig in two slots of a flash
 //! memory          frames, rectifiers, scratch memory and output, in one static
-//! startup, ending, fault, fence, stack, semihosting    only on a board: the only unsafe code
+//! startup, ending, fault, fence, stack, semihosting    only on a board: with arch and boards the only unsafe code
+//! arch/           what differs between families of processors
 //! ```
 //!
-//! Everything but the last line also compiles on a PC, where the tests and the simulator use it.
+//! Everything but the last two lines also compiles on a PC, where the tests and the simulator use it.
 #![cfg_attr(not(test), no_std)]
 #![deny(missing_debug_implementations)]
 
@@ -33,6 +34,8 @@ pub mod rig_store;
 pub mod session;
 pub mod watch;
 
+#[cfg(target_os = "none")]
+mod arch;
 #[cfg(target_os = "none")]
 pub mod ending;
 #[cfg(target_os = "none")]

@@ -1,7 +1,8 @@
-//! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0): files, command line and exit code of the PC that runs QEMU or a probe.
+//! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0), which RISC-V has too: files, command line and exit code of the PC that runs
+//! QEMU or a probe.
 
+use crate::arch::semihosting_call as call;
 use crate::ports::{ByteSink, ByteSource};
-use core::arch::asm;
 use core::fmt;
 
 /// Operation numbers.
@@ -35,19 +36,6 @@ pub struct CannotOpen;
 
 /// Longest name of a file, and longest command line.
 const LONGEST: usize = 256;
-
-/// One operation.
-///
-/// # Safety
-/// `argument` is what the operation expects, and memory it points to may be read or written as the operation does.
-unsafe fn call(operation: u32, argument: *const u32) -> u32 {
-    let result;
-    // SAFETY: the breakpoint is answered by the PC, which changes r0 and the memory that the caller vouches for.
-    unsafe {
-        asm!("bkpt #0xab", inout("r0") operation => result, in("r1") argument, options(nostack, preserves_flags));
-    }
-    result
-}
 
 /// A file of the PC.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! From reset to the program: memory protection, a painted stack, and the program on a stack of its own.
 //!
 //! ```text
-//! 0x2000_0000 - 256 MiB   no access: the memory protection unit turns every overflow of the stack into a fault, however large its step
-//! 0x2000_0000             stack of the program (PSP), grows down
-//!                         stack of fault handlers (MSP), 1 KiB: still good when the other has overflowed
-//!                         statics
+//! below           no access, 16 MiB: memory protection turns every overflow of the stack into a fault, however large its step
+//! start of RAM    stack of the program, grows down
+//!                 stack of handlers, of the size that the board says: still good when the other has overflowed
+//!                 statics
 //! ```
 
 /// How a program ends; the number is the exit code of the simulator.
@@ -65,53 +65,18 @@ macro_rules! program {
 #[cfg(target_os = "none")]
 mod board {
     use super::Exit;
-    use crate::{ending, stack};
-    use core::arch::asm;
-    use cortex_m::peripheral::MPU;
+    use crate::{arch, ending, stack};
 
     /// Runs the program and ends with its exit code.
     pub fn start(program: fn() -> Exit) -> ! {
-        guard();
+        arch::protection::guard();
         stack::paint();
-        // SAFETY: the stack pointers are ends of memory that nothing else uses; what this stack holds is never returned to. A branch
-        // from here leaves the handler's stack empty but for this frame.
-        unsafe {
-            asm!(
-                "msr psp, {top}",
-                "msr control, {use_psp}",
-                "isb",
-                "bx {enter}",
-                top = in(reg) stack::top(),
-                use_psp = in(reg) 2,
-                enter = in(reg) enter as extern "C" fn(fn() -> Exit) -> !,
-                in("r0") program,
-                options(noreturn),
-            );
-        }
+        arch::switch_stack(enter, program)
     }
 
-    #[expect(improper_ctypes_definitions, reason = "both sides are this file; a function pointer is one register")]
+    #[expect(improper_ctypes_definitions, reason = "both sides are this crate; a function pointer is one register")]
     extern "C" fn enter(program: fn() -> Exit) -> ! {
         ending::end(program(), 0)
-    }
-
-    /// Forbids the 256 MiB below the stack.
-    fn guard() {
-        /// Least address, valid, region 0 (Armv7-M reference manual, B3.5.8).
-        const BELOW_RAM: u32 = 0x1000_0000 | 1 << 4;
-        /// Never executed, no access, 2^28 bytes, enabled (B3.5.9).
-        const NO_ACCESS: u32 = 1 << 28 | 27 << 1 | 1;
-        /// Enabled, all else as without protection (B3.5.5).
-        const ENABLE: u32 = 1 << 2 | 1;
-        // SAFETY: nothing else writes these registers, and no code or data lies in the region.
-        unsafe {
-            let mpu = &*MPU::PTR;
-            mpu.rbar.write(BELOW_RAM);
-            mpu.rasr.write(NO_ACCESS);
-            mpu.ctrl.write(ENABLE);
-        }
-        cortex_m::asm::dsb();
-        cortex_m::asm::isb();
     }
 }
 #[cfg(target_os = "none")]

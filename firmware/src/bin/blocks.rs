@@ -6,7 +6,7 @@
 fn blocks() -> linestereo_firmware::startup::Exit {
     use core::cell::RefCell;
     use core::fmt::Write as _;
-    use cortex_m::interrupt::{self, Mutex};
+    use critical_section::Mutex;
     use linestereo::Dims;
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
@@ -39,7 +39,7 @@ fn blocks() -> linestereo_firmware::startup::Exit {
     let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
         return Exit::Usage;
     };
-    let all_fit = interrupt::free(|section| {
+    let all_fit = critical_section::with(|section| {
         let memory = &mut *WORKSPACE.borrow(section).borrow_mut();
         let mut all_fit = true;
         match &mut pairs {

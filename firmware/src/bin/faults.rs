@@ -5,7 +5,7 @@
 fn faults() -> linestereo_firmware::startup::Exit {
     use core::hint::black_box;
     use linestereo_firmware::semihosting::Arguments;
-    use linestereo_firmware::startup::Exit;
+    use linestereo_firmware::{stack, startup::Exit};
 
     /// Calls itself until the stack is full, in steps of `BYTES`.
     #[inline(never)]
@@ -27,15 +27,18 @@ fn faults() -> linestereo_firmware::startup::Exit {
         }
         // SAFETY: not safe: nothing lies there, which is the point.
         Some("bus") => unsafe {
-            black_box(core::ptr::with_exposed_provenance::<u32>(0xb000_0000).read_volatile());
+            black_box(core::ptr::with_exposed_provenance::<u32>(0xf000_0000).read_volatile());
         },
         // SAFETY: not safe: below the RAM, as a lost pointer might point.
         Some("guard") => unsafe {
-            core::ptr::with_exposed_provenance_mut::<u32>(0x1fff_fff0).write_volatile(1);
+            core::ptr::with_exposed_provenance_mut::<u32>(stack::bottom() - 16).write_volatile(1);
         },
         // SAFETY: not safe: no instruction, which is the point.
         Some("undefined") => unsafe {
+            #[cfg(target_arch = "arm")]
             core::arch::asm!("udf #0");
+            #[cfg(target_arch = "riscv32")]
+            core::arch::asm!("unimp");
         },
         Some(_) => return Exit::Usage,
     }

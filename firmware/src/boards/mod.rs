@@ -3,8 +3,10 @@
 pub mod capacities;
 
 #[cfg(all(target_os = "none", feature = "emulated"))]
-pub mod flash_file;
+pub mod emulated;
 #[cfg(all(target_os = "none", feature = "emulated"))]
+pub mod flash_file;
+#[cfg(all(target_os = "none", target_arch = "arm", feature = "emulated"))]
 pub mod mps2;
 
 use linestereo::Dims;
@@ -34,6 +36,9 @@ pub use mps2_an500 as selected;
 boards! {
     "mps2-an500" mps2_an500
     "mps2-an386" mps2_an386
+    "mps2-an505" mps2_an505
+    "mps3-an547" mps3_an547
+    "riscv-virt" riscv_virt
 }
 
 /// What a program or a PC has to know of a board.

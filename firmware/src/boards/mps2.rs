@@ -1,101 +1,79 @@
-//! Peripherals that QEMU's mps2 machines have in common, all of Arm's CMSDK: APB timer 0 as the clock, UART 0 as the
-//! host's port, UART 1 as the autopilot's.
+//! Peripherals that QEMU's mps2 and mps3 machines have, all of Arm's CMSDK: an APB timer as the clock, UART 0 as the host's port, UART 1 as the
+//! autopilot's. Where they lie and how fast they tick differs between machines.
 
-use super::flash_file::FlashFile;
-use crate::ports::{ByteSink, ByteSource, Clock, NoWatchdog, PairSource, Peripherals};
-use crate::programs::live::Painter;
-use crate::rig_store::RigStore;
-use crate::semihosting::Arguments;
+use super::emulated::{self, NS_PER_INSTRUCTION};
+use crate::ports::{ByteSink, ByteSource, Clock};
+use core::ptr;
 
-/// What such a machine gives to `live`: painted pairs, and the file that its argument names in place of flash. `None` when that cannot be used.
-pub fn peripherals()
--> Option<Peripherals<InstructionClock, Uart, Uart, impl PairSource, RigStore<FlashFile>, NoWatchdog>> {
-    Some(Peripherals {
-        clock: InstructionClock::start(),
-        host: Uart::start(),
-        autopilot: Uart::start_for_autopilot(),
-        pairs: Painter::new(super::selected::BOARD.largest),
-        flash: Arguments::ask().get(0).map(FlashFile::slots).transpose().ok()?,
-        watchdog: NoWatchdog,
-        reset: None,
-    })
-}
-
-/// CMSDK APB timer 0 (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD, 25 MHz, counts down.
-const TIMER0: *mut u32 = 0x4000_0000 as *mut u32;
+/// CMSDK APB timer (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD; counts down.
 const VALUE: usize = 1;
 const RELOAD: usize = 2;
 
-/// Counts instructions: with `-icount shift=6` QEMU lets 64 ns pass per instruction, and a tick of the timer is 40 ns.
-///
-/// On a real board it would count time; QEMU knows no cycles.
+/// Counts instructions: a tick of the timer at `ADDRESS` is `1 / MHZ` microseconds.
 #[derive(Debug)]
-pub struct InstructionClock(());
+pub struct Timer<const ADDRESS: usize, const MHZ: u32>(());
 
-impl InstructionClock {
+impl<const ADDRESS: usize, const MHZ: u32> Timer<ADDRESS, MHZ> {
+    const REGISTERS: *mut u32 = ptr::without_provenance_mut(ADDRESS);
+
     /// Starts the timer.
     #[must_use]
     pub fn start() -> Self {
-        // SAFETY: the registers of a timer that nothing else uses; the address is the same on every mps2 machine.
+        // SAFETY: the registers of a timer that nothing else uses, at the address that the board's file gives.
         unsafe {
-            TIMER0.add(RELOAD).write_volatile(u32::MAX);
-            TIMER0.add(VALUE).write_volatile(u32::MAX);
-            TIMER0.write_volatile(1);
+            Self::REGISTERS.add(RELOAD).write_volatile(u32::MAX);
+            Self::REGISTERS.add(VALUE).write_volatile(u32::MAX);
+            Self::REGISTERS.write_volatile(1);
         }
         Self(())
     }
 }
 
-impl Clock for InstructionClock {
+impl<const ADDRESS: usize, const MHZ: u32> Clock for Timer<ADDRESS, MHZ> {
     const UNIT: &'static str = "instructions";
 
     #[inline]
     fn now(&self) -> u32 {
         // SAFETY: reading the timer changes nothing.
-        !unsafe { TIMER0.add(VALUE).read_volatile() }
+        !unsafe { Self::REGISTERS.add(VALUE).read_volatile() }
     }
 
     fn elapsed(&self, from: u32, to: u32) -> u64 {
-        u64::from(to.wrapping_sub(from)) * 40 / 64
+        instructions(from, to, MHZ)
     }
 
-    /// Of the machine: 40 ns a tick.
     fn microseconds(&self, from: u32, to: u32) -> u64 {
-        u64::from(to.wrapping_sub(from)) / 25
+        u64::from(to.wrapping_sub(from)) / u64::from(MHZ)
     }
 }
 
-/// CMSDK APB UART 0 and 1 (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.
-const UART0: *mut u32 = 0x4000_4000 as *mut u32;
-const UART1: *mut u32 = 0x4000_5000 as *mut u32;
-/// The fastest it can do, and 57600 baud of the bus's 25 MHz.
-const FASTEST: u32 = 16;
-const BAUD_57600: u32 = 434;
+/// Instructions between two counts of a clock of so many MHz.
+pub(super) fn instructions(from: u32, to: u32, mhz: u32) -> u64 {
+    u64::from(to.wrapping_sub(from)) * 1000 / (u64::from(mhz) * NS_PER_INSTRUCTION)
+}
+
+/// CMSDK APB UART (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.
 const STATE: usize = 1;
 const CTRL: usize = 2;
 const BAUDDIV: usize = 4;
 const TRANSMIT_FULL: u32 = 1;
 const RECEIVE_FULL: u32 = 2;
+/// The fastest it can do.
+const FASTEST: u32 = 16;
 
 /// A polled serial port. It keeps one received byte: on hardware a host has to wait for answers, QEMU holds further bytes back.
 #[derive(Debug)]
 pub struct Uart(*mut u32);
 
 impl Uart {
-    /// The host's port.
-    #[must_use]
-    pub fn start() -> Self {
-        Self::switch_on(UART0, FASTEST)
-    }
-
-    /// The autopilot's port.
-    #[must_use]
-    pub fn start_for_autopilot() -> Self {
-        Self::switch_on(UART1, BAUD_57600)
+    /// The host's port and the autopilot's, the latter at 57600 baud of a bus of so many MHz.
+    pub(super) fn start(addresses: [usize; 2], mhz: u32) -> [Self; 2] {
+        let [host, autopilot] = addresses.map(ptr::without_provenance_mut);
+        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)]
     }
 
     fn switch_on(registers: *mut u32, divider: u32) -> Self {
-        // SAFETY: the registers of a UART that nothing else uses; their addresses are the same on every mps2 machine.
+        // SAFETY: the registers of a UART that nothing else uses, at the address that the board's file gives.
         unsafe {
             registers.add(BAUDDIV).write_volatile(divider);
             registers.add(CTRL).write_volatile(0b11);
@@ -132,4 +110,13 @@ impl ByteSink for Uart {
             unsafe { self.0.write_volatile(byte.into()) };
         }
     }
+}
+
+/// The clock of mps2-an386 and mps2-an500, which have the same map of peripherals: timer 0.
+pub type InstructionClock = Timer<0x4000_0000, 25>;
+
+/// What they give to `live`.
+pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+    let [host, autopilot] = Uart::start([0x4000_4000, 0x4000_5000], 25);
+    emulated::peripherals(InstructionClock::start(), host, autopilot)
 }

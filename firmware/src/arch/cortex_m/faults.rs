@@ -1,0 +1,50 @@
+//! All faults escalate to HardFault, which runs on the stack of handlers and reads the program's stack only where it is readable.
+
+use crate::arch::guard;
+use crate::ending::{end, report, report_number};
+use crate::startup::Exit;
+use crate::{fault, stack};
+use core::ptr;
+use cortex_m::peripheral::SCB;
+use cortex_m::register::psp;
+use cortex_m_rt::exception;
+
+/// Bits of CFSR: the registers could not be saved on the stack (MSTKERR, STKERR), or the stack pointer went below its limit (STKOF, Armv8-M).
+const STACKING_ERROR: u32 = 1 << 4 | 1 << 12;
+const BELOW_LIMIT: u32 = 1 << 20;
+/// Bits of CFSR: MMFAR and BFAR hold the address.
+const MMFAR_VALID: u32 = 1 << 7;
+const BFAR_VALID: u32 = 1 << 15;
+
+#[exception(trampoline = false)]
+unsafe fn HardFault() -> ! {
+    // SAFETY: reads of status registers.
+    let (cfsr, hfsr, mmfar, bfar) = unsafe {
+        let scb = &*SCB::PTR;
+        (scb.cfsr.read(), scb.hfsr.read(), scb.mmfar.read(), scb.bfar.read())
+    };
+    let address = match cfsr {
+        bits if bits & MMFAR_VALID != 0 => Some(mmfar),
+        bits if bits & BFAR_VALID != 0 => Some(bfar),
+        _ => None,
+    };
+    let frame = psp::read() as usize;
+    let stack = stack::bottom()..stack::top();
+    let overflow = !stack.contains(&frame)
+        || cfsr & (STACKING_ERROR | BELOW_LIMIT) != 0
+        || address.is_some_and(|address| guard().contains(&(address as usize)));
+    // Where they were not saved the stack pointer is left at its limit.
+    let saved = cfsr & STACKING_ERROR == 0 && (cfsr & BELOW_LIMIT == 0 || frame != stack.start);
+    let pc = (saved && stack.contains(&frame) && stack.contains(&(frame + 28)))
+        // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is the program counter.
+        .then(|| unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() });
+    fault::refused(overflow, pc, &[(" cfsr ", cfsr), (" hfsr ", hfsr)], address)
+}
+
+/// An interrupt that no driver of the board has: a fault.
+#[exception]
+unsafe fn DefaultHandler(number: i16) -> ! {
+    report_number("fault: unexpected exception ", number as u32);
+    report("\n");
+    end(Exit::Fault, 0)
+}

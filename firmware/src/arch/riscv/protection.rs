@@ -1,0 +1,59 @@
+//! Physical memory protection: an entry may forbid every access, in machine mode too when it is locked, and wins over those with higher numbers.
+//! What is in no entry is allowed (RISC-V privileged architecture, 1.12, section 3.7.1).
+
+use crate::arch;
+use crate::programs::kernels::{Fence, Rooms};
+use riscv::register::{
+    pmpaddr0, pmpaddr1, pmpaddr2, pmpaddr3, pmpaddr4, pmpaddr5, pmpaddr6, pmpaddr7, pmpcfg0, pmpcfg1,
+};
+
+/// The entry of the guard, and the first one for fences.
+const GUARD: usize = 0;
+const FIRST_FENCE: usize = 1;
+const ENTRIES: usize = 8;
+
+/// Forbids the memory below the stack.
+pub(crate) fn guard() {
+    let below = arch::guard();
+    forbid(GUARD, below.start, below.len());
+}
+
+/// Are there entries for all fences? Processors have none, 16 or 64 of them; RP2350 eight.
+pub(crate) fn has_fences() -> bool {
+    FIRST_FENCE + Rooms::FENCES <= ENTRIES
+}
+
+/// Forbids the fences.
+pub(crate) fn forbid_fences(fences: &[&Fence]) {
+    for (entry, &fence) in (FIRST_FENCE..).zip(fences) {
+        forbid(entry, (&raw const *fence).addr(), Fence::BYTES);
+    }
+}
+
+/// No access to `bytes`, a power of two to which `start` is aligned.
+fn forbid(entry: usize, start: usize, bytes: usize) {
+    const { assert!(Fence::BYTES.is_power_of_two() && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
+    /// Locked, a power of two at its multiple, no access.
+    const LOCKED_NO_ACCESS: usize = 1 << 7 | 3 << 3;
+    // The address in words; ones from the lowest bit on say how many bytes.
+    let place = start >> 2 | (bytes >> 3) - 1;
+    // SAFETY: nothing else writes these entries, and nothing but what is forbidden lies there.
+    unsafe {
+        match entry {
+            0 => pmpaddr0::write(place),
+            1 => pmpaddr1::write(place),
+            2 => pmpaddr2::write(place),
+            3 => pmpaddr3::write(place),
+            4 => pmpaddr4::write(place),
+            5 => pmpaddr5::write(place),
+            6 => pmpaddr6::write(place),
+            _ => pmpaddr7::write(place),
+        }
+        let bits = LOCKED_NO_ACCESS << (8 * (entry % 4));
+        if entry < 4 {
+            pmpcfg0::write(pmpcfg0::read().bits | bits)
+        } else {
+            pmpcfg1::write(pmpcfg1::read().bits | bits)
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! QEMU's mps2-an505: Arm Cortex-M33 with DSP extension, held to the flash and RAM of a part of its class by `mps2_an505.x`.
+//!
+//! It starts in the secure state and stays there. Addresses: Arm's application note AN505; QEMU, `hw/arm/mps2-tz.c`.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board = qvga::board(
+    "mps2-an505",
+    "Cortex-M33",
+    "thumbv8m.main-none-eabihf",
+    Device::Qemu { program: "qemu-system-arm", arguments: &["-machine", "mps2-an505"] },
+);
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "mps2-an505"))]
+pub use on_board::{InstructionClock, peripherals};
+
+#[cfg(all(target_os = "none", feature = "mps2-an505"))]
+mod on_board {
+    use crate::boards::emulated;
+    use crate::boards::mps2::{Timer, Uart};
+
+    /// Timer 0, where the secure state sees it, on the bus's 20 MHz.
+    pub type InstructionClock = Timer<0x5000_0000, 20>;
+
+    /// What it gives to `live`.
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+        let [host, autopilot] = Uart::start([0x5020_0000, 0x5020_1000], 20);
+        emulated::peripherals(InstructionClock::start(), host, autopilot)
+    }
+}

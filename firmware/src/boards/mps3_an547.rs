@@ -1,0 +1,71 @@
+//! QEMU's mps3-an547: Arm Cortex-M55 (Corstone-300), with its tightly coupled memories by `mps3_an547.x`.
+//!
+//! It starts in the secure state and stays there. The kernels are those of Armv8-M's DSP extension; nothing uses Helium. Addresses: Arm's
+//! application note AN547; QEMU, `hw/arm/armsse.c` and `hw/arm/mps2-tz.c`.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board = qvga::board(
+    "mps3-an547",
+    "Cortex-M55",
+    "thumbv8m.main-none-eabihf",
+    Device::Qemu { program: "qemu-system-arm", arguments: &["-machine", "mps3-an547"] },
+);
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "mps3-an547"))]
+pub use on_board::{InstructionClock, peripherals};
+
+#[cfg(all(target_os = "none", feature = "mps3-an547"))]
+mod on_board {
+    use crate::boards::emulated;
+    use crate::boards::mps2::{self, Uart};
+    use crate::ports::Clock;
+
+    const MHZ: u32 = 32;
+    /// The system counter's control frame: CNTCR, and the low word of CNTCV (Arm SSE-123 technical reference manual, 101370).
+    const COUNTER: *mut u32 = core::ptr::without_provenance_mut(0x5810_0000);
+    const VALUE: usize = 2;
+
+    /// Counts instructions, by the system counter: the subsystem has no timer that counts on its own.
+    #[derive(Debug)]
+    pub struct InstructionClock(());
+
+    impl InstructionClock {
+        /// Starts the counter.
+        #[must_use]
+        pub fn start() -> Self {
+            // SAFETY: the register of a counter that nothing else uses.
+            unsafe { COUNTER.write_volatile(1) };
+            Self(())
+        }
+    }
+
+    impl Clock for InstructionClock {
+        const UNIT: &'static str = "instructions";
+
+        #[inline]
+        fn now(&self) -> u32 {
+            // SAFETY: reading the counter changes nothing.
+            unsafe { COUNTER.add(VALUE).read_volatile() }
+        }
+
+        fn elapsed(&self, from: u32, to: u32) -> u64 {
+            mps2::instructions(from, to, MHZ)
+        }
+
+        fn microseconds(&self, from: u32, to: u32) -> u64 {
+            u64::from(to.wrapping_sub(from)) / u64::from(MHZ)
+        }
+    }
+
+    /// What it gives to `live`.
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+        let [host, autopilot] = Uart::start([0x5930_3000, 0x5930_4000], MHZ);
+        emulated::peripherals(InstructionClock::start(), host, autopilot)
+    }
+}

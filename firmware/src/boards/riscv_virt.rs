@@ -1,0 +1,113 @@
+//! QEMU's RISC-V machine `virt`: RV32IMAC, as ESP32-C6 and the RP2350's other cores, held to their RAM by `riscv_virt.x`. The kernels are the
+//! portable ones.
+//!
+//! Addresses: QEMU, `hw/riscv/virt.c`.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board = qvga::board(
+    "riscv-virt",
+    "RV32IMAC",
+    "riscv32imac-unknown-none-elf",
+    Device::Qemu { program: "qemu-system-riscv32", arguments: &["-machine", "virt", "-bios", "none"] },
+);
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "riscv-virt"))]
+pub use on_board::{InstructionClock, peripherals};
+
+#[cfg(all(target_os = "none", feature = "riscv-virt"))]
+mod on_board {
+    use crate::boards::emulated::{self, NS_PER_INSTRUCTION};
+    use crate::ports::{ByteSink, ByteSource, Clock};
+    use riscv::register::minstret;
+
+    /// Counts instructions, by the counter of retired ones: QEMU adds to it for each what passes of its virtual time.
+    #[derive(Debug)]
+    pub struct InstructionClock(());
+
+    impl InstructionClock {
+        /// The counter always runs.
+        #[must_use]
+        pub const fn start() -> Self {
+            Self(())
+        }
+    }
+
+    impl Clock for InstructionClock {
+        const UNIT: &'static str = "instructions";
+
+        #[inline]
+        fn now(&self) -> u32 {
+            (minstret::read64() / NS_PER_INSTRUCTION) as u32
+        }
+
+        fn elapsed(&self, from: u32, to: u32) -> u64 {
+            to.wrapping_sub(from).into()
+        }
+
+        fn microseconds(&self, from: u32, to: u32) -> u64 {
+            self.elapsed(from, to) * NS_PER_INSTRUCTION / 1000
+        }
+    }
+
+    /// A serial port as National Semiconductor's NS16550 (PC16550D data sheet): data at 0, line status at 5. As it is after a reset: QEMU's
+    /// needs no rate.
+    const UART: *mut u8 = core::ptr::without_provenance_mut(0x1000_0000);
+    const LINE_STATUS: usize = 5;
+    const RECEIVED: u8 = 1;
+    const TRANSMIT_EMPTY: u8 = 1 << 5;
+
+    /// The machine's only serial port, polled.
+    #[derive(Debug)]
+    pub struct Uart(());
+
+    impl Uart {
+        fn status(&self) -> u8 {
+            // SAFETY: reading the status clears errors alone, which nobody asks for.
+            unsafe { UART.add(LINE_STATUS).read_volatile() }
+        }
+    }
+
+    impl ByteSource for Uart {
+        fn read(&mut self, bytes: &mut [u8]) -> usize {
+            let mut count = 0;
+            for place in bytes {
+                if self.status() & RECEIVED == 0 {
+                    break;
+                }
+                // SAFETY: there is a byte, and this port is the only one that takes it.
+                *place = unsafe { UART.read_volatile() };
+                count += 1;
+            }
+            count
+        }
+    }
+
+    impl ByteSink for Uart {
+        fn write(&mut self, bytes: &[u8]) {
+            for &byte in bytes {
+                while self.status() & TRANSMIT_EMPTY == 0 {}
+                // SAFETY: there is room for a byte.
+                unsafe { UART.write_volatile(byte) };
+            }
+        }
+    }
+
+    /// The machine has no second port: what an autopilot is told goes nowhere.
+    #[derive(Debug)]
+    pub struct NoPort;
+
+    impl ByteSink for NoPort {
+        fn write(&mut self, _: &[u8]) {}
+    }
+
+    /// What it gives to `live`.
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, NoPort>> {
+        emulated::peripherals(InstructionClock::start(), Uart(()), NoPort)
+    }
+}
