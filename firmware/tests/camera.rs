@@ -406,6 +406,8 @@ fn other_sizes_have_their_registers() {
     }
     let case = Case { config: config(162, 122, Binning::Two), ..hm01b0() };
     assert_trace("hm01b0_small", &trace::<Hm01b0>(&case, Asked::Start(case.config)));
+    let case = hm01b0();
+    assert_trace("hm01b0_nibbles", &trace::<Hm01b0Nibbles>(&case, Asked::Start(case.config)));
     for (name, dims, binning) in [("full", (640, 480), Binning::One), ("small", (160, 120), Binning::Four)] {
         let case = Case { config: config(dims.0, dims.1, binning), ..ov7670() };
         assert_trace(&format!("ov7670_{name}"), &trace::<Ov7670>(&case, Asked::Start(case.config)));

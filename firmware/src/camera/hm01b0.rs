@@ -16,18 +16,31 @@
 //! # Source
 //! Himax's register names and addresses, formats of gain, modes and the vendor's analogue settings as OpenMV's `hm01b0_regs.h` and `hm01b0.c`
 //! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3065 have
-//! no public names.
+//! no public names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most significant bits first, 1:0: MCLK / 8, 4,
+//! 2, 1): Himax's own comments in public register lists; four wires, two PCLKO a pixel and the lower half first with bit 4 off: Arm's
+//! `hm01b0-library-for-pico`, `src/hm01b0.c`.
 
 use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
 use linestereo::Dims;
 
-/// The sensor.
+/// The sensor, with so many data wires: 8 or 4.
 #[derive(Clone, Copy, Debug)]
-pub enum Hm01b0 {}
+pub enum Hm01b0Over<const WIRES: u8> {}
 
-impl Hm01b0 {
+/// A pixel at once, on D7 .. D0.
+pub type Hm01b0 = Hm01b0Over<8>;
+/// A pixel in two halves, the lower one first, on D3 .. D0: PCLKO is twice as fast.
+pub type Hm01b0Nibbles = Hm01b0Over<4>;
+
+impl<const WIRES: u8> Hm01b0Over<WIRES> {
     /// Its 7-bit address.
     pub const ADDRESS: u8 = 0x24;
+
+    /// What decides about the wires (bit 6: four of them), and the step of any other register as it is.
+    fn on_wires(step: Step) -> Step {
+        const { assert!(WIRES == 8 || WIRES == 4) };
+        if step.register == BIT_CONTROL && WIRES == 4 { Step { value: step.value | 0x40, ..step } } else { step }
+    }
 }
 
 const MODEL_ID_H: u16 = 0x0000;
@@ -123,13 +136,13 @@ const VENDOR: &[Step] = &[
     Step::set(MAX_DGAIN, 0xc0),
     Step::set(FS_CTRL, 0x00), // no steps of exposure against flicker: they differ between sensors
     Step::set(MD_CTRL, 0x00), // no motion detection
-    Step::set(BIT_CONTROL, 0x02), // 8 bits at once
+    Step::set(BIT_CONTROL, 0x02), // 8 bits at once; `on_wires`
     Step::set(OSC_CLK_DIV, 0x0a), // MCLK / 2
     Step::set(PCLK_POLARITY, 0x21), // data change at the falling edge
     Step::set(IMG_ORIENTATION, 0x00),
 ];
 
-impl Model for Hm01b0 {
+impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const NAME: &'static str = "HM01B0";
     const WIRE: Wire = Wire::Long8;
     const SHUTTER: Shutter = Shutter::Rolling;
@@ -169,7 +182,7 @@ impl Model for Hm01b0 {
             Step::set(TEST_PATTERN_MODE, config.test_pattern.into()),
             TAKE_OVER,
         ];
-        VENDOR.iter().copied().chain(sized)
+        VENDOR.iter().copied().map(Self::on_wires).chain(sized)
     }
 
     fn run(start: FrameStart) -> impl Iterator<Item = Step> {

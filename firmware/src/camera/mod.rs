@@ -29,7 +29,7 @@ mod stereo;
 mod trigger;
 
 pub use chip::Chip;
-pub use hm01b0::Hm01b0;
+pub use hm01b0::{Hm01b0, Hm01b0Nibbles, Hm01b0Over};
 pub use mt9v034::Mt9v034;
 pub use ov7670::Ov7670;
 pub use pair::{CameraPair, PairError, PairExposure};
