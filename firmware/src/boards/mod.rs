@@ -9,6 +9,11 @@ pub mod flash_file;
 #[cfg(all(target_os = "none", target_arch = "arm", feature = "emulated"))]
 pub mod mps2;
 
+#[cfg(any(not(target_os = "none"), feature = "rp235x"))]
+pub mod rp235x;
+#[cfg(all(target_os = "none", feature = "rp235x"))]
+pub mod usb_port;
+
 use linestereo::Dims;
 
 /// Every board by its feature and its file, the default one first. [`selected`] is the one that is built.
@@ -39,6 +44,7 @@ boards! {
     "mps2-an505" mps2_an505
     "mps3-an547" mps3_an547
     "riscv-virt" riscv_virt
+    "pico2" pico2
 }
 
 /// What a program or a PC has to know of a board.

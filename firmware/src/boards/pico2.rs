@@ -1,0 +1,134 @@
+//! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB of flash. Two HM01B0 with four data wires each.
+//!
+//! ```text
+//! GP0         UART 0, to an autopilot
+//! GP2 .. 8    left camera: D0, D1, D2, D3, PCLKO, LVLD, FVLD          GP16, 17   SDA, SCL of the left camera (I2C 0)
+//! GP9 .. 15   right camera, the same                                  GP18, 19   SDA, SCL of the right camera (I2C 1)
+//! GP20        TRIG of both                                            GP21       MCLK of both, 6 MHz
+//! ```
+//! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board = qvga::board("pico2", "Cortex-M33", "thumbv8m.main-none-eabihf", Device::Chip("RP235x"));
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "pico2"))]
+mod wired {
+    use super::BOARD;
+    use crate::boards::rp235x::cameras::Block;
+    use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
+    use crate::boards::rp235x::{Autopilot, FrameWatchdog, KeptRig, Micros, Pause, keeper, reset_cause, start_host};
+    use crate::boards::usb_port::UsbPort;
+    use crate::camera::{
+        Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
+        StereoConfig, Trigger,
+    };
+    use crate::capture::{CameraSource, Capture, Limits};
+    use crate::ports::{PairSource, Peripherals};
+    use core::mem;
+    use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
+    use embassy_rp::gpio::{Level, Output};
+    use embassy_rp::i2c::{self, I2c};
+    use linestereo::Dims;
+
+    /// Bytes of the board's flash.
+    const FLASH: usize = 4 << 20;
+    /// MCLK is the crystal's 12 MHz by this; pixels come at half of it, two PCLKO each.
+    const MCLK_DIVIDER: u16 = 2;
+    /// A row of 376 pixels, nanoseconds.
+    const ROW_NS: u32 = 125_333;
+    /// The cameras' raw frames.
+    const RAW: Dims = Dims { width: ROW_BYTES as u16, height: FRAME_ROWS as u16 };
+    /// Of the pulse that starts a frame, microseconds: 60 MCLK.
+    const PULSE_US: u32 = 10;
+    /// Two frames of the longest exposure.
+    const PATIENCE_US: u32 = 150_000;
+
+    const LIMITS: Limits = Limits {
+        rows: DIMS.height,
+        row_bytes: RAW.width,
+        row_gap_us: 1000,
+        silence_us: 100_000,
+        pair_us: 2000,
+    };
+
+    const CAMERAS: StereoConfig = StereoConfig {
+        config: Config {
+            dims: RAW,
+            binning: Binning::One,
+            start: FrameStart::Triggered,
+            exposure: ExposureControl::Auto,
+            test_pattern: false,
+        },
+        exposure: PairExposure::LeftChooses,
+        row_ns: ROW_NS,
+        readout_us: RAW.height as u32 * (ROW_NS / 1000),
+    };
+
+    /// What the board gives to `live`. Once.
+    pub fn peripherals()
+    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, KeptRig<FLASH>, FrameWatchdog>> {
+        let board = embassy_rp::init(embassy_rp::config::Config::default()); // 150 MHz
+        let reset = reset_cause();
+        let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
+
+        let mclk = Gpout::new(board.PIN_21);
+        mclk.set_src(GpoutSrc::Xosc);
+        mclk.set_div(MCLK_DIVIDER, 0);
+        mclk.enable();
+        mem::forget(mclk); // dropped it would stop
+
+        let mut block = Block::new(board.PIO0);
+        let common = block.common();
+        let left = [
+            common.make_pio_pin(board.PIN_2),
+            common.make_pio_pin(board.PIN_3),
+            common.make_pio_pin(board.PIN_4),
+            common.make_pio_pin(board.PIN_5),
+            common.make_pio_pin(board.PIN_6),
+            common.make_pio_pin(board.PIN_7),
+            common.make_pio_pin(board.PIN_8),
+        ];
+        let right = [
+            common.make_pio_pin(board.PIN_9),
+            common.make_pio_pin(board.PIN_10),
+            common.make_pio_pin(board.PIN_11),
+            common.make_pio_pin(board.PIN_12),
+            common.make_pio_pin(board.PIN_13),
+            common.make_pio_pin(board.PIN_14),
+            common.make_pio_pin(board.PIN_15),
+        ];
+        let rings = block.start([left, right]);
+
+        let mut config = i2c::Config::default();
+        config.frequency = 400_000;
+        (config.sda_pullup, config.scl_pullup) = (false, false); // to 2.8 V, outside
+        let left = I2c::new_blocking(board.I2C0, board.PIN_17, board.PIN_16, config);
+        let right = I2c::new_blocking(board.I2C1, board.PIN_19, board.PIN_18, config);
+        let chips = (
+            Chip::<Hm01b0Nibbles, _, _>::new(left, Hm01b0Nibbles::ADDRESS, NoReset),
+            Chip::<Hm01b0Nibbles, _, _>::new(right, Hm01b0Nibbles::ADDRESS, NoReset),
+        );
+        let trigger = Trigger::new(Output::new(board.PIN_20, Level::Low), PULSE_US).ok()?;
+        let cameras = StereoCamera::new(chips, Some(trigger), Pause, CAMERAS);
+        let capture = Capture::new(LIMITS, CAMERAS.config.start);
+
+        Some(Peripherals {
+            clock,
+            host: start_host(board.USB, BOARD.name),
+            autopilot: Autopilot::start(board.UART0, board.PIN_0),
+            pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
+            flash: keeper(board.FLASH),
+            watchdog: FrameWatchdog::start(board.WATCHDOG),
+            reset: Some(reset),
+        })
+    }
+}
+
+#[cfg(all(target_os = "none", feature = "pico2"))]
+pub use wired::peripherals;

@@ -1,0 +1,37 @@
+//! RP2350: what its boards share.
+//!
+//! ```text
+//! program   what a PIO block does with a camera's wires
+//! rows      what the DMA has written -> numbers of rows, and signals
+//! cameras   registers and interrupts of both                                    only on a board, as what follows
+//! clock     microseconds, and pauses        ending    why the last run ended; watchdog
+//! keeper    the rig in the last two sectors of the flash
+//! uart      the autopilot's port            (the host's is `boards::usb_port`)
+//! ```
+
+pub mod program;
+pub mod rows;
+
+#[cfg(target_os = "none")]
+pub mod cameras;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
+mod host;
+#[cfg(target_os = "none")]
+mod keeper;
+#[cfg(target_os = "none")]
+mod uart;
+#[cfg(target_os = "none")]
+mod watchdog;
+
+#[cfg(target_os = "none")]
+pub use clock::{Micros, Pause, time_us};
+#[cfg(target_os = "none")]
+pub use host::start as start_host;
+#[cfg(target_os = "none")]
+pub use keeper::{KeptRig, keeper};
+#[cfg(target_os = "none")]
+pub use uart::Autopilot;
+#[cfg(target_os = "none")]
+pub use watchdog::{FrameWatchdog, reset_cause};

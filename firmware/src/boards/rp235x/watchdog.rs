@@ -1,0 +1,64 @@
+//! The watchdog, and why the board was reset.
+//!
+//! # Source
+//! RP2350 datasheet: 12.9 (watchdog), 6.4 (POWMAN: CHIP_RESET), 7.1 (resets).
+
+use crate::ending;
+use crate::ports::Watchdog;
+use core::fmt;
+use embassy_rp::Peri;
+use embassy_rp::pac::{POWMAN, WATCHDOG};
+use embassy_rp::peripherals;
+use embassy_rp::watchdog;
+use embassy_time::Duration;
+use linestereo_wire::{Reset, ResetCause};
+
+/// Reset after so long without a finished frame: the longest thing that may lie between two is making ready for a rig, 115 million
+/// instructions.
+const PATIENCE: Duration = Duration::from_secs(8);
+
+/// Resets the board when no frame is finished for 8 s.
+pub struct FrameWatchdog(watchdog::Watchdog);
+
+impl fmt::Debug for FrameWatchdog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("watchdog")
+    }
+}
+
+impl FrameWatchdog {
+    /// Runs from now on; it waits while a debugger has stopped the processor.
+    pub fn start(peripheral: Peri<'static, peripherals::WATCHDOG>) -> Self {
+        let mut watchdog = watchdog::Watchdog::new(peripheral);
+        watchdog.pause_on_debug(true);
+        watchdog.start(PATIENCE);
+        Self(watchdog)
+    }
+}
+
+impl Watchdog for FrameWatchdog {
+    fn feed(&mut self) {
+        self.0.feed(PATIENCE);
+    }
+}
+
+/// Why the board was reset. Before the watchdog is started: starting it forgets.
+#[must_use]
+pub fn reset_cause() -> Reset {
+    let words = ending::last_words();
+    let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());
+    // The watchdog's own reason is cleared by every other reset but those of the processor alone.
+    words.unwrap_or(Reset::of(if reason.timer() {
+        ResetCause::Watchdog
+    } else if reason.force() {
+        ResetCause::Software
+    } else if last.had_por() {
+        ResetCause::PowerOn
+    } else if last.had_bor() || last.had_glitch_detect() {
+        ResetCause::BrownOut
+    } else if last.had_run_low() || last.had_dp_reset_req() || last.had_rescue() {
+        ResetCause::Pin
+    } else {
+        ResetCause::Unknown
+    }))
+}

@@ -1,0 +1,151 @@
+//! The host's port over USB: a serial port (CDC ACM) of any USB peripheral that embassy-usb drives.
+//!
+//! ```text
+//! program  <- pipes ->  run: a future of the board's executor, in interrupts
+//! nobody has opened the port   what is written is dropped
+//! somebody has                 waits for room, but not for ever: then what is written is dropped until there is room by itself
+//! ```
+//! A write is sent whole or not at all. Not yet run on hardware.
+//!
+//! # Cost
+//! 4 KiB for results, 1 KiB for commands, 0.6 KiB of descriptors and buffers.
+
+use crate::ports::{ByteSink, ByteSource};
+use core::sync::atomic::{AtomicBool, Ordering};
+use embassy_futures::join::join4;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::pipe::Pipe;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
+use embassy_usb::driver::Driver;
+use embassy_usb::{Builder, Config};
+use static_cell::StaticCell;
+
+/// Vendor and product that anybody may use for such ports, told apart by their texts (V-USB's `USB-IDs-for-free.txt`).
+const IDS: (u16, u16) = (0x16c0, 0x27dd);
+/// Largest packet of a full-speed bulk endpoint.
+const PACKET: usize = 64;
+/// Bytes of results that wait: several frames of records.
+const RESULTS: usize = 4096;
+/// Longest wait for room, microseconds.
+const PATIENCE_US: u64 = 100_000;
+
+static TO_HOST: Pipe<CriticalSectionRawMutex, RESULTS> = Pipe::new();
+static FROM_HOST: Pipe<CriticalSectionRawMutex, 1024> = Pipe::new();
+/// Has a host opened the port (DTR)?
+static IS_OPEN: AtomicBool = AtomicBool::new(false);
+
+/// What embassy-usb wants to keep.
+struct Memory<'a> {
+    configuration: [u8; 128],
+    bos: [u8; 16],
+    control: [u8; 64],
+    class: State<'a>,
+}
+
+/// Serves the port for ever. At most one.
+pub async fn run<D: Driver<'static>>(driver: D, product: &'static str) {
+    static MEMORY: StaticCell<Memory<'static>> = StaticCell::new();
+    let memory =
+        MEMORY.init_with(|| Memory { configuration: [0; 128], bos: [0; 16], control: [0; 64], class: State::new() });
+    let mut config = Config::new(IDS.0, IDS.1);
+    config.manufacturer = Some("linestereo");
+    config.product = Some(product);
+    config.composite_with_iads = false;
+    config.device_class = 2; // one function: a communications device
+    config.device_sub_class = 0;
+    config.device_protocol = 0;
+    let mut builder =
+        Builder::new(driver, config, &mut memory.configuration, &mut memory.bos, &mut [], &mut memory.control);
+    let class = CdcAcmClass::new(&mut builder, &mut memory.class, PACKET as u16);
+    let mut device = builder.build();
+    let (mut sender, mut receiver, control) = class.split_with_control();
+    join4(device.run(), send(&mut sender), receive(&mut receiver), watch(&control)).await;
+}
+
+async fn send<'d, D: Driver<'d>>(sender: &mut Sender<'d, D>) {
+    let mut packet = [0; PACKET];
+    loop {
+        sender.wait_connection().await;
+        loop {
+            let count = TO_HOST.read(&mut packet).await;
+            let sent = sender.write_packet(packet.get(..count).unwrap_or_default()).await;
+            // A full packet with nothing behind it has to be followed by an empty one, else the host waits for more.
+            let is_end = count == PACKET && TO_HOST.is_empty();
+            if sent.is_err() || is_end && sender.write_packet(&[]).await.is_err() {
+                break;
+            }
+        }
+    }
+}
+
+async fn receive<'d, D: Driver<'d>>(receiver: &mut Receiver<'d, D>) {
+    let mut packet = [0; PACKET];
+    loop {
+        receiver.wait_connection().await;
+        while let Ok(count) = receiver.read_packet(&mut packet).await {
+            let mut rest = packet.get(..count).unwrap_or_default();
+            while !rest.is_empty() {
+                let taken = FROM_HOST.write(rest).await; // a host that is faster than the program waits
+                rest = rest.get(taken..).unwrap_or_default();
+            }
+        }
+    }
+}
+
+/// Follows whether the port is open. What a host did not fetch is not for the next one.
+async fn watch(control: &ControlChanged<'_>) {
+    loop {
+        control.control_changed().await;
+        let is_open = control.dtr();
+        if is_open != IS_OPEN.load(Ordering::Relaxed) {
+            TO_HOST.clear();
+            IS_OPEN.store(is_open, Ordering::Relaxed);
+        }
+    }
+}
+
+/// The program's end of the port.
+#[derive(Clone, Copy, Debug)]
+pub struct UsbPort {
+    now_us: fn() -> u64,
+    is_stuck: bool,
+}
+
+impl UsbPort {
+    /// With this clock.
+    #[must_use]
+    pub const fn new(now_us: fn() -> u64) -> Self {
+        Self { now_us, is_stuck: false }
+    }
+
+    /// Waits until so many bytes have room.
+    fn has_room(&mut self, bytes: usize) -> bool {
+        let until_us = if self.is_stuck { 0 } else { (self.now_us)() + PATIENCE_US };
+        while TO_HOST.free_capacity() < bytes {
+            if !IS_OPEN.load(Ordering::Relaxed) || (self.now_us)() >= until_us {
+                self.is_stuck = true;
+                return false;
+            }
+        }
+        self.is_stuck = false;
+        true
+    }
+}
+
+impl ByteSource for UsbPort {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        FROM_HOST.try_read(bytes).unwrap_or(0)
+    }
+}
+
+impl ByteSink for UsbPort {
+    fn write(&mut self, bytes: &[u8]) {
+        if !IS_OPEN.load(Ordering::Relaxed) || !self.has_room(bytes.len()) {
+            return;
+        }
+        let mut rest = bytes;
+        while let Ok(taken @ 1..) = TO_HOST.try_write(rest) {
+            rest = rest.get(taken..).unwrap_or_default(); // at most twice: the pipe wraps
+        }
+    }
+}
