@@ -25,6 +25,7 @@ pub mod boards;
 pub mod camera;
 pub mod capture;
 pub mod cases;
+pub mod host_lines;
 pub mod log;
 pub mod memory;
 pub mod painter;

@@ -65,6 +65,11 @@ pub trait PairSource {
         None
     }
 
+    /// Images may be captured so far apart, microseconds, where somebody has said that nothing moves; `None`: as the health check says.
+    fn still_us(&self) -> Option<u32> {
+        None
+    }
+
     /// What was lost on the way so far; `None` where nothing can be.
     fn losses(&self) -> Option<Losses> {
         None

@@ -601,6 +601,27 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
 }
 
 #[test]
+fn cameras_that_nobody_asked_have_not_stopped() {
+    let hardware = hardware(0);
+    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+    let capture = Capture::new(LIMITS, FrameStart::Triggered);
+    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, PERIOD_US as u32);
+    let mut memory = Box::new(Workspace::new());
+    // Two frames, far more than the longest silence apart, each just after it was asked for.
+    for frame in [2, 40] {
+        let start_us = u64::from(frame) * PERIOD_US;
+        for camera in &mut hardware.borrow_mut().cameras {
+            let eye = camera.eye;
+            camera.steps.extend(script(eye, frame, Injected::Nothing, None));
+        }
+        let now_us = hardware.borrow().now_us;
+        pass(&hardware, start_us - 5 - now_us);
+        assert!(source.next_pair(&mut *memory, None).is_some(), "frame {frame}");
+    }
+    assert_eq!(source.capture.losses().faults, [[0; 7]; 2]);
+}
+
+#[test]
 fn a_frame_that_was_begun_for_another_call_is_left() {
     let hardware = hardware(0);
     for camera in &mut hardware.borrow_mut().cameras {

@@ -523,6 +523,39 @@ fn live_serves_commands_and_survives_its_camera() {
     assert_eq!(received(), [accepted(3)]);
 }
 
+/// Painted pairs of two moments, of which somebody says that nothing moves.
+struct InTurnCamera(Painter, Option<u32>);
+
+impl PairSource for InTurnCamera {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        let pair = self.0.next_pair(memory, rectified)?;
+        Some(CapturedPair { times_us: Some([5_000, 27_000]), ..pair })
+    }
+
+    fn still_us(&self) -> Option<u32> {
+        self.1
+    }
+}
+
+#[test]
+fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
+    for (still_us, is_matched) in [(None, false), (Some(21_000), false), (Some(30_000), true)] {
+        let mut start = Vec::new();
+        push(&mut start, 1, Request::Start);
+        let (incoming, outgoing) = (RefCell::new(start.into()), RefCell::new(Vec::new()));
+        let line = Line { incoming: &incoming, outgoing: &outgoing };
+        let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
+        let mut camera = InTurnCamera(Painter::new(DIMS), still_us);
+        live.turn(&mut *Box::new(Workspace::new()), &mut camera);
+        let received = messages(&outgoing.borrow());
+        let head =
+            received.iter().find_map(|message| if let Message::Frame(head) = message { Some(head) } else { None });
+        let (head, health) = (head.unwrap(), head.unwrap().health);
+        assert_eq!(head.pair.unwrap().skew_us, Some(22_000), "it is told all the same");
+        assert_eq!((head.segments > 10, health.of_pair().contains(HealthFlags::SKEW)), (is_matched, !is_matched));
+    }
+}
+
 #[test]
 fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
     let (left, right) = {

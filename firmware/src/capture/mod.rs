@@ -21,12 +21,16 @@
 //! # Cost
 //! One copy of every raw row; less than 300 bytes.
 
+mod bands;
 mod pairing;
+mod shared;
 mod sinks;
 mod source;
 mod tracker;
 
+pub use bands::{Bands, Dma, Events, RingLayout};
 pub use pairing::{Capture, Report};
+pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};
 pub use sinks::{FrameRows, MemoryRows, luma};
 pub use source::{CameraSource, Cameras, FreeCameras};
 pub use tracker::Tracker;

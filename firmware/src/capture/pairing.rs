@@ -78,9 +78,13 @@ impl Capture {
         &self.losses
     }
 
-    /// Leaves the frames that are half fetched: their rows lie in another sink.
-    pub fn leave(&mut self) {
-        (self.left.hand, self.right.hand) = (None, None);
+    /// A pair is asked for, now: frames that are half fetched are left, because their rows lie in another sink, and a camera that was silent
+    /// until now had nothing to do.
+    pub fn ask(&mut self, now_us: u64) {
+        for camera in [&mut self.left, &mut self.right] {
+            camera.hand = None;
+            camera.tracker.ask(now_us);
+        }
     }
 
     /// Works through what has happened until there is something to report; `None` when there is no more. After a pair the sink is left

@@ -54,19 +54,27 @@ pub struct CameraSource<R, C = FreeCameras> {
     pub capture: Capture,
     dims: Dims,
     patience_us: u32,
+    still_us: Option<u32>,
 }
 
 impl<R: RowRing, C: Cameras> CameraSource<R, C> {
     /// Raw images of this size; no pair for so many microseconds, at least two periods, is a pair that is missing.
     pub const fn new(rings: [R; 2], cameras: C, capture: Capture, dims: Dims, patience_us: u32) -> Self {
-        Self { rings, cameras, capture, dims, patience_us }
+        Self { rings, cameras, capture, dims, patience_us, still_us: None }
+    }
+
+    /// Somebody says that nothing moves: images may be captured so far apart, microseconds.
+    #[must_use]
+    pub fn still(self, skew_us: u32) -> Self {
+        Self { still_us: Some(skew_us), ..self }
     }
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
         let [left, _] = &self.rings;
-        let until_us = left.now_us().saturating_add(self.patience_us.into());
-        self.capture.leave();
+        let now_us = left.now_us();
+        let until_us = now_us.saturating_add(self.patience_us.into());
+        self.capture.ask(now_us);
         let is_shot = self.cameras.shoot();
         loop {
             match self.capture.turn(&mut self.rings, rows) {
@@ -104,6 +112,10 @@ impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
 
     fn raw_dims(&self) -> Option<Dims> {
         Some(self.dims)
+    }
+
+    fn still_us(&self) -> Option<u32> {
+        self.still_us
     }
 
     fn losses(&self) -> Option<Losses> {

@@ -19,6 +19,8 @@ pub struct Tracker {
     end: u32,
     /// Time of the last signal.
     last_us: Option<u64>,
+    /// Before this time nothing was asked for.
+    asked_us: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +51,7 @@ impl Tracker {
     /// In the middle of nothing.
     #[must_use]
     pub const fn new() -> Self {
-        Self { place: Place::Lost, end: 0, last_us: None }
+        Self { place: Place::Lost, end: 0, last_us: None, asked_us: 0 }
     }
 
     /// Takes a signal. A fault and the start of a frame can come together.
@@ -107,9 +109,14 @@ impl Tracker {
         }
     }
 
+    /// A frame is asked for: silence before now is none of the camera's.
+    pub(super) fn ask(&mut self, now_us: u64) {
+        self.asked_us = now_us;
+    }
+
     /// After all signals of now: has the camera stopped? Said once.
     pub(super) fn silence(&mut self, limits: &Limits, now_us: u64) -> Option<Fault> {
-        let last_us = *self.last_us.get_or_insert(now_us);
+        let last_us = (*self.last_us.get_or_insert(now_us)).max(self.asked_us);
         if matches!(self.place, Place::Silent) || now_us.saturating_sub(last_us) <= u64::from(limits.silence_us) {
             return None;
         }

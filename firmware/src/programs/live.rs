@@ -227,6 +227,9 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             return Turn::Finished;
         };
         let areas = self.session.areas();
+        if let Some(skew_us) = camera.still_us() {
+            self.session.watch.limits.skew_us = skew_us;
+        }
         let Ok(health) = self.session.watch.run(memory, &plan, areas.as_deref(), pair.times_us, &mut ()) else {
             self.write_frame(failed(Health::SIZE_MISMATCH), None);
             return Turn::Finished;
