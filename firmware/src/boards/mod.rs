@@ -8,6 +8,8 @@ pub mod emulated;
 pub mod flash_file;
 #[cfg(all(target_os = "none", target_arch = "arm", feature = "emulated"))]
 pub mod mps2;
+#[cfg(all(target_os = "none", feature = "stm32h7"))]
+pub mod stm32h7;
 
 #[cfg(any(not(target_os = "none"), feature = "rp235x"))]
 pub mod rp235x;
@@ -45,6 +47,8 @@ boards! {
     "mps3-an547" mps3_an547
     "riscv-virt" riscv_virt
     "pico2" pico2
+    "stm32h743" stm32h743
+    "portenta-h7" portenta_h7
 }
 
 /// What a program or a PC has to know of a board.

@@ -1,0 +1,145 @@
+//! Arduino Portenta H7 (STM32H747XI, its Cortex-M7) with two MT9V034 whose rows come as one: left, then right. `docs/boards/portenta-h7.md`.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board =
+    qvga::board("portenta-h7", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H747XIHx"));
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "portenta-h7"))]
+pub use on_board::peripherals;
+
+#[cfg(all(target_os = "none", feature = "portenta-h7"))]
+mod on_board {
+    use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
+    use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
+    use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::memory;
+    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
+    use crate::boards::stm32h7::reset::{self, IndependentDog};
+    use crate::boards::stm32h7::rig::RigFlash;
+    use crate::camera::{FrameStart, NoReset, ResetPin, Trigger};
+    use crate::capture::{CameraSource, Capture, SideBySide};
+    use crate::ports::{PairSource, Peripherals};
+    use crate::rig_store::RigStore;
+    use core::mem::MaybeUninit;
+    use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
+    use embassy_stm32::peripherals::{
+        PA3, PA5, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11, PJ4, USART1, USART6, USB_OTG_HS,
+    };
+    use embassy_stm32::time::Hertz;
+    use embassy_stm32::timer::low_level::CountingMode;
+    use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
+    use embassy_stm32::usart::{self, BufferedUart};
+    use embassy_stm32::{Peri, SharedData, bind_interrupts, usb};
+    use embassy_time::{Duration, block_for};
+    use static_cell::StaticCell;
+
+    bind_interrupts!(struct Interrupts {
+        OTG_HS => usb::InterruptHandler<USB_OTG_HS>;
+        USART1 => usart::BufferedInterruptHandler<USART1>;
+        USART6 => usart::BufferedInterruptHandler<USART6>;
+    });
+
+    /// Of the sensors: an eighth of the timer's 200 MHz.
+    const SENSOR_HZ: u32 = 25_000_000;
+
+    /// For the other core, which is not started.
+    static SHARED: MaybeUninit<SharedData> = MaybeUninit::uninit();
+
+    /// Pins of the board's USB3320, a high-speed PHY.
+    struct Ulpi {
+        clock: Peri<'static, PA5>,
+        direction: Peri<'static, PI11>,
+        next: Peri<'static, PH4>,
+        stop: Peri<'static, PC0>,
+        data: (
+            Peri<'static, PA3>,
+            Peri<'static, PB0>,
+            Peri<'static, PB1>,
+            Peri<'static, PB10>,
+            Peri<'static, PB11>,
+            Peri<'static, PB12>,
+            Peri<'static, PB13>,
+            Peri<'static, PB5>,
+        ),
+    }
+
+    #[embassy_executor::task]
+    async fn serve_usb(port: Peri<'static, USB_OTG_HS>, pins: Ulpi) -> ! {
+        static PACKETS: StaticCell<[u8; 1024]> = StaticCell::new();
+        let mut config = usb::Config::default();
+        config.vbus_detection = false;
+        let Ulpi { clock, direction, next, stop, data: (d0, d1, d2, d3, d4, d5, d6, d7) } = pins;
+        let packets = PACKETS.init([0; 1024]);
+        let driver = usb::Driver::new_hs_ulpi(
+            port, Interrupts, clock, direction, next, stop, d0, d1, d2, d3, d4, d5, d6, d7, packets, config,
+        );
+        ports::serve_usb(driver, 512).await
+    }
+
+    /// The PHY's oscillator on, and the PHY out of its reset (16 ms, far more than its datasheet's 1 us, let the oscillator start).
+    fn start_phy(oscillator: Peri<'static, PH1>, reset: Peri<'static, PJ4>) {
+        let oscillator = Output::new(oscillator, Level::High, Speed::Low);
+        let mut reset = Output::new(reset, Level::Low, Speed::Low);
+        block_for(Duration::from_millis(16));
+        reset.set_high();
+        block_for(Duration::from_millis(16));
+        core::mem::forget((oscillator, reset));
+    }
+
+    fn output(pin: Peri<'static, AnyPin>) -> Output<'static> {
+        Output::new(pin, Level::Low, Speed::Low)
+    }
+
+    /// What the board gives to `live`.
+    pub fn peripherals() -> Option<
+        Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
+    > {
+        static HOST: StaticCell<UartMemory<256, 256>> = StaticCell::new();
+        static AUTOPILOT: StaticCell<UartMemory<512, 16>> = StaticCell::new();
+        static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
+
+        memory::prepare();
+        let reset = reset::cause();
+        let p = embassy_stm32::init_primary(clocks::config(), &SHARED);
+        clocks::follow_usb_frames(FrameClock::Usb1);
+        let spawner = ports::executor();
+        start_phy(p.PH1, p.PJ4);
+        let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
+        let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };
+        spawner.spawn(serve_usb(p.USB_OTG_HS, pins).ok()?);
+        let UartMemory { out, into } = HOST.init(UartMemory::new());
+        let settings = ports::host_settings();
+        let uart = BufferedUart::new(p.USART1, p.PA10, p.PA9, out, into, Interrupts, settings).ok()?;
+        let host = ports::host_port(spawner, uart)?;
+        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::new());
+        let settings = ports::autopilot_settings();
+        let uart = BufferedUart::new(p.USART6, p.PC7, p.PC6, out, into, Interrupts, settings).ok()?;
+        let autopilot = ports::autopilot_port(spawner, uart)?;
+
+        let clock = PwmPin::new(p.PK1, OutputType::PushPull);
+        let frequency = Hertz::hz(SENSOR_HZ);
+        let mut clock = SimplePwm::new(p.TIM1, Some(clock), None, None, None, frequency, CountingMode::EdgeAlignedUp);
+        clock.ch1().set_duty_cycle_fraction(1, 2);
+        clock.ch1().enable();
+        core::mem::forget(clock);
+        let data = (p.PH9, p.PH10, p.PH11, p.PH12, p.PH14, p.PI4, p.PI6, p.PI7);
+        let pins = CameraPins::new(data, (p.PI5, p.PA4, p.PA6));
+        let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
+        let stream = DcmiStream::start(interface, Row::Both.layout())?;
+        let eyes = &*EYES.init(SideBySide::new(stream));
+        let trigger = Trigger::new(output(p.PG7.into()), 10).ok();
+        // One pin resets both.
+        let resets = (ResetPin(output(p.PC13.into())), NoReset);
+        let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
+        let capture = Capture::new(Row::Both.limits(), FrameStart::Triggered);
+        let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
+        let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
+        Some(Peripherals { clock: MicrosecondClock, host, autopilot, pairs, flash, watchdog, reset })
+    }
+}

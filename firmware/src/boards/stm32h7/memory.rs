@@ -1,0 +1,84 @@
+//! Caches on, and what must not be cached.
+//!
+//! ```text
+//! 0x3000_0000, 512 KiB   SRAM of domain 2, into which the camera's DMA writes: not cached, so that nothing has to be invalidated
+//! 0x081c_0000, 256 KiB   the sectors of the rig: what was written is what is read
+//! ```
+//! The alternative to the first, invalidating each row before it is copied, is two more ways to be wrong: lines that rows share, and lines
+//! that speculative reads bring back. A row is read once, so a cache would gain little: words of a copy come in bursts.
+//!
+//! # Source
+//! Armv7-M reference manual (DDI 0403E), B3.5 (memory protection unit); RM0433 and RM0399: memory map, RCC_AHB2ENR.
+
+use cortex_m::peripheral::{CBP, CPUID, MPU, SCB};
+use embassy_stm32::pac::RCC;
+
+/// Regions of the memory protection unit; the highest number counts where they overlap. Region 0 is the stack's guard
+/// (`firmware/src/startup.rs`).
+const RIG_REGION: u32 = 14;
+const RINGS_REGION: u32 = 15;
+
+/// To be called once, before anything else: takes over from a bootloader as well.
+pub fn prepare() {
+    unsafe extern "C" {
+        static __vector_table: u32;
+    }
+    // SAFETY: nothing else has these peripherals, no interrupt is enabled yet, and the regions are those of the memory map: what lies in
+    // them is used by the camera's DMA and by the rig's flash alone. The vector table is that of cortex-m-rt.
+    unsafe {
+        let scb = &*SCB::PTR;
+        scb.vtor.write((&raw const __vector_table).addr() as u32);
+        let mut caches = Caches::steal();
+        caches.0.disable_dcache(&mut caches.1); // a bootloader's; written back
+        not_cached(RIG_REGION, super::rig::FIRST_ADDRESS, 2 * super::rig::SECTOR);
+        not_cached(RINGS_REGION, 0x3000_0000, 512 * 1024);
+        // Other regions of a bootloader; Arduino's protects a part of the flash.
+        for region in 1..RIG_REGION {
+            let mpu = &*MPU::PTR;
+            mpu.rnr.write(region);
+            mpu.rasr.write(0);
+        }
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+        caches.0.enable_icache();
+        caches.0.enable_dcache(&mut caches.1);
+        cortex_m::interrupt::enable(); // a bootloader may have masked them; each is enabled by its driver
+    }
+    RCC.ahb2enr().modify(|enable| {
+        enable.set_sram1en(true);
+        enable.set_sram2en(true);
+        enable.set_sram3en(true);
+    });
+    let _ = RCC.ahb2enr().read(); // the clock runs after a read (RM0433, section 8.5.10)
+}
+
+struct Caches(SCB, CPUID);
+
+impl Caches {
+    /// # Safety
+    /// Nobody else uses the caches' registers meanwhile.
+    unsafe fn steal() -> Self {
+        // SAFETY: as the caller says.
+        let peripherals = unsafe { cortex_m::Peripherals::steal() };
+        let _: CBP = peripherals.CBP;
+        Self(peripherals.SCB, peripherals.CPUID)
+    }
+}
+
+/// Makes memory normal, not cached, shared and never executed.
+///
+/// # Safety
+/// Whatever lies there may be so. `bytes` is a power of two and divides `address`.
+unsafe fn not_cached(region: u32, address: u32, bytes: u32) {
+    /// The address and the number of the region are those given (B3.5.8).
+    const VALID: u32 = 1 << 4;
+    /// Never executed, everybody reads and writes, TEX = 1, shared, not cached, not buffered, enabled (B3.5.9).
+    const NOT_CACHED: u32 = 1 << 28 | 0b011 << 24 | 1 << 19 | 1 << 18 | 1;
+    let size = (bytes.trailing_zeros() - 1) << 1;
+    // SAFETY: as the caller says.
+    unsafe {
+        let mpu = &*MPU::PTR;
+        mpu.rbar.write(address | VALID | region);
+        mpu.rasr.write(NOT_CACHED | size);
+    }
+}

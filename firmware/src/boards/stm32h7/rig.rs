@@ -1,0 +1,119 @@
+//! Two sectors of the flash that keep the rig: the last ones of bank 2.
+//!
+//! The program runs from bank 1, so that it goes on while a sector is erased (1 to 4 s) and only the command that asked for it waits.
+//!
+//! Power may fail while a word of 32 bytes is written. Such a word cannot be corrected, and reading it is a bus fault: it is read with bus
+//! faults ignored, and the flash's own flag says that it is of no use.
+//!
+//! # Source
+//! RM0433, sections 4.3 (sectors, words, reading while the other bank is written) and 4.7.5 (double errors: bus error and DBECCERR);
+//! Armv7-M reference manual, B1.4.3 (FAULTMASK) and B3.2.8 (CCR.BFHFNMIGN).
+
+use crate::rig_store::RigStore;
+use core::arch::asm;
+use core::fmt;
+use cortex_m::peripheral::SCB;
+use embassy_stm32::flash::{Blocking, Flash};
+use embassy_stm32::{Peri, pac, peripherals};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError as _, NorFlashErrorKind, ReadNorFlash, check_read,
+};
+
+/// Bytes of a sector.
+pub const SECTOR: u32 = 128 * 1024;
+/// Where flash begins, and where the two sectors do.
+const FLASH: u32 = 0x0800_0000;
+const FIRST: u32 = 2 * 1024 * 1024 - 2 * SECTOR;
+/// Address of the first of the two.
+pub const FIRST_ADDRESS: u32 = FLASH + FIRST;
+/// Bank 2.
+const BANK: usize = 1;
+
+/// The flash, of which only bank 2 is read and written here.
+pub struct RigFlash(Flash<'static, Blocking>);
+
+impl fmt::Debug for RigFlash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("internal flash")
+    }
+}
+
+impl RigFlash {
+    /// The two slots.
+    #[must_use]
+    pub fn slots(peripheral: Peri<'static, peripherals::FLASH>) -> Option<RigStore<Self>> {
+        RigStore::new(Self(Flash::new_blocking(peripheral)), [FIRST, FIRST + SECTOR]).ok()
+    }
+}
+
+impl ErrorType for RigFlash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for RigFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        check_read(self, offset, bytes.len())?;
+        clear_errors();
+        // SAFETY: `check_read` says that the bytes lie in the flash.
+        unsafe { copy_ignoring_faults((FLASH + offset) as usize, bytes) };
+        let is_broken = pac::FLASH.bank(BANK).sr().read().dbeccerr();
+        clear_errors();
+        if is_broken { Err(NorFlashErrorKind::Other) } else { Ok(()) }
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl NorFlash for RigFlash {
+    const WRITE_SIZE: usize = <Flash<'static, Blocking> as NorFlash>::WRITE_SIZE;
+    const ERASE_SIZE: usize = <Flash<'static, Blocking> as NorFlash>::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        clear_errors();
+        self.0.erase(from, to).map_err(|error| error.kind())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        clear_errors();
+        self.0.write(offset, bytes).map_err(|error| error.kind())
+    }
+}
+
+/// Old errors would be taken for those of what follows: the HAL does not clear them.
+fn clear_errors() {
+    pac::FLASH.bank(BANK).ccr().write(|clear| {
+        clear.set_clr_wrperr(true);
+        clear.set_clr_pgserr(true);
+        clear.set_clr_strberr(true);
+        clear.set_clr_incerr(true);
+        clear.set_clr_operr(true);
+        clear.set_clr_sneccerr(true);
+        clear.set_clr_dbeccerr(true);
+    });
+}
+
+/// Copies bytes while bus faults of loads are ignored.
+///
+/// # Safety
+/// The bytes from this address on are memory that may be read.
+unsafe fn copy_ignoring_faults(address: usize, bytes: &mut [u8]) {
+    /// CCR: handlers of the highest priorities ignore bus faults of data.
+    const BFHFNMIGN: u32 = 1 << 8;
+    // SAFETY: nothing else changes CCR while FAULTMASK holds all handlers back, as which this code counts meanwhile; both are as before
+    // afterwards. The source is memory, as the caller says.
+    unsafe {
+        let scb = &*SCB::PTR;
+        asm!("cpsid f", options(nostack, preserves_flags));
+        scb.ccr.modify(|ccr| ccr | BFHFNMIGN);
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+        core::ptr::with_exposed_provenance::<u8>(address).copy_to_nonoverlapping(bytes.as_mut_ptr(), bytes.len());
+        cortex_m::asm::dsb();
+        scb.ccr.modify(|ccr| ccr & !BFHFNMIGN);
+        asm!("cpsie f", options(nostack, preserves_flags));
+    }
+}

@@ -1,0 +1,119 @@
+//! STM32H743 with two MT9V034 on one camera interface, in turn: NUCLEO-H743ZI2, WeAct MiniSTM32H7 and others. `docs/boards/stm32h743.md`.
+//!
+//! The pins are those of the 100-pin package, and those of WeAct's camera connector.
+
+use super::capacities::qvga;
+use super::{Board, Device};
+
+/// Its description.
+pub const BOARD: Board =
+    qvga::board("stm32h743", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H743ZITx"));
+
+/// Its memory.
+pub type Workspace = qvga::Workspace;
+
+#[cfg(all(target_os = "none", feature = "stm32h743"))]
+pub use on_board::peripherals;
+
+#[cfg(all(target_os = "none", feature = "stm32h743"))]
+mod on_board {
+    use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
+    use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
+    use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
+    use crate::boards::stm32h7::reset::{self, IndependentDog};
+    use crate::boards::stm32h7::rig::RigFlash;
+    use crate::boards::stm32h7::memory;
+    use crate::camera::{FrameStart, ResetPin};
+    use crate::capture::{CameraSource, Capture, InTurn, Switch};
+    use crate::ports::{PairSource, Peripherals};
+    use crate::rig_store::RigStore;
+    use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
+    use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
+    use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig};
+    use embassy_stm32::usart::{self, BufferedUart};
+    use embassy_stm32::{Peri, bind_interrupts, usb};
+    use embassy_time::{Duration, block_for};
+    use linestereo::Eye;
+    use static_cell::StaticCell;
+
+    bind_interrupts!(struct Interrupts {
+        OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
+        USART2 => usart::BufferedInterruptHandler<USART2>;
+        USART3 => usart::BufferedInterruptHandler<USART3>;
+    });
+
+    /// Of the sensors: PLL1 Q.
+    const SENSOR_HZ: u32 = 26_666_667;
+
+    /// A bus switch between the sensors and the camera interface, and the trigger of both.
+    struct BusSwitch {
+        /// Low connects the left one.
+        select: Output<'static>,
+        trigger: Output<'static>,
+    }
+
+    impl Switch for BusSwitch {
+        /// Both are triggered, the one that is not connected reads out unheard.
+        fn shoot(&mut self, eye: Eye) -> bool {
+            self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
+            block_for(Duration::from_micros(2)); // the switch takes nanoseconds
+            self.trigger.set_high();
+            block_for(Duration::from_micros(10));
+            self.trigger.set_low();
+            true
+        }
+    }
+
+    #[embassy_executor::task]
+    async fn serve_usb(port: Peri<'static, USB_OTG_FS>, plus: Peri<'static, PA12>, minus: Peri<'static, PA11>) -> ! {
+        static PACKETS: StaticCell<[u8; 256]> = StaticCell::new();
+        let mut config = usb::Config::default();
+        config.vbus_detection = false; // PA9 is not wired to it on every board
+        let driver = usb::Driver::new_fs(port, Interrupts, plus, minus, PACKETS.init([0; 256]), config);
+        ports::serve_usb(driver, 64).await
+    }
+
+    fn output(pin: Peri<'static, AnyPin>) -> Output<'static> {
+        Output::new(pin, Level::Low, Speed::Low)
+    }
+
+    /// What the board gives to `live`.
+    pub fn peripherals() -> Option<
+        Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
+    > {
+        static HOST: StaticCell<UartMemory<256, 256>> = StaticCell::new();
+        static AUTOPILOT: StaticCell<UartMemory<512, 16>> = StaticCell::new();
+        static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
+
+        memory::prepare();
+        let reset = reset::cause();
+        let p = embassy_stm32::init(clocks::config());
+        clocks::follow_usb_frames(FrameClock::Usb2);
+        let spawner = ports::executor();
+        spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
+        let UartMemory { out, into } = HOST.init(UartMemory::new());
+        let settings = ports::host_settings();
+        let uart = BufferedUart::new(p.USART3, p.PD9, p.PD8, out, into, Interrupts, settings).ok()?;
+        let host = ports::host_port(spawner, uart)?;
+        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::new());
+        let settings = ports::autopilot_settings();
+        let uart = BufferedUart::new(p.USART2, p.PD6, p.PD5, out, into, Interrupts, settings).ok()?;
+        let autopilot = ports::autopilot_port(spawner, uart)?;
+
+        core::mem::forget(Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default()));
+        let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);
+        let pins = CameraPins::new(data, (p.PB7, p.PA4, p.PA6));
+        let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
+        let stream = DcmiStream::start(interface, Row::One.layout())?;
+        let switch = BusSwitch { select: output(p.PD15.into()), trigger: output(p.PD14.into()) };
+        let eyes = &*EYES.init(InTurn::new(stream, switch, DIMS.height));
+        let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));
+        let sensors = sensors(p.I2C1, (p.PB8, p.PB9), resets, None, SENSOR_HZ);
+        let capture = Capture::new(Row::One.limits(), FrameStart::Triggered);
+        let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
+        let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
+        let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
+        Some(Peripherals { clock: MicrosecondClock, host, autopilot, pairs, flash, watchdog, reset })
+    }
+}
