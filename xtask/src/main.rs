@@ -4,6 +4,7 @@
 
 mod bench;
 mod bless;
+mod footprint;
 mod measure;
 mod rival;
 mod sizes;
@@ -52,6 +53,17 @@ impl Boards {
         self.or(&Board::emulated().collect::<Vec<_>>())
     }
 
+    /// The one that is named, whether a PC can run it or not, else every board.
+    fn all(&self) -> Result<Vec<Board>> {
+        match &self.board {
+            None => Ok(Board::ALL.into()),
+            Some(name) => Ok(vec![Board::named(name).with_context(|| {
+                let names = Board::ALL.map(|board| board.name);
+                format!("there is no board {name}; give {}", names.join(" or "))
+            })?]),
+        }
+    }
+
     fn or(&self, boards: &[Board]) -> Result<Vec<Board>> {
         match &self.board {
             Some(name) => Ok(vec![board::named(name)?]),
@@ -64,11 +76,11 @@ impl Boards {
 enum Command {
     /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of pages.
     Setup,
-    /// Build a program and print where its ELF file is.
+    /// Build a program and print where its ELF file is, and what it takes of flash and RAM.
     Build {
         #[command(flatten)]
         boards: Boards,
-        /// The program; without it, every program.
+        /// The program; without it, every program that the board can run.
         #[arg(long)]
         program: Option<String>,
         /// Without log code.
@@ -116,6 +128,14 @@ enum Command {
         #[arg(long, default_value = sizes::PROGRAM)]
         program: String,
     },
+    /// Flash and RAM of every board's `live`, compared with docs/board-sizes.toml: fails on a change of more than 1 %.
+    Footprint {
+        #[command(flatten)]
+        boards: Boards,
+        /// Write the file instead.
+        #[arg(long)]
+        bless: bool,
+    },
     /// The largest depth of the stack over the built-in pairs.
     Stack(Boards),
     /// Compare instructions, RAM, stack and flash with docs/board-numbers.toml: fails on a loss or a gain of more than 1 %.
@@ -155,6 +175,7 @@ fn execute(command: Command) -> Result<()> {
         }
         Command::Bench { boards, frames, objects, .. } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
+        Command::Footprint { boards, bless } => footprint::run(&top, &boards.all()?, bless),
         Command::Stack(boards) => {
             for board in boards.list()? {
                 println!("{}: {} bytes", board.name, bench::builtin(&board)?.stack);
@@ -186,19 +207,27 @@ fn setup() -> Result<()> {
 
 fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
     let top = board::top()?;
-    let programs = match program {
-        Some(program) => vec![program.to_owned()],
-        None => programs(&top.join("firmware/src/bin"))?,
-    };
-    for board in boards.list()? {
+    let boards = if boards.board.is_some() { boards.all()? } else { boards.list()? };
+    for board in boards {
+        let programs = match program {
+            Some(program) => vec![program.to_owned()],
+            None if board.is_emulated() => programs(&top.join("firmware/src/bin"))?,
+            None => HARDWARE_PROGRAMS.map(str::to_owned).into(),
+        };
         let toolchain = Toolchain::for_board(&board)?;
         for program in &programs {
-            let logs = if no_logs { Logs::None } else { Logs::Semihosting };
-            println!("{}", firmware::build(&toolchain, &board, program, logs)?.display());
+            let logs = if no_logs { Logs::None } else { Logs::of(&board) };
+            let elf = firmware::build(&toolchain, &board, program, logs)?;
+            let found = sizes::read(&elf)?;
+            let ram = found.static_ram() + found.stack;
+            println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
         }
     }
     Ok(())
 }
+
+/// The others read and write files of a PC.
+const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];
 
 fn programs(folder: &std::path::Path) -> Result<Vec<String>> {
     let mut names = Vec::new();

@@ -4,13 +4,11 @@ use anyhow::{Context, Result};
 use linestereo_sim::board::Board;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
-use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, SymbolKind, elf};
+use std::path::Path;
 
 /// The program that is measured where none is named.
 pub(crate) const PROGRAM: &str = "replay";
-/// Sections in flash alone, by cortex-m-rt and riscv-rt.
-const CODE: [&str; 2] = [".text", ".init.rust"];
-const CONSTANTS: [&str; 2] = [".rodata", ".vector_table"];
 /// Symbols listed.
 const LARGEST: usize = 12;
 
@@ -46,16 +44,45 @@ impl Sizes {
 /// Builds a program without logs and reads its sizes.
 pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
     let toolchain = Toolchain::for_board(board)?;
-    let elf = std::fs::read(firmware::build(&toolchain, board, program, Logs::None)?)?;
+    read(&firmware::build(&toolchain, board, program, Logs::None)?)
+}
+
+/// What a section takes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Code,
+    Constants,
+    /// In flash and in RAM.
+    Data,
+    Ram,
+}
+
+impl Place {
+    /// By its flags, not its name, which every linker script chooses; `None` for what stays on the PC.
+    fn of<'data>(section: &impl ObjectSection<'data>) -> Option<Self> {
+        let SectionFlags::Elf { sh_flags, .. } = section.flags() else { return None };
+        match section.kind() {
+            _ if !sh_flags.contains(elf::SHF_ALLOC) => None,
+            SectionKind::UninitializedData => Some(Self::Ram),
+            _ if sh_flags.contains(elf::SHF_WRITE) => Some(Self::Data),
+            _ if sh_flags.contains(elf::SHF_EXECINSTR) => Some(Self::Code),
+            _ => Some(Self::Constants),
+        }
+    }
+}
+
+/// Reads the sizes of an ELF file.
+pub(crate) fn read(elf: &Path) -> Result<Sizes> {
+    let elf = std::fs::read(elf)?;
     let file = object::File::parse(&*elf).context("the program is no ELF file")?;
     let mut sizes = Sizes { text: 0, rodata: 0, data: 0, bss: 0, stack: 0, in_flash: Vec::new(), in_ram: Vec::new() };
     for section in file.sections() {
-        let counter = match section.name()? {
-            name if CODE.contains(&name) => &mut sizes.text,
-            name if CONSTANTS.contains(&name) => &mut sizes.rodata,
-            ".data" => &mut sizes.data,
-            ".bss" | ".uninit" => &mut sizes.bss,
-            _ => continue, // debug information and the like, which stay on the PC
+        let counter = match Place::of(&section) {
+            Some(Place::Code) => &mut sizes.text,
+            Some(Place::Constants) => &mut sizes.rodata,
+            Some(Place::Data) => &mut sizes.data,
+            Some(Place::Ram) => &mut sizes.bss,
+            None => continue,
         };
         *counter += section.size();
     }
@@ -67,8 +94,7 @@ pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
     for symbol in file.symbols().filter(|symbol| symbol.size() > 0) {
         let name = format!("{:#}", rustc_demangle::demangle(symbol.name().unwrap_or("?")));
         let section = symbol.section_index().map(|index| file.section_by_index(index)).transpose()?;
-        let section = section.as_ref().map_or(Ok(""), |section| section.name())?;
-        let in_flash = [&CODE[..], &CONSTANTS].concat().contains(&section);
+        let in_flash = matches!(section.as_ref().and_then(Place::of), Some(Place::Code | Place::Constants));
         let place = if in_flash { &mut sizes.in_flash } else { &mut sizes.in_ram };
         if matches!(symbol.kind(), SymbolKind::Text | SymbolKind::Data) {
             place.push((name, symbol.size()));

@@ -16,6 +16,16 @@ pub enum Logs {
     None,
     /// To the PC that runs QEMU.
     Semihosting,
+    /// To a debugger, through the memory of a board.
+    Rtt,
+}
+
+impl Logs {
+    /// Where those of a board go.
+    #[must_use]
+    pub const fn of(board: &Board) -> Self {
+        if board.is_emulated() { Self::Semihosting } else { Self::Rtt }
+    }
 }
 
 /// Builds a program for a board in release and returns the path of its ELF file.
@@ -29,6 +39,7 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
     let (features, kind) = match logs {
         Logs::None => (board.name.to_owned(), "no-logs"),
         Logs::Semihosting => (format!("{},log-semihosting", board.name), "logs"),
+        Logs::Rtt => (format!("{},log-rtt", board.name), "logs"),
     };
     fs::create_dir_all(target.join(board.name).join(kind))?;
     let lock = fs::File::create(target.join("lock"))?;
