@@ -36,12 +36,23 @@ impl Autopilot {
     }
 }
 
+/// What a kernel costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct KernelCost {
+    /// The one that the core uses on this board.
+    pub(crate) chosen: u64,
+    /// The portable one, compiled for the same processor.
+    pub(crate) portable: u64,
+}
+
 /// What the program `bench` found.
 pub(crate) struct Builtin {
     /// Name and instructions by stage of every pair.
     pub(crate) pairs: Vec<(String, Costs)>,
     /// What an autopilot costs, by pair.
     pub(crate) autopilot: Vec<(String, Autopilot)>,
+    /// Instructions of every kernel on work of the usual size.
+    pub(crate) kernels: Vec<(String, KernelCost)>,
     /// Largest depth of the stack in bytes.
     pub(crate) stack: u64,
 }
@@ -53,7 +64,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
     let table = std::fs::read_to_string(folder.path().join("table"))?;
-    let (mut pairs, mut autopilot, mut stack) = (Vec::new(), Vec::new(), 0);
+    let (mut pairs, mut autopilot, mut kernels, mut stack) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for line in table.lines() {
         let line_of = || format!("the table of bench has an unknown line: {line}");
         match line.split('\t').collect::<Vec<_>>()[..] {
@@ -65,11 +76,14 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
                 let [obstacles, mavlink, bytes] = [obstacles.parse()?, mavlink.parse()?, bytes.parse()?];
                 autopilot.push((name.to_owned(), Autopilot { obstacles, mavlink, bytes }));
             }
+            ["kernel", name, chosen, portable] => {
+                kernels.push((name.to_owned(), KernelCost { chosen: chosen.parse()?, portable: portable.parse()? }));
+            }
             ["stack", bytes] => stack = bytes.parse()?,
             _ => anyhow::bail!(line_of()),
         }
     }
-    Ok(Builtin { pairs, autopilot, stack })
+    Ok(Builtin { pairs, autopilot, kernels, stack })
 }
 
 /// What rectifying a pair with a built-in rig costs.
@@ -134,7 +148,11 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
                 "{name:30} set-up {set_up:>7} both images {rows:>6} dearest row {dearest_row:>4} band {band_bytes:>6}"
             );
         }
-        let Builtin { pairs, autopilot, .. } = builtin(board)?;
+        let Builtin { pairs, autopilot, kernels, .. } = builtin(board)?;
+        println!("{}, kernels, instructions, and of the portable ones", board.name);
+        for (name, KernelCost { chosen, portable }) in kernels {
+            println!("{name:30} {chosen:>6} {portable:>6}");
+        }
         println!("{}, an autopilot, instructions and bytes", board.name);
         for (name, Autopilot { obstacles, mavlink, bytes }) in autopilot {
             println!("{name:30} obstacles {obstacles:>6} MAVLink {mavlink:>6} bytes {bytes:>4}");

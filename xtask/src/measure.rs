@@ -1,8 +1,8 @@
 //! `cargo xtask measure`: the numbers of `docs/board-numbers.toml`, measured again and compared.
 //!
-//! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for reading.
+//! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is for reading.
 
-use crate::bench::{self, Autopilot, Builtin, Objects, Rectified};
+use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
@@ -26,6 +26,9 @@ const HEAD: &str = "\
 # Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states.
 # All pairs: default parameters, 64 disparities; \"dearest\" ones: parameters that find and report as much as any can.
 # built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
+# kernels: work of the usual size (firmware/src/programs/kernel_costs.rs) by the kernels that the core uses on this processor, and by the
+# portable ones compiled for it.
+# The boards that stand for other families of processors have what one program, bench, gives.
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
@@ -47,17 +50,20 @@ struct Numbers {
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct BoardNumbers {
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     bytes: BTreeMap<String, u64>,
     built_in: BTreeMap<String, Instructions>,
     #[serde(default)]
+    kernels: BTreeMap<String, KernelCost>,
+    #[serde(default)]
     autopilot: Option<Autopilot>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     captured: BTreeMap<String, Instructions>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     objects: BTreeMap<String, Objects>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     rectify: BTreeMap<String, Rectified>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     raw: BTreeMap<String, RawPair>,
 }
 
@@ -134,9 +140,13 @@ impl Instructions {
 
 fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
     let mut boards = BTreeMap::new();
-    for board in Board::MEASURED {
+    for board in Board::emulated() {
         eprintln!("measuring {}", board.name);
-        boards.insert(board.name.to_owned(), measure_board(&board, frames)?);
+        let mut numbers = built_in(&board)?;
+        if Board::MEASURED.contains(&board) {
+            measure_all(&board, &mut numbers, frames)?;
+        }
+        boards.insert(board.name.to_owned(), numbers);
     }
     Ok(Numbers { compiler: Toolchain::for_board(&Board::ALL[0])?.version(top)?, boards })
 }
@@ -178,9 +188,24 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
     Ok(RigImage::new(calibration, rectified, View::default(), range)?)
 }
 
-fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
-    let Builtin { pairs, autopilot, .. } = bench::builtin(board)?;
-    let autopilot = Some(Autopilot::largest(&autopilot));
+/// What the program `bench` gives.
+fn built_in(board: &Board) -> Result<BoardNumbers> {
+    let Builtin { pairs, autopilot, kernels, .. } = bench::builtin(board)?;
+    let groups = bench::by_size(board, pairs)?;
+    Ok(BoardNumbers {
+        bytes: BTreeMap::new(),
+        built_in: groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect(),
+        kernels: kernels.into_iter().collect(),
+        autopilot: Some(Autopilot::largest(&autopilot)),
+        captured: BTreeMap::new(),
+        objects: BTreeMap::new(),
+        rectify: BTreeMap::new(),
+        raw: BTreeMap::new(),
+    })
+}
+
+/// Everything else.
+fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>) -> Result<()> {
     let (raw, stack) = raw_pairs(board)?;
     let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
     let bytes = [
@@ -191,18 +216,17 @@ fn measure_board(board: &Board, frames: Option<&Path>) -> Result<BoardNumbers> {
         ("stack_reserved", replay.stack),
         ("ram", replay.static_ram() + stack),
     ];
-    let groups = bench::by_size(board, pairs)?;
-    let built_in = groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect();
-    let (mut captured, mut objects) = (BTreeMap::new(), BTreeMap::new());
     if let Some(folder) = frames {
         for &dims in board.sizes {
             let pairs = bench::captured(board, folder, dims)?;
-            captured.insert(dims.to_string(), Instructions::new(&pairs));
-            objects.insert(dims.to_string(), bench::objects(board, folder, dims)?);
+            numbers.captured.insert(dims.to_string(), Instructions::new(&pairs));
+            numbers.objects.insert(dims.to_string(), bench::objects(board, folder, dims)?);
         }
     }
-    let bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
-    Ok(BoardNumbers { bytes, built_in, autopilot, captured, objects, rectify: bench::rectified(board)?, raw })
+    numbers.bytes = bytes.map(|(name, value)| (name.to_owned(), value)).into();
+    numbers.rectify = bench::rectified(board)?;
+    numbers.raw = raw;
+    Ok(())
 }
 
 /// The numbers that are compared, by name.

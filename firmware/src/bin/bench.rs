@@ -6,7 +6,9 @@ fn bench() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
-    use linestereo_firmware::programs::{bench, selftest};
+    use linestereo_firmware::painter::Scene;
+    use linestereo_firmware::programs::kernel_costs::KernelCost;
+    use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::{stack, startup::Exit, watch::Watch};
 
@@ -24,6 +26,11 @@ fn bench() -> linestereo_firmware::startup::Exit {
             let _ =
                 core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
         }
+    }
+    let [left, right] = memory.frames();
+    Scene::Bricks.paint(selected::BOARD.largest, left, right);
+    for KernelCost { kernel, chosen, portable } in kernel_costs::measure(&clock, left).into_iter().flatten() {
+        let _ = core::fmt::Write::write_fmt(&mut table, format_args!("kernel\t{kernel}\t{chosen}\t{portable}\n"));
     }
     let _ = core::fmt::Write::write_fmt(&mut table, format_args!("stack\t{}\n", stack::depth()));
     Exit::Success

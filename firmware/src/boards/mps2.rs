@@ -39,7 +39,7 @@ impl<const ADDRESS: usize, const MHZ: u32> Clock for Timer<ADDRESS, MHZ> {
     }
 
     fn elapsed(&self, from: u32, to: u32) -> u64 {
-        instructions(from, to, MHZ)
+        instructions::<MHZ>(from, to)
     }
 
     fn microseconds(&self, from: u32, to: u32) -> u64 {
@@ -47,9 +47,19 @@ impl<const ADDRESS: usize, const MHZ: u32> Clock for Timer<ADDRESS, MHZ> {
     }
 }
 
-/// Instructions between two counts of a clock of so many MHz.
-pub(super) fn instructions(from: u32, to: u32, mhz: u32) -> u64 {
-    u64::from(to.wrapping_sub(from)) * 1000 / (u64::from(mhz) * NS_PER_INSTRUCTION)
+/// Instructions between two counts of a clock of so many MHz. The fraction is in its lowest terms, so that the rates here divide by a power of
+/// two: a division that is called may be counted where the compiler puts it, behind the next look at the clock.
+pub(super) fn instructions<const MHZ: u32>(from: u32, to: u32) -> u64 {
+    const fn common(a: u64, b: u64) -> u64 {
+        if b == 0 { a } else { common(b, a % b) }
+    }
+    let (above, below) = const {
+        let ns = MHZ as u64 * NS_PER_INSTRUCTION;
+        let (above, below) = (1000 / common(1000, ns), ns / common(1000, ns));
+        assert!(below.is_power_of_two());
+        (above, below)
+    };
+    u64::from(to.wrapping_sub(from)) * above / below
 }
 
 /// CMSDK APB UART (Arm DDI 0479D, section 4.3.3): DATA, STATE, CTRL, INTSTATUS, BAUDDIV.

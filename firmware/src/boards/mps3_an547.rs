@@ -55,7 +55,7 @@ mod on_board {
         }
 
         fn elapsed(&self, from: u32, to: u32) -> u64 {
-            mps2::instructions(from, to, MHZ)
+            mps2::instructions::<MHZ>(from, to)
         }
 
         fn microseconds(&self, from: u32, to: u32) -> u64 {

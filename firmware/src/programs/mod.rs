@@ -4,6 +4,7 @@ pub mod bench;
 pub mod block_kernels;
 pub mod blocks;
 pub mod expected;
+pub mod kernel_costs;
 pub mod kernels;
 pub mod live;
 pub mod pixels;

@@ -75,6 +75,26 @@ impl Kernels {
         weigh_knots: kernel::weigh_knots,
     };
 
+    /// The definitions.
+    pub const PORTABLE: Self = Self {
+        gradient_row: portable::gradient_row,
+        census_row: portable::census_row,
+        reverse_row: portable::reverse_row,
+        sad_curve: portable::sad_curve,
+        hamming_curve: portable::hamming_curve,
+        sum_curve: portable::sum_curve,
+        lower_curve: portable::lower_curve,
+        lower_sum_curve: portable::lower_sum_curve,
+        lowest: portable::lowest,
+        largest_step: portable::largest_step,
+        census_code: portable::census_code,
+        crossing_of_rows: portable::crossing_of_rows,
+        crossing_of_columns: portable::crossing_of_columns,
+        bilinear_runs: portable::bilinear_runs,
+        bilinear_cells: portable::bilinear_cells,
+        weigh_knots: portable::weigh_knots,
+    };
+
     /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
     pub const WRONG: Self = Self {
         gradient_row: |above, row, below, out| {
