@@ -11,6 +11,8 @@ use riscv::register::{
 const GUARD: usize = 0;
 const FIRST_FENCE: usize = 1;
 const ENTRIES: usize = 8;
+/// Locked, a power of two at its multiple, no access.
+const LOCKED_NO_ACCESS: usize = 1 << 7 | 3 << 3;
 
 /// Forbids the memory below the stack.
 pub(crate) fn guard() {
@@ -18,9 +20,10 @@ pub(crate) fn guard() {
     forbid(GUARD, below.start, below.len());
 }
 
-/// Are there entries for all fences? Processors have none, 16 or 64 of them; RP2350 eight.
+/// Are there entries for all fences? Processors have none, 16 or 64 of them, RP2350 eight; where there are none the guard's is not kept.
 pub(crate) fn has_fences() -> bool {
-    FIRST_FENCE + Rooms::FENCES <= ENTRIES
+    const { assert!(FIRST_FENCE + Rooms::FENCES <= ENTRIES) };
+    pmpcfg0::read().bits & 0xff == LOCKED_NO_ACCESS
 }
 
 /// Forbids the fences.
@@ -33,8 +36,6 @@ pub(crate) fn forbid_fences(fences: &[&Fence]) {
 /// No access to `bytes`, a power of two to which `start` is aligned.
 fn forbid(entry: usize, start: usize, bytes: usize) {
     const { assert!(Fence::BYTES.is_power_of_two() && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
-    /// Locked, a power of two at its multiple, no access.
-    const LOCKED_NO_ACCESS: usize = 1 << 7 | 3 << 3;
     // The address in words; ones from the lowest bit on say how many bytes.
     let place = start >> 2 | (bytes >> 3) - 1;
     // SAFETY: nothing else writes these entries, and nothing but what is forbidden lies there.
