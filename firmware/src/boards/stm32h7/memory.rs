@@ -14,7 +14,7 @@ use cortex_m::peripheral::{CBP, CPUID, MPU, SCB};
 use embassy_stm32::pac::RCC;
 
 /// Regions of the memory protection unit; the highest number counts where they overlap. Region 0 is the stack's guard
-/// (`firmware/src/startup.rs`).
+/// (`firmware/src/arch`).
 const RIG_REGION: u32 = 14;
 const RINGS_REGION: u32 = 15;
 
