@@ -1,4 +1,4 @@
-//! Two lines to the host that carry the same records, for example USB and a UART: commands come on either, records go to both.
+//! A line to the host, or two that carry the same records, for example USB and a UART: commands come on either, records go to both.
 //!
 //! ```text
 //! nobody listens       records are dropped
@@ -35,55 +35,63 @@ pub trait Line {
     fn read(&mut self, bytes: &mut [u8]) -> usize;
 }
 
-/// Two lines as one port of a program.
+/// A line as the port of a program.
 #[derive(Debug)]
-pub struct HostLines<A, B, N> {
-    first: Way<A>,
-    second: Way<B>,
+pub struct HostLine<L, N> {
+    line: L,
     now_us: N,
     patience_us: u64,
-}
-
-#[derive(Debug)]
-struct Way<L> {
-    line: L,
     /// Nobody fetched anything for as long as anybody waits.
     is_stuck: bool,
 }
 
-impl<A: Line, B: Line, N: Fn() -> u64> HostLines<A, B, N> {
-    /// Lines, a clock, and how long a record waits for room, microseconds.
-    pub const fn new(first: A, second: B, now_us: N, patience_us: u64) -> Self {
-        let first = Way { line: first, is_stuck: false };
-        let second = Way { line: second, is_stuck: false };
-        Self { first, second, now_us, patience_us }
+impl<L: Line, N: Fn() -> u64> HostLine<L, N> {
+    /// A line, a clock, and how long a record waits for room, microseconds.
+    pub const fn new(line: L, now_us: N, patience_us: u64) -> Self {
+        Self { line, now_us, patience_us, is_stuck: false }
+    }
+
+    /// Waits for so many bytes of room, as long as somebody listens.
+    fn has_room(&mut self, bytes: usize) -> bool {
+        let is_waited_for = !self.is_stuck && self.line.listener() == Listener::Somebody;
+        let until_us = if is_waited_for { (self.now_us)().saturating_add(self.patience_us) } else { 0 };
+        while self.line.room() < bytes {
+            if self.line.listener() == Listener::Nobody || (self.now_us)() >= until_us {
+                return false;
+            }
+        }
+        true
     }
 }
 
-impl<L: Line> Way<L> {
-    fn write(&mut self, bytes: &[u8], now_us: &impl Fn() -> u64, patience_us: u64) {
-        let has_room = |line: &L| line.room() >= bytes.len();
-        let until_us = match self.line.listener() {
-            Listener::Nobody => return self.is_stuck = false,
-            Listener::Somebody if !self.is_stuck => now_us().saturating_add(patience_us),
-            _ => 0,
-        };
-        while !has_room(&self.line) {
-            if now_us() >= until_us {
-                self.is_stuck = true;
-                return;
-            }
-        }
-        self.is_stuck = false;
-        self.line.put(bytes);
+impl<L: Line, N> ByteSource for HostLine<L, N> {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        self.line.read(bytes)
     }
 }
+
+impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
+    fn write(&mut self, bytes: &[u8]) {
+        if self.line.listener() == Listener::Nobody {
+            self.is_stuck = false;
+            return;
+        }
+        self.is_stuck = !self.has_room(bytes.len());
+        if !self.is_stuck {
+            self.line.put(bytes);
+        }
+    }
+}
+
+/// Two lines as one port of a program.
+#[derive(Debug)]
+pub struct HostLines<A, B, N>(pub HostLine<A, N>, pub HostLine<B, N>);
 
 impl<A: Line, B: Line, N> ByteSource for HostLines<A, B, N> {
     /// Bytes of one line, so that two commands do not mix as long as the two hosts do not speak at once.
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        match self.first.line.read(bytes) {
-            0 => self.second.line.read(bytes),
+        match self.0.read(bytes) {
+            0 => self.1.read(bytes),
             count => count,
         }
     }
@@ -91,7 +99,7 @@ impl<A: Line, B: Line, N> ByteSource for HostLines<A, B, N> {
 
 impl<A: Line, B: Line, N: Fn() -> u64> ByteSink for HostLines<A, B, N> {
     fn write(&mut self, bytes: &[u8]) {
-        self.first.write(bytes, &self.now_us, self.patience_us);
-        self.second.write(bytes, &self.now_us, self.patience_us);
+        self.0.write(bytes);
+        self.1.write(bytes);
     }
 }

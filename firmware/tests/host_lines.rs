@@ -1,7 +1,7 @@
 //! Two lines to the host, on fakes.
 
 use core::cell::{Cell, RefCell};
-use linestereo_firmware::host_lines::{HostLines, Line, Listener};
+use linestereo_firmware::host_lines::{HostLine, HostLines, Line, Listener};
 use linestereo_firmware::ports::{ByteSink as _, ByteSource as _};
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -43,11 +43,15 @@ impl Line for FakeLine {
     }
 }
 
+fn still() -> u64 {
+    0
+}
+
 #[test]
 fn records_go_to_both_whole_or_not_at_all() {
     let [nobody, perhaps] = [Listener::Nobody, Listener::Perhaps].map(FakeLine::new);
     let (first, second) = (nobody.waiting.clone(), perhaps.waiting.clone());
-    let mut lines = HostLines::new(nobody, perhaps, || 0, 100);
+    let mut lines = HostLines(HostLine::new(nobody, still, 100), HostLine::new(perhaps, still, 100));
     for record in [&[1, 2, 3][..], &[4, 5, 6], &[7, 8, 9], &[10, 11]] {
         lines.write(record); // for nobody here is anything waited for: this clock stands still
     }
@@ -71,7 +75,7 @@ fn who_listens_is_waited_for_but_not_for_ever() {
             now.get()
         }
     };
-    let mut lines = HostLines::new(line, FakeLine::new(Listener::Nobody), clock, 100);
+    let mut lines = HostLine::new(line, clock, 100);
     lines.write(&[1; 8]);
     lines.write(&[2; 8]);
     assert!((70..90).contains(&now.get()), "{}", now.get());
@@ -93,7 +97,7 @@ fn commands_come_from_either() {
     let [mut first, mut second] = [Listener::Nobody, Listener::Somebody].map(FakeLine::new);
     first.into.extend([1, 2, 3]);
     second.into.extend([4, 5]);
-    let mut lines = HostLines::new(first, second, || 0, 100);
+    let mut lines = HostLines(HostLine::new(first, still, 100), HostLine::new(second, still, 100));
     let mut bytes = [0; 2];
     let mut read = || (lines.read(&mut bytes), bytes);
     assert_eq!([read(), read(), read(), read()], [(2, [1, 2]), (1, [3, 2]), (2, [4, 5]), (0, [4, 5])]);

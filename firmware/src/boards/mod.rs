@@ -13,7 +13,7 @@ pub mod stm32h7;
 
 #[cfg(any(not(target_os = "none"), feature = "rp235x"))]
 pub mod rp235x;
-#[cfg(all(target_os = "none", feature = "rp235x"))]
+#[cfg(all(target_os = "none", any(feature = "rp235x", feature = "stm32h7")))]
 pub mod usb_port;
 
 use linestereo::Dims;

@@ -22,12 +22,14 @@ mod on_board {
     use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
+    use crate::boards::usb_port;
     use crate::camera::{FrameStart, NoReset, ResetPin, Trigger};
     use crate::capture::{CameraSource, Capture, SideBySide};
     use crate::ports::{PairSource, Peripherals};
     use crate::rig_store::RigStore;
     use core::mem::MaybeUninit;
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
+    use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{
         PA3, PA5, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11, PJ4, USART1, USART6, USB_OTG_HS,
     };
@@ -70,7 +72,7 @@ mod on_board {
     }
 
     #[embassy_executor::task]
-    async fn serve_usb(port: Peri<'static, USB_OTG_HS>, pins: Ulpi) -> ! {
+    async fn serve_usb(port: Peri<'static, USB_OTG_HS>, pins: Ulpi) {
         static PACKETS: StaticCell<[u8; 1024]> = StaticCell::new();
         let mut config = usb::Config::default();
         config.vbus_detection = false;
@@ -79,7 +81,7 @@ mod on_board {
         let driver = usb::Driver::new_hs_ulpi(
             port, Interrupts, clock, direction, next, stop, d0, d1, d2, d3, d4, d5, d6, d7, packets, config,
         );
-        ports::serve_usb(driver, 512).await
+        usb_port::run::<512, _>(driver, super::BOARD.name).await
     }
 
     /// The PHY's oscillator on, and the PHY out of its reset (16 ms, far more than its datasheet's 1 us, let the oscillator start).
@@ -108,7 +110,7 @@ mod on_board {
         let reset = reset::cause();
         let p = embassy_stm32::init_primary(clocks::config(), &SHARED);
         clocks::follow_usb_frames(FrameClock::Usb1);
-        let spawner = ports::executor();
+        let spawner = ports::executor([interrupt::USART1, interrupt::USART6], interrupt::OTG_HS)?;
         start_phy(p.PH1, p.PJ4);
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
         let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };

@@ -24,11 +24,13 @@ mod on_board {
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::stm32h7::memory;
+    use crate::boards::usb_port;
     use crate::camera::{FrameStart, ResetPin};
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
     use crate::ports::{PairSource, Peripherals};
     use crate::rig_store::RigStore;
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
+    use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
     use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig};
     use embassy_stm32::usart::{self, BufferedUart};
@@ -56,6 +58,8 @@ mod on_board {
     impl Switch for BusSwitch {
         /// Both are triggered, the one that is not connected reads out unheard.
         fn shoot(&mut self, eye: Eye) -> bool {
+            // The other camera may end its frame some rows later than the one that was heard.
+            block_for(Duration::from_micros(200));
             self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds
             self.trigger.set_high();
@@ -66,12 +70,12 @@ mod on_board {
     }
 
     #[embassy_executor::task]
-    async fn serve_usb(port: Peri<'static, USB_OTG_FS>, plus: Peri<'static, PA12>, minus: Peri<'static, PA11>) -> ! {
+    async fn serve_usb(port: Peri<'static, USB_OTG_FS>, plus: Peri<'static, PA12>, minus: Peri<'static, PA11>) {
         static PACKETS: StaticCell<[u8; 256]> = StaticCell::new();
         let mut config = usb::Config::default();
         config.vbus_detection = false; // PA9 is not wired to it on every board
         let driver = usb::Driver::new_fs(port, Interrupts, plus, minus, PACKETS.init([0; 256]), config);
-        ports::serve_usb(driver, 64).await
+        usb_port::run::<64, _>(driver, super::BOARD.name).await
     }
 
     fn output(pin: Peri<'static, AnyPin>) -> Output<'static> {
@@ -90,7 +94,7 @@ mod on_board {
         let reset = reset::cause();
         let p = embassy_stm32::init(clocks::config());
         clocks::follow_usb_frames(FrameClock::Usb2);
-        let spawner = ports::executor();
+        let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;
         spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
         let UartMemory { out, into } = HOST.init(UartMemory::new());
         let settings = ports::host_settings();

@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! program  <- pipes ->  run: a future of the board's executor, in interrupts
-//! nobody has opened the port   what is written is dropped
-//! somebody has                 waits for room, but not for ever: then what is written is dropped until there is room by itself
+//! nobody has opened the port (DTR)   what is written is dropped
+//! somebody has                       [`HostLine`] waits for room, but not for ever
 //! ```
-//! A write is sent whole or not at all. Not yet run on hardware.
+//! Not yet run on hardware.
 //!
 //! # Cost
-//! 4 KiB for results, 1 KiB for commands, 0.6 KiB of descriptors and buffers.
+//! 4 KiB for results, 1 KiB for commands, 0.4 KiB and two packets of descriptors and buffers.
 
-use crate::ports::{ByteSink, ByteSource};
+use crate::host_lines::{HostLine, Line, Listener};
 use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::join::join4;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -22,8 +22,6 @@ use static_cell::StaticCell;
 
 /// Vendor and product that anybody may use for such ports, told apart by their texts (V-USB's `USB-IDs-for-free.txt`).
 const IDS: (u16, u16) = (0x16c0, 0x27dd);
-/// Largest packet of a full-speed bulk endpoint.
-const PACKET: usize = 64;
 /// Bytes of results that wait: several frames of records.
 const RESULTS: usize = 4096;
 /// Longest wait for room, microseconds.
@@ -42,8 +40,8 @@ struct Memory<'a> {
     class: State<'a>,
 }
 
-/// Serves the port for ever. At most one.
-pub async fn run<D: Driver<'static>>(driver: D, product: &'static str) {
+/// Serves the port for ever, with packets of so many bytes: 64 at full speed, 512 at high speed. At most one.
+pub async fn run<const PACKET: usize, D: Driver<'static>>(driver: D, product: &'static str) {
     static MEMORY: StaticCell<Memory<'static>> = StaticCell::new();
     let memory =
         MEMORY.init_with(|| Memory { configuration: [0; 128], bos: [0; 16], control: [0; 64], class: State::new() });
@@ -59,10 +57,11 @@ pub async fn run<D: Driver<'static>>(driver: D, product: &'static str) {
     let class = CdcAcmClass::new(&mut builder, &mut memory.class, PACKET as u16);
     let mut device = builder.build();
     let (mut sender, mut receiver, control) = class.split_with_control();
-    join4(device.run(), send(&mut sender), receive(&mut receiver), watch(&control)).await;
+    let (send, receive) = (send::<PACKET, D>(&mut sender), receive::<PACKET, D>(&mut receiver));
+    join4(device.run(), send, receive, watch(&control)).await;
 }
 
-async fn send<'d, D: Driver<'d>>(sender: &mut Sender<'d, D>) {
+async fn send<'d, const PACKET: usize, D: Driver<'d>>(sender: &mut Sender<'d, D>) {
     let mut packet = [0; PACKET];
     loop {
         sender.wait_connection().await;
@@ -78,7 +77,7 @@ async fn send<'d, D: Driver<'d>>(sender: &mut Sender<'d, D>) {
     }
 }
 
-async fn receive<'d, D: Driver<'d>>(receiver: &mut Receiver<'d, D>) {
+async fn receive<'d, const PACKET: usize, D: Driver<'d>>(receiver: &mut Receiver<'d, D>) {
     let mut packet = [0; PACKET];
     loop {
         receiver.wait_connection().await;
@@ -105,47 +104,35 @@ async fn watch(control: &ControlChanged<'_>) {
 }
 
 /// The program's end of the port.
-#[derive(Clone, Copy, Debug)]
-pub struct UsbPort {
-    now_us: fn() -> u64,
-    is_stuck: bool,
+pub type UsbPort = HostLine<UsbLine, fn() -> u64>;
+
+/// The program's end of the port, with this clock.
+#[must_use]
+pub const fn port(now_us: fn() -> u64) -> UsbPort {
+    HostLine::new(UsbLine(()), now_us, PATIENCE_US)
 }
 
-impl UsbPort {
-    /// With this clock.
-    #[must_use]
-    pub const fn new(now_us: fn() -> u64) -> Self {
-        Self { now_us, is_stuck: false }
+/// The port as a line. There is one.
+#[derive(Debug)]
+pub struct UsbLine(());
+
+impl Line for UsbLine {
+    fn listener(&self) -> Listener {
+        if IS_OPEN.load(Ordering::Relaxed) { Listener::Somebody } else { Listener::Nobody }
     }
 
-    /// Waits until so many bytes have room.
-    fn has_room(&mut self, bytes: usize) -> bool {
-        let until_us = if self.is_stuck { 0 } else { (self.now_us)() + PATIENCE_US };
-        while TO_HOST.free_capacity() < bytes {
-            if !IS_OPEN.load(Ordering::Relaxed) || (self.now_us)() >= until_us {
-                self.is_stuck = true;
-                return false;
-            }
-        }
-        self.is_stuck = false;
-        true
+    fn room(&self) -> usize {
+        TO_HOST.free_capacity()
     }
-}
 
-impl ByteSource for UsbPort {
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        FROM_HOST.try_read(bytes).unwrap_or(0)
-    }
-}
-
-impl ByteSink for UsbPort {
-    fn write(&mut self, bytes: &[u8]) {
-        if !IS_OPEN.load(Ordering::Relaxed) || !self.has_room(bytes.len()) {
-            return;
-        }
+    fn put(&mut self, bytes: &[u8]) {
         let mut rest = bytes;
         while let Ok(taken @ 1..) = TO_HOST.try_write(rest) {
             rest = rest.get(taken..).unwrap_or_default(); // at most twice: the pipe wraps
         }
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        FROM_HOST.try_read(bytes).unwrap_or(0)
     }
 }

@@ -7,6 +7,7 @@
 //! frame starts   row number of the place of the DMA; not at the start of a row: the DMA is set to the start of the ring first
 //! row ends       the DMA has moved by a row: one more row; every `band` rows a signal
 //!                by several rows: their interrupts came late, they count all the same
+//!                not at all: it was looked at already
 //!                by anything else: a signal with the bytes that came, at once, and nothing more of this frame
 //! frame ends     the rows of the last band; after a wrong row the DMA is set to the start of the ring
 //! bytes lost     said, and the DMA is set to the start of the ring
@@ -15,7 +16,8 @@
 //! wait to be fetched stay good. When the DMA is set to the start of the ring, row numbers go on at the next multiple of the ring.
 //!
 //! # Bounds
-//! A ring holds a power of two of rows; a row has 1 to 65535 bytes. A row's end is looked at before the DMA has gone once round.
+//! A ring holds a power of two of rows; a row has 1 to 65535 bytes. Somebody looks before the DMA has gone once
+//! round. A row that is too short by as much as the next one is too long is found if its own end is looked at in time.
 //!
 //! # Cost
 //! `QUEUE` signals of 24 bytes and 40 bytes; a few dozen instructions a row.
@@ -47,7 +49,8 @@ impl RingLayout {
 pub struct Events {
     /// A frame has started.
     pub has_started: bool,
-    /// A row has ended, or several.
+    /// A row has ended, or several, and the next one has not begun when the place of the DMA is looked at. A look that comes too late for that is
+    /// left out: the next one finds its row as well.
     pub row_ended: bool,
     /// A frame has ended.
     pub frame_ended: bool,
@@ -73,8 +76,9 @@ pub struct Bands<const QUEUE: usize> {
     is_lost: bool,
     /// Rows that are complete.
     row: u32,
-    /// Where the next one starts.
+    /// Where the DMA was seen last, and how many bytes that is behind the start of the next row.
     place: u32,
+    ahead: u32,
     /// Number of the row after those that signals were given for.
     said: u32,
     phase: Phase,
@@ -93,7 +97,7 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     /// A DMA at the start of its ring.
     #[must_use]
     pub const fn new(layout: RingLayout) -> Self {
-        Self { layout, queue: Deque::new(), is_lost: false, row: 0, place: 0, said: 0, phase: Phase::Pause }
+        Self { layout, queue: Deque::new(), is_lost: false, row: 0, place: 0, ahead: 0, said: 0, phase: Phase::Pause }
     }
 
     /// The shape of its ring.
@@ -113,25 +117,26 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         if events.is_lost {
             return self.bytes_lost(time_us);
         }
+        (self.ahead, self.place) = (self.distance(place), place);
         // Between frames a start comes first; in a frame, what is left of it.
         let is_first = events.has_started && self.phase == Phase::Pause;
         if is_first {
-            let _ = self.frame_starts(place, time_us); // goes on
+            let _ = self.frame_starts(time_us); // goes on
         }
-        if events.row_ended {
-            self.row_ends(place, time_us);
+        if events.row_ended || events.frame_ended {
+            self.row_ends(time_us);
         }
         if events.frame_ended && self.frame_ends(time_us) == Dma::Restart {
             return Dma::Restart;
         }
-        if events.has_started && !is_first { self.frame_starts(place, time_us) } else { Dma::Goes }
+        if events.has_started && !is_first { self.frame_starts(time_us) } else { Dma::Goes }
     }
 
     /// Between frames the DMA stands still: bytes that it has moved already are of this frame, whose start is told late.
-    fn frame_starts(&mut self, place: u32, time_us: u64) -> Dma {
+    fn frame_starts(&mut self, time_us: u64) -> Dma {
         let goes = match self.phase {
             Phase::Pause => true,
-            Phase::Frame => self.skip_to(place), // its end was not told
+            Phase::Frame => self.count_rows(), // its end was not told
             Phase::Broken => false,
         };
         if !goes {
@@ -143,13 +148,13 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         Dma::Goes
     }
 
-    fn row_ends(&mut self, place: u32, time_us: u64) {
-        let bytes = self.distance(place);
-        // The interface tells of rows that it does not deliver as well: of those before its first frame, and after a restart.
-        if self.phase == Phase::Broken || (self.phase == Phase::Pause && bytes == 0) {
+    fn row_ends(&mut self, time_us: u64) {
+        let bytes = self.ahead;
+        // Without bytes: a row that was looked at already, or one that is not delivered, before the first frame and after a restart.
+        if self.phase == Phase::Broken || bytes == 0 {
             return;
         }
-        if bytes == 0 || !bytes.is_multiple_of(self.layout.row_bytes) {
+        if !self.count_rows() {
             let said_bytes = self.row.wrapping_sub(self.said) * self.layout.row_bytes;
             let rows = (bytes / self.layout.row_bytes).max(1);
             self.row = self.row.wrapping_add(rows);
@@ -157,7 +162,6 @@ impl<const QUEUE: usize> Bands<QUEUE> {
             self.say_rows(said_bytes + bytes, time_us);
             return;
         }
-        self.skip_to(place);
         let rows = self.row.wrapping_sub(self.said);
         if rows >= self.layout.band {
             self.say_rows(rows * self.layout.row_bytes, time_us);
@@ -196,16 +200,15 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     /// From the start of the next row to a place, bytes.
     fn distance(&self, place: u32) -> u32 {
         let bytes = self.layout.bytes();
-        (place + bytes - self.place) % bytes
+        self.ahead.wrapping_add((place + bytes - self.place) % bytes)
     }
 
-    /// Counts the rows up to a place; not when that is no start of a row.
-    fn skip_to(&mut self, place: u32) -> bool {
-        let bytes = self.distance(place);
-        let is_start = bytes.is_multiple_of(self.layout.row_bytes);
+    /// Counts the rows up to where the DMA was seen; not when that is no start of a row.
+    fn count_rows(&mut self) -> bool {
+        let is_start = self.ahead.is_multiple_of(self.layout.row_bytes);
         if is_start {
-            self.row = self.row.wrapping_add(bytes / self.layout.row_bytes);
-            self.place = place;
+            self.row = self.row.wrapping_add(self.ahead / self.layout.row_bytes);
+            self.ahead = 0;
         }
         is_start
     }
@@ -213,7 +216,7 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     /// Row numbers go on at the start of the ring.
     fn restart(&mut self) -> Dma {
         self.row = (self.row | (self.layout.rows - 1)).wrapping_add(1);
-        (self.place, self.said) = (0, self.row);
+        (self.place, self.ahead, self.said) = (0, 0, self.row);
         Dma::Restart
     }
 

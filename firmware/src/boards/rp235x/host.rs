@@ -24,7 +24,7 @@ unsafe fn SWI_IRQ_0() {
 
 #[embassy_executor::task]
 async fn serve(driver: Driver<'static, USB>, product: &'static str) {
-    usb_port::run(driver, product).await;
+    usb_port::run::<64, _>(driver, product).await;
 }
 
 /// Starts the port. At most once.
@@ -35,5 +35,5 @@ pub fn start(usb: Peri<'static, USB>, product: &'static str) -> UsbPort {
     if let Ok(task) = serve(driver, product) {
         EXECUTOR.start(interrupt::SWI_IRQ_0).spawn(task);
     }
-    UsbPort::new(time_us)
+    usb_port::port(time_us)
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! DCMI -> DMA1 stream 0, circular, words -> ring in SRAM of domain 2
 //! VSYNC pin rises (EXTI)   a frame starts: its time          DCMI itself tells only of ends
-//! LINE                     a row ends: once the interface's buffer is empty, how far has the DMA come?
+//! LINE                     a row ends: once the interface's buffer is empty, how far has the DMA come, if the next one has not begun?
 //! VSYNC                    a frame ends
 //! OVR, DMA error           bytes are lost
 //! Bands asks for it        DCMI and DMA start anew; DCMI waits for the next frame
@@ -11,8 +11,8 @@
 //! The HAL's driver takes one frame at a time and no position, so its pins, clocks and addresses are used and the registers are written here.
 //!
 //! # Bounds
-//! The interrupt reads the end of a row within the horizontal blanking, 3 us with an MT9V034; it may be late by any number of rows that the
-//! ring holds, because rows are counted by the DMA's position. A frame's start may be late by less than a row.
+//! The interrupt looks at the DMA's position between two rows, 3 us with an MT9V034; one that is late leaves the row to the next, and may be late by any
+//! number of rows that the ring holds. Frames are a millisecond apart.
 //!
 //! # Source
 //! RM0433: sections 16 (DMA: 16.3.8 circular mode, 16.5.5 S0CR), 17.3 (DMAMUX request 75), 20 (EXTI), 29 (DCMI: 29.6 interrupts, 29.7
@@ -284,12 +284,12 @@ fn serve() {
         }
         let dma = pac::DMA1.isr(STREAM / 4).read();
         let is_lost = events.ovr_ris() || dma.teif(STREAM % 4) || dma.dmeif(STREAM % 4);
-        let (row_ended, frame_ended) = (events.line_ris(), events.vsync_ris());
-        if row_ended {
-            empty_buffer();
-        }
+        empty_buffer();
+        let place = place(layout);
+        let is_settled = pac::DCMI.sr().read().hsync(); // still between two rows after the look
+        let (row_ended, frame_ended) = (events.line_ris() && is_settled, events.vsync_ris());
         let events = Events { has_started, row_ended, frame_ended, is_lost };
-        if bands.serve(events, place(layout), now_us) == Dma::Restart {
+        if bands.serve(events, place, now_us) == Dma::Restart {
             start_anew(layout);
         }
     });

@@ -10,7 +10,7 @@
 //! # Source
 //! Armv7-M reference manual (DDI 0403E), B3.5 (memory protection unit); RM0433 and RM0399: memory map, RCC_AHB2ENR.
 
-use cortex_m::peripheral::{CBP, CPUID, MPU, SCB};
+use cortex_m::peripheral::{CPUID, MPU, SCB};
 use embassy_stm32::pac::RCC;
 
 /// Regions of the memory protection unit; the highest number counts where they overlap. Region 0 is the stack's guard
@@ -60,7 +60,6 @@ impl Caches {
     unsafe fn steal() -> Self {
         // SAFETY: as the caller says.
         let peripherals = unsafe { cortex_m::Peripherals::steal() };
-        let _: CBP = peripherals.CBP;
         Self(peripherals.SCB, peripherals.CPUID)
     }
 }

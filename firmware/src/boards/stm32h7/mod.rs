@@ -9,8 +9,7 @@
 //! rig       two sectors of the flash that keep the rig
 //! reset     why the chip was reset; the independent watchdog
 //! ```
-//! Interrupts, highest priority first: camera interface and VSYNC (1), clock (by `embassy-time`'s driver), UARTs (4), USB (6), the tasks of the
-//! ports (8). The program runs below all of them and sleeps while it waits for rows.
+//! Interrupts, highest priority first: clock (0), camera interface and VSYNC (1), UARTs (4), USB (6), the tasks of the ports (8). The program runs below all of them and sleeps while it waits for rows.
 //!
 //! **Not yet run on hardware.** Register values are those of RM0433 (STM32H742, 743, 753) and RM0399 (STM32H745, 747, 755, 757), sections
 //! named where they are used; what `embassy-stm32` does is left to it.

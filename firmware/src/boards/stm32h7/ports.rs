@@ -1,49 +1,40 @@
 //! The host's two lines and the autopilot's.
 //!
 //! ```text
-//! program -> pipe -> task -> USB packets        program <- pipe <- task <- USB packets
+//! program -> pipe -> task -> USB packets        program <- pipe <- task <- USB packets      ([`usb_port`])
 //! program -> pipe -> task -> UART's buffer      program <- pipe <- task <- UART's buffer
 //! program -> pipe -> task -> UART's buffer      MAVLink, 57600 baud
 //! ```
 //! The tasks run in an interrupt that no peripheral uses, below all others and above the program. The program never waits for ever for a task
-//! that waits for a host ([`HostLines`]), and not at all for the autopilot's.
+//! that waits for a host ([`HostLine`]), and not at all for the autopilot's.
 //!
 //! # Cost
-//! 9 KiB of pipes and buffers, 3 KiB of tasks.
+//! 15 KiB of pipes and buffers with those of USB.
 
 use super::clocks::now_us;
-use crate::host_lines::{HostLines, Line, Listener};
+use crate::boards::usb_port::{self, UsbLine};
+use crate::host_lines::{HostLine, HostLines, Line, Listener};
 use crate::ports::ByteSink;
-use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_executor::{InterruptExecutor, SendSpawner};
-use embassy_futures::join::join5;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::interrupt;
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
-use embassy_stm32::usb::{Driver, Instance};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::Timer;
-use embassy_usb::class::cdc_acm::{CdcAcmClass, State};
-use embassy_usb::{Builder, Config as UsbConfig};
 use embedded_io_async::{Read as _, Write as _};
-use static_cell::StaticCell;
 
-/// Bytes that wait for the host: some twenty records; and for the program: more than a command.
+/// Bytes that wait for the other end of a UART: some twenty records; and for the program: more than a command.
 const OUT: usize = 4096;
 const IN: usize = 1024;
 type Out = Pipe<CriticalSectionRawMutex, OUT>;
 type In = Pipe<CriticalSectionRawMutex, IN>;
 
-static TO_USB: Out = Pipe::new();
-static FROM_USB: In = Pipe::new();
 static TO_UART: Out = Pipe::new();
 static FROM_UART: In = Pipe::new();
 static TO_AUTOPILOT: Out = Pipe::new();
-/// A program of the host has opened the port (DTR).
-static USB_IS_OPEN: AtomicBool = AtomicBool::new(false);
 
-/// How long a record waits for a host that listens, microseconds: more than a full buffer takes on the UART.
+/// How long a record waits for a host at the UART, microseconds: more than a full buffer takes on the UART.
 const PATIENCE_US: u64 = 100_000;
 /// Baud rate of the host's UART.
 const HOST_BAUD: u32 = 921_600;
@@ -60,77 +51,23 @@ unsafe fn CEC() {
     unsafe { EXECUTOR.on_interrupt() }
 }
 
-/// The spawner of the ports' tasks; to be asked for once.
-pub fn executor() -> SendSpawner {
+/// The spawner of the ports' tasks, and the priorities of the interrupts of UARTs and USB: to be asked for once, before these start.
+pub fn executor(uarts: [interrupt; 2], usb: interrupt) -> Option<SendSpawner> {
+    for uart in uarts {
+        uart.set_priority(Priority::P4);
+    }
+    usb.set_priority(Priority::P6);
     interrupt::CEC.set_priority(Priority::P8);
-    EXECUTOR.start(interrupt::CEC)
+    let spawner = EXECUTOR.start(interrupt::CEC);
+    spawner.spawn(tick().ok()?);
+    Some(spawner)
 }
 
-/// Memory of the USB device.
-struct UsbMemory {
-    config: [u8; 128],
-    bos: [u8; 32],
-    control: [u8; 64],
-}
-
-/// Serves a USB serial port (CDC ACM) with packets of so many bytes, for ever.
-pub async fn serve_usb<T: Instance>(driver: Driver<'static, T>, packet: usize) -> ! {
-    static MEMORY: StaticCell<UsbMemory> = StaticCell::new();
-    static STATE: StaticCell<State<'static>> = StaticCell::new();
-    let memory = MEMORY.init(UsbMemory { config: [0; 128], bos: [0; 32], control: [0; 64] });
-    // "pid.codes test": a product of your own needs a number of its own.
-    let mut config = UsbConfig::new(0x1209, 0x0001);
-    config.manufacturer = Some("linestereo");
-    config.product = Some(crate::boards::selected::BOARD.name);
-    let mut builder = Builder::new(driver, config, &mut memory.config, &mut memory.bos, &mut [], &mut memory.control);
-    let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), packet as u16);
-    let mut device = builder.build();
-    let (mut sender, mut receiver, control) = class.split_with_control();
-    let open = async {
-        loop {
-            control.control_changed().await;
-            let is_open = control.dtr();
-            if is_open && !USB_IS_OPEN.load(Ordering::Relaxed) {
-                TO_USB.clear(); // what was meant for somebody else
-            }
-            USB_IS_OPEN.store(is_open, Ordering::Relaxed);
-        }
-    };
-    // Never a full packet: none has to be followed by an empty one.
-    let (mut out, mut into) = ([0; 511], [0; 512]);
-    let send = async {
-        loop {
-            sender.wait_connection().await;
-            loop {
-                let count = TO_USB.read(&mut out[..packet - 1]).await;
-                if sender.write_packet(&out[..count]).await.is_err() {
-                    break;
-                }
-            }
-        }
-    };
-    let receive = async {
-        loop {
-            receiver.wait_connection().await;
-            while let Ok(count) = receiver.read_packet(&mut into[..packet]).await {
-                write_all(&FROM_USB, &into[..count]).await;
-            }
-        }
-    };
-    // While the program rests it is woken as often: what it waits for may be time.
-    let tick = async {
-        loop {
-            Timer::after_millis(5).await;
-        }
-    };
-    let (never, ..) = join5(device.run(), open, send, receive, tick).await;
-    never
-}
-
-async fn write_all<const N: usize>(pipe: &Pipe<CriticalSectionRawMutex, N>, mut bytes: &[u8]) {
-    while !bytes.is_empty() {
-        let count = pipe.write(bytes).await;
-        bytes = bytes.get(count..).unwrap_or_default();
+/// Wakes a program that rests: what it waits for may be time.
+#[embassy_executor::task]
+async fn tick() -> ! {
+    loop {
+        Timer::after_millis(5).await;
     }
 }
 
@@ -151,7 +88,11 @@ async fn receive_uart(mut uart: BufferedUartRx<'static>) -> ! {
     loop {
         // What was lost or garbled is a command that the decoder refuses.
         if let Ok(count) = uart.read(&mut bytes).await {
-            write_all(&FROM_UART, &bytes[..count]).await;
+            let mut rest = bytes.get(..count).unwrap_or_default();
+            while !rest.is_empty() {
+                let taken = FROM_UART.write(rest).await;
+                rest = rest.get(taken..).unwrap_or_default();
+            }
         }
     }
 }
@@ -189,28 +130,6 @@ impl<const OUT: usize, const IN: usize> UartMemory<OUT, IN> {
     #[must_use]
     pub const fn new() -> Self {
         Self { out: [0; OUT], into: [0; IN] }
-    }
-}
-
-/// The line by USB.
-#[derive(Debug)]
-pub struct UsbLine(());
-
-impl Line for UsbLine {
-    fn listener(&self) -> Listener {
-        if USB_IS_OPEN.load(Ordering::Relaxed) { Listener::Somebody } else { Listener::Nobody }
-    }
-
-    fn room(&self) -> usize {
-        TO_USB.free_capacity()
-    }
-
-    fn put(&mut self, bytes: &[u8]) {
-        put(&TO_USB, bytes);
-    }
-
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        FROM_USB.try_read(bytes).unwrap_or(0)
     }
 }
 
@@ -255,7 +174,8 @@ pub fn host_port(spawner: SendSpawner, uart: BufferedUart<'static>) -> Option<Ho
     let (sender, receiver) = uart.split();
     spawner.spawn(send_uart(sender, &TO_UART).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
-    Some(HostLines::new(UsbLine(()), UartLine { is_heard: false }, now_us, PATIENCE_US))
+    let line = UartLine { is_heard: false };
+    Some(HostLines(usb_port::port(now_us), HostLine::new(line, now_us, PATIENCE_US)))
 }
 
 /// The autopilot's port: what does not fit in its buffer is dropped, a message at a time.
