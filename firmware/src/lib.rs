@@ -7,7 +7,8 @@
 //! autopilot       obstacles as MAVLink, on a port of their own
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
-//! ports           what a program needs from a board: pairs, a clock, bytes in and out
+//! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
+//! host_lines      one or two lines to a host, of which either may be deaf
 //! painter, cases  built-in frames, drawn by integers alone: no file, no camera
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! rig_store       the rig in two slots of a flash
