@@ -519,3 +519,63 @@ fn more_signals_than_are_kept_are_lost_and_said_to_be() {
     assert_eq!(*signals.last().unwrap(), Signal::Rows { end: 400, bytes: ROW_BYTES as u32, time_us: 0 });
     assert_eq!(counter.written(400 % RING_ROWS as u32 + 1), 400);
 }
+
+/// Marsaglia's xorshift.
+struct Chance(u32);
+
+impl Chance {
+    fn below(&mut self, end: u32) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0 % end
+    }
+
+    /// A frame, and whether what comes behind it may suffer as well.
+    fn frame(&mut self, seed: u32) -> (Frame, bool) {
+        let good = Frame::good(seed, ROWS_SENT);
+        match self.below(8) {
+            0 => (Frame { odd: Some((self.below(ROWS_SENT), self.below(ROW_NIBBLES))), ..good }, false),
+            1 => (Frame { rows: self.below(ROWS_SENT + 4), ..good }, false),
+            2 => (Frame { is_end_missing: true, ..good }, true),
+            3 => {
+                let from = self.below(ROWS_SENT);
+                (Frame { held: Some((from, from + 1 + self.below(3))), ..good }, false)
+            }
+            _ => (good, false),
+        }
+    }
+}
+
+#[test]
+fn no_chance_of_faults_hands_on_a_wrong_pair_or_loses_the_second_next_one() {
+    const SEED: u32 = 2350;
+    let mut chance = Chance(SEED);
+    let mut bench = Bench::new(ROWS_SENT as u16);
+    let (mut pairs, mut bad, mut may_suffer) = (0, 0, false);
+    for n in 0..80 {
+        let latency = if chance.below(20) == 0 { 400_000 } else { chance.below(3000) };
+        bench.cameras.iter().for_each(|camera| camera.borrow_mut().latency = latency);
+        let [(left, is_left_hard), (right, is_right_hard)] = [2 * n, 2 * n + 1].map(|seed| chance.frame(seed));
+        let is_good = [left, right].iter().all(|frame| {
+            frame.odd.is_none_or(|(_, halves)| halves == 2 * ROW_BYTES as u32)
+                && frame.rows == ROWS_SENT
+                && !frame.is_end_missing
+                && frame.held.is_none()
+        });
+        let reports = bench.send([left, right]);
+        let is_pair = reports.iter().any(|report| matches!(report, Report::Pair(_)));
+        for (frame, kept) in [left, right].iter().zip(&bench.kept.frames).filter(|_| is_pair) {
+            let inside = |side: u32| BORDER..side - BORDER;
+            let drawn = inside(ROWS_SENT).flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
+            assert!(drawn.eq(kept.iter().copied()), "seed {SEED}, frame {n}: {left:?} {right:?}");
+        }
+        if is_good && latency < 3000 && !may_suffer {
+            assert!(is_pair, "seed {SEED}, frame {n}: {reports:?}");
+        }
+        pairs += u32::from(is_pair);
+        bad += u32::from(!is_good);
+        may_suffer = is_left_hard || is_right_hard || latency >= 3000;
+    }
+    assert!(pairs > 15 && bad > 30, "{pairs} pairs, {bad} bad ones");
+}

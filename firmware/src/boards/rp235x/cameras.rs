@@ -13,7 +13,7 @@
 //! 2 x 42 KiB of rings and 2 x 512 bytes of tables; an interrupt every 63 us while both cameras send.
 //!
 //! # Source
-//! RP2350 datasheet: 11.7 (PIO registers), 12.6.3.1 and 12.6.10 (chaining, aliases), 12.6.8.3 (abort), RP2350-E5 (an aborted channel has to
+//! RP2350 datasheet: 11.7 (PIO registers), 12.6.3 (aliases, chaining), 12.6.8 (abort), 12.6.10 (DMA registers), RP2350-E5 (an aborted channel has to
 //! be disabled before, and what chains to it).
 
 use super::program::{self, Program, Wire};

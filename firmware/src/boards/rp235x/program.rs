@@ -19,7 +19,7 @@
 //! and 150 MHz.
 //!
 //! # Source
-//! RP2350 datasheet, 11.4 (instruction set), 11.5.3 (input synchronisers), 11.5.4 (autopush). `firmware/tests/pio.rs` runs these words.
+//! RP2350 datasheet, 11.4 (instruction set), 11.5.4 (autopush), 11.5.6 (input synchronisers). `firmware/tests/pio.rs` runs these words.
 
 /// A camera's wires, counted from its first pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,6 +17,10 @@ use linestereo_wire::{Reset, ResetCause};
 /// instructions.
 const PATIENCE: Duration = Duration::from_secs(8);
 
+/// In a scratch register, which survives what the watchdog does: it was this program that had started it. The boot ROM restarts the chip by
+/// the watchdog as well, after it was loaded by USB for example.
+const OURS: u32 = 0x6c69_6e65;
+
 /// Resets the board when no frame is finished for 8 s.
 pub struct FrameWatchdog(watchdog::Watchdog);
 
@@ -31,6 +35,7 @@ impl FrameWatchdog {
     pub fn start(peripheral: Peri<'static, peripherals::WATCHDOG>) -> Self {
         let mut watchdog = watchdog::Watchdog::new(peripheral);
         watchdog.pause_on_debug(true);
+        WATCHDOG.scratch0().write_value(OURS);
         watchdog.start(PATIENCE);
         Self(watchdog)
     }
@@ -47,10 +52,12 @@ impl Watchdog for FrameWatchdog {
 pub fn reset_cause() -> Reset {
     let words = ending::last_words();
     let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());
+    let is_ours = WATCHDOG.scratch0().read() == OURS;
+    WATCHDOG.scratch0().write_value(0);
     // The watchdog's own reason is cleared by every other reset but those of the processor alone.
-    words.unwrap_or(Reset::of(if reason.timer() {
+    words.unwrap_or(Reset::of(if reason.timer() && is_ours {
         ResetCause::Watchdog
-    } else if reason.force() {
+    } else if reason.timer() || reason.force() {
         ResetCause::Software
     } else if last.had_por() {
         ResetCause::PowerOn
