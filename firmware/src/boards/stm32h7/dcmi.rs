@@ -16,7 +16,8 @@
 //!
 //! # Source
 //! RM0433: sections 16 (DMA: 16.3.8 circular mode, 16.5.5 S0CR), 17.3 (DMAMUX request 75), 20 (EXTI), 29 (DCMI: 29.6 interrupts, 29.7
-//! registers); RM0399 has the same peripherals.
+//! registers); RM0399 has the same peripherals. Edges and levels: those with which OpenMV (`mt9v0xx.c`, `sensor.c`) takes frames of an MT9V034 with
+//! an STM32H743.
 
 use super::clocks::now_us;
 use crate::capture::{Bands, Dma, Events, RingLayout, Signal, Stream};
@@ -140,7 +141,7 @@ pub struct DcmiStream {
 }
 
 impl DcmiStream {
-    /// Takes frames from now on: of sensors whose pixels are valid at rising edges of the clock, and whose VSYNC and HSYNC are high while they are.
+    /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are high.
     /// `None` when the ring is larger than the memory for it.
     pub fn start(interface: CameraInterface, layout: RingLayout) -> Option<Self> {
         if layout.bytes() as usize > RING_BYTES || !layout.row_bytes.is_multiple_of(4) {
@@ -240,7 +241,7 @@ fn start_anew(layout: RingLayout) {
     });
     let dcmi = pac::DCMI;
     dcmi.cr().write(|control| {
-        control.set_pckpol(true); // rising edges
+        control.set_pckpol(false); // falling edges
         control.set_vspol(false); // low: no frame
         control.set_hspol(false); // low: no row
     });
