@@ -108,6 +108,7 @@ mod on_board {
 
         memory::prepare();
         let reset = reset::cause();
+        clocks::take_over();
         let p = embassy_stm32::init_primary(clocks::config(), &SHARED);
         clocks::follow_usb_frames(FrameClock::Usb1);
         let spawner = ports::executor([interrupt::USART1, interrupt::USART6], interrupt::OTG_HS)?;

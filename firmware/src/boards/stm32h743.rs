@@ -92,6 +92,7 @@ mod on_board {
 
         memory::prepare();
         let reset = reset::cause();
+        clocks::take_over();
         let p = embassy_stm32::init(clocks::config());
         clocks::follow_usb_frames(FrameClock::Usb2);
         let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;

@@ -54,6 +54,15 @@ pub fn config() -> Config {
     config
 }
 
+/// Runs from the HSI, as after a reset: a bootloader may have left a clock that is too fast for the voltage that `init` chooses first.
+pub fn take_over() {
+    use embassy_stm32::pac::RCC;
+    RCC.cr().modify(|control| control.set_hsion(true));
+    while !RCC.cr().read().hsirdy() {}
+    RCC.cfgr().modify(|config| config.set_sw(Sysclk::HSI));
+    while RCC.cfgr().read().sws() != Sysclk::HSI {}
+}
+
 /// Whose frames trim the HSI48.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameClock {
