@@ -359,10 +359,10 @@ impl Bench {
         self.reports[before..].to_vec()
     }
 
-    /// A period of PCLKO: data change at its falling edge.
+    /// A period of PCLKO: data change at its rising edge.
     fn clock(&mut self, wires: [u32; 2]) {
         for cycle in 0..PERIOD {
-            let clock = if cycle >= PERIOD / 2 { CLOCK } else { 0 };
+            let clock = if cycle < PERIOD / 2 { CLOCK } else { 0 };
             for (camera, wires) in self.cameras.iter().zip(wires) {
                 camera.borrow_mut().step(wires | clock);
             }
@@ -388,7 +388,7 @@ const ROWS_SENT: u32 = 10;
 #[test]
 fn the_words_are_those_of_the_assembler() {
     // pioasm's for the programs that the head of program.rs describes.
-    assert_eq!(ROWS.words, [0xa02b, 0x4004, 0x0043, 0x2024, 0x20a4, 0x00c1, 0x4020, 0x2024, 0x20a4, 0x00c0]);
+    assert_eq!(ROWS.words, [0xa02b, 0x4004, 0x0043, 0x20a4, 0x2024, 0x00c1, 0x4020, 0x20a4, 0x2024, 0x00c0]);
     assert_eq!(FRAMES.words, [0x20a6, 0xc013, 0x2026, 0xc010]);
 }
 
@@ -400,7 +400,7 @@ fn a_row_is_its_pixels_and_its_length() {
     for n in 0..ROW_NIBBLES {
         let wires = frame.wires(0, n);
         for cycle in 0..PERIOD {
-            camera.rows.step(wires | if cycle >= PERIOD / 2 { CLOCK } else { 0 });
+            camera.rows.step(wires | if cycle < PERIOD / 2 { CLOCK } else { 0 });
             words.extend(camera.rows.queue.pop_front());
         }
     }

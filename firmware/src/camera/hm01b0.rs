@@ -18,7 +18,8 @@
 //! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3065 have
 //! no public names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most significant bits first, 1:0: MCLK / 8, 4,
 //! 2, 1): Himax's own comments in public register lists; four wires, two PCLKO a pixel and the lower half first with bit 4 off: Arm's
-//! `hm01b0-library-for-pico`, `src/hm01b0.c`.
+//! `hm01b0-library-for-pico`, `src/hm01b0.c`. PCLK_POLARITY, bit 0: OpenMV sets it and takes pixels at falling edges (`pixck_pol = 0`); Arm's
+//! library leaves it off and takes them at rising ones.
 
 use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
 use linestereo::Dims;
@@ -138,7 +139,7 @@ const VENDOR: &[Step] = &[
     Step::set(MD_CTRL, 0x00), // no motion detection
     Step::set(BIT_CONTROL, 0x02), // 8 bits at once; `on_wires`
     Step::set(OSC_CLK_DIV, 0x0a), // MCLK / 2
-    Step::set(PCLK_POLARITY, 0x21), // data change at the falling edge
+    Step::set(PCLK_POLARITY, 0x21), // data are valid at the falling edge
     Step::set(IMG_ORIENTATION, 0x00),
 ];
 

@@ -4,15 +4,15 @@
 //! them, how many nibbles it had; a flag when a frame starts and one when it ends.
 //!
 //! ```text
-//! rows    idle   wait for a rising edge of PCLKO; LVLD low: idle
+//! rows    idle   wait for a falling edge of PCLKO; LVLD low: idle
 //!         first  count = 0
 //!         nibble take D3 .. D0 (the lower half of a pixel comes first: HM01B0's OSC_CLK_DIV, bit 4, is 0), count one more
-//!                wait for the next rising edge of PCLKO; LVLD high: nibble
+//!                wait for the next falling edge of PCLKO; LVLD high: nibble
 //!                behind the row: a word with the count, as `!count`; idle
 //! frames  wait for FVLD high: flag "start";  wait for FVLD low: flag "end"
 //! ```
 //! A row that is shorter or longer than it should be puts the word with the count in another place or another count in it, so that the row is
-//! known to be bad however late anybody looks at it ([`nibbles`]). LVLD is looked at where the pixels are: at the rising edge of PCLKO.
+//! known to be bad however late anybody looks at it ([`nibbles`]). LVLD is looked at where the pixels are: at the falling edge of PCLKO.
 //!
 //! # Bounds
 //! Sampled 3 cycles or less after the edge is seen (2 more cycles: the synchroniser); data stay for half a period of PCLKO, 12 cycles at 6 MHz
@@ -27,7 +27,7 @@
 pub enum Wire {
     /// D0, the first of four.
     Data = 0,
-    /// PCLKO: data change at its falling edge.
+    /// PCLKO: data are valid at its falling edge.
     PixelClock = 4,
     /// LVLD: high while pixels of a row are sent.
     LineValid = 5,
@@ -58,15 +58,15 @@ const NEXT: u8 = 3;
 const IDLE: u8 = 7;
 
 const ROW_WORDS: [u16; 10] = [
-    mov_x_not_null(),              // first:  count = 0
-    in_pins(4),                    // nibble: four bits
-    jmp_x_dec(NEXT),               //         one more; never zero, and goes on to the next instruction in either case
-    wait(false, Wire::PixelClock), // next:
-    wait(true, Wire::PixelClock),
-    jmp_pin(NIBBLE),               //         the row goes on
-    in_x(32),                      //         its count
-    wait(false, Wire::PixelClock), // idle:
-    wait(true, Wire::PixelClock),
+    mov_x_not_null(),             // first:  count = 0
+    in_pins(4),                   // nibble: four bits
+    jmp_x_dec(NEXT),              //         one more; never zero, and goes on to the next instruction in either case
+    wait(true, Wire::PixelClock), // next:
+    wait(false, Wire::PixelClock),
+    jmp_pin(NIBBLE),              //         the row goes on
+    in_x(32),                     //         its count
+    wait(true, Wire::PixelClock), // idle:
+    wait(false, Wire::PixelClock),
     jmp_pin(FIRST),
 ];
 
