@@ -6,24 +6,27 @@
 //! region 1        the guard
 //! regions 1 - 7   fences, while kernels are compared: eight regions is all that most of these processors have
 //! PSPLIM          the stack's end: what goes below it is a fault, whatever the step, and with fences instead of the guard too
+//! MSPLIM          the end of the handlers' stack, which is where the program's begins: a handler that takes too much locks the processor up
+//!                 (a watchdog's work) instead of changing what the program keeps there
 //! ```
 
-use crate::arch;
 use crate::programs::kernels::{Fence, Rooms};
+use crate::{arch, stack};
 use cortex_m::peripheral::MPU;
-use cortex_m::register::psplim;
+use cortex_m::register::{msplim, psplim};
 
 /// The first region over region 0.
 const FIRST: u32 = 1;
 /// The end of the SRAM's addresses in the default memory map.
 const SRAM_END: usize = 0x4000_0000;
 
-/// Forbids the memory below the stack, and sets the stack's limit.
+/// Forbids the memory below the stack, and sets the limits of both stacks.
 pub(crate) fn guard() {
     let below = arch::guard();
     // SAFETY: nothing else writes these registers.
     unsafe {
         psplim::write(below.end as u32);
+        msplim::write(stack::top() as u32);
         // MPU_MAIR0, memory attribute 0: normal, write-back, as SRAM is without protection.
         (*MPU::PTR).mair[0].write(0xff);
     }
