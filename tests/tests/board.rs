@@ -183,7 +183,7 @@ fn faults_end_in_exit_codes() {
             ("panic", Exit::Panic, "panic: firmware/src/bin/faults.rs:"),
             ("stack", Exit::StackOverflow, "stack overflow:"),
             ("large-stack", Exit::StackOverflow, "stack overflow:"),
-            ("guard", Exit::StackOverflow, "ffffff0"),
+            ("guard", Exit::StackOverflow, "fffff0\n"),
             ("bus", Exit::Fault, "address f0000000"),
             ("undefined", Exit::Fault, "fault: pc "),
             ("nonsense", Exit::Usage, ""),
