@@ -8,102 +8,75 @@ use linestereo::{Dims, mesh_nodes};
 /// Nodes of a camera's mesh.
 pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });
 
-/// Pairs of 320x240: some 320 KiB with frames, rectifiers and stack.
-pub mod qvga {
-    use super::NODES;
-    use crate::boards::{Board, Device, pixels};
-    use crate::memory;
-    use linestereo::{Dims, Params, mark_words, most_candidates, row_bytes};
+/// A module with the description and the memory of boards of one size.
+macro_rules! capacities {
+    (
+        $(#[$about:meta])*
+        $name:ident: $width:literal x $height:literal, segments $segments:literal, raw width $raw_width:literal, band $band:expr
+    ) => {
+        $(#[$about])*
+        pub mod $name {
+            use super::NODES;
+            use crate::boards::{Board, Device, pixels};
+            use crate::memory;
+            use linestereo::{Dims, Params, mark_words, most_candidates, row_bytes};
 
-    const LARGEST: Dims = Dims { width: 320, height: 240 };
-    const SEGMENTS: usize = 640;
-    /// One per square of the default size: a list of matches is never full.
-    const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
-    const MATCHES: usize = CANDIDATES;
-    /// No list: points are sent as they are made.
-    const POINTS: usize = 0;
-    /// Widest raw image, px.
-    const RAW_WIDTH: usize = 1024;
-    /// Bytes of raw rows of one camera.
-    const BAND: usize = 19 * 1024;
+            const LARGEST: Dims = Dims { width: $width, height: $height };
+            const SEGMENTS: usize = $segments;
+            /// One per square of the default size: a list of matches is never full.
+            const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
+            const MATCHES: usize = CANDIDATES;
+            /// No list: points are sent as they are made.
+            const POINTS: usize = 0;
+            /// Widest raw image, px.
+            const RAW_WIDTH: usize = $raw_width;
+            /// Bytes of raw rows of one camera.
+            const BAND: usize = $band;
 
-    /// A board with this memory.
-    #[must_use]
-    pub const fn board(name: &'static str, processor: &'static str, target: &'static str, device: Device) -> Board {
-        Board {
-            name,
-            processor,
-            target,
-            device,
-            largest: LARGEST,
-            segments: SEGMENTS,
-            matches: MATCHES,
-            points: POINTS,
-            raw_width: RAW_WIDTH,
-            band: BAND,
-            sizes: &[LARGEST, Dims { width: 128, height: 96 }],
+            /// A board with this memory.
+            #[must_use]
+            pub const fn board(
+                name: &'static str,
+                processor: &'static str,
+                target: &'static str,
+                device: Device,
+            ) -> Board {
+                Board {
+                    name,
+                    processor,
+                    target,
+                    device,
+                    largest: LARGEST,
+                    segments: SEGMENTS,
+                    matches: MATCHES,
+                    points: POINTS,
+                    raw_width: RAW_WIDTH,
+                    band: BAND,
+                    sizes: &[LARGEST, Dims { width: 128, height: 96 }],
+                }
+            }
+
+            /// The memory.
+            pub type Workspace = memory::Workspace<{ pixels(LARGEST) }, RAW_WIDTH, Lists, Rectifier>;
+            type Lists = memory::CoreMemory<
+                { row_bytes(LARGEST.width) },
+                { mark_words(LARGEST) },
+                SEGMENTS,
+                CANDIDATES,
+                MATCHES,
+                POINTS,
+            >;
+            type Rectifier = memory::CameraRows<NODES, { LARGEST.height as usize }, BAND>;
         }
-    }
-
-    /// The memory.
-    pub type Workspace = memory::Workspace<{ pixels(LARGEST) }, RAW_WIDTH, Lists, Rectifier>;
-    type Lists = memory::CoreMemory<
-        { row_bytes(LARGEST.width) },
-        { mark_words(LARGEST) },
-        SEGMENTS,
-        CANDIDATES,
-        MATCHES,
-        POINTS,
-    >;
-    type Rectifier = memory::CameraRows<NODES, { LARGEST.height as usize }, BAND>;
+    };
 }
 
-/// Pairs of 160x120: some 156 KiB with frames, rectifiers and stack.
-pub mod qqvga {
-    use super::NODES;
-    use crate::boards::{Board, Device, pixels};
-    use crate::memory;
-    use linestereo::{Dims, Params, mark_words, most_candidates, row_bytes};
+capacities! {
+    /// Pairs of 320x240: 308 KiB with frames and rectifiers, beside the stack.
+    qvga: 320 x 240, segments 640, raw width 1024, band 19 * 1024
+}
 
-    const LARGEST: Dims = Dims { width: 160, height: 120 };
-    const SEGMENTS: usize = 256;
-    /// One per square of the default size: a list of matches is never full.
-    const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
-    const MATCHES: usize = CANDIDATES;
-    /// No list: points are sent as they are made.
-    const POINTS: usize = 0;
-    /// Widest raw image, px.
-    const RAW_WIDTH: usize = 640;
-    /// Bytes of raw rows of one camera.
-    const BAND: usize = 24 * 1024;
-
-    /// A board with this memory.
-    #[must_use]
-    pub const fn board(name: &'static str, processor: &'static str, target: &'static str, device: Device) -> Board {
-        Board {
-            name,
-            processor,
-            target,
-            device,
-            largest: LARGEST,
-            segments: SEGMENTS,
-            matches: MATCHES,
-            points: POINTS,
-            raw_width: RAW_WIDTH,
-            band: BAND,
-            sizes: &[LARGEST, Dims { width: 128, height: 96 }],
-        }
-    }
-
-    /// The memory.
-    pub type Workspace = memory::Workspace<{ pixels(LARGEST) }, RAW_WIDTH, Lists, Rectifier>;
-    type Lists = memory::CoreMemory<
-        { row_bytes(LARGEST.width) },
-        { mark_words(LARGEST) },
-        SEGMENTS,
-        CANDIDATES,
-        MATCHES,
-        POINTS,
-    >;
-    type Rectifier = memory::CameraRows<NODES, { LARGEST.height as usize }, BAND>;
+capacities! {
+    /// Pairs of 160x120: 144 KiB with frames and rectifiers, beside the stack.
+    qqvga: 160 x 120, segments 256, raw width 640, band 24 * 1024
 }
