@@ -257,11 +257,12 @@ fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
 }
 
-/// Says that it delivers raw images of a size, and paints rectified ones.
-struct Raw(Dims, Painter);
+/// Says that it delivers raw images of a size, and paints rectified ones. Counts them.
+struct Raw(Dims, Painter, u32);
 
 impl PairSource for Raw {
     fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        self.2 += 1;
         self.1.next_pair(memory, rectified).map(|pair| CapturedPair { dims: rectified.unwrap_or(self.0), ..pair })
     }
 
@@ -283,7 +284,9 @@ fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
         let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
         bench.send(Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
         bench.send(Request::Start);
-        assert_eq!(live.turn(&mut *memory, &mut Raw(raw, Painter::new(dims))), Turn::Finished);
+        let mut camera = Raw(raw, Painter::new(dims), 0);
+        assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Finished);
+        assert_eq!(camera.2, 1, "a frame a pair: the host is not flooded");
         let heads = bench.received().into_iter().filter_map(|message| match message {
             Message::Frame(head) => Some(head),
             Message::Answer(answer) => {

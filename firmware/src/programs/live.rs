@@ -191,60 +191,51 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         Turn::Finished
     }
 
-    /// The rig is not one of such cameras.
-    fn refuse_rig(&mut self, raw: Dims) -> Turn {
-        self.autopilot.miss();
-        let now_us = self.time();
-        self.write_frame(failed_frame(0, now_us, raw, Health::SIZE_MISMATCH), None);
-        Turn::Finished
-    }
-
+    /// Fetches a pair and tells host and autopilot what it gave, or why it gave nothing.
     fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         let rectified = match camera.raw_dims().filter(|_| self.session.rig_dims().is_some()) {
-            None => None,
-            Some(raw) => match self.session.rectified(raw) {
-                Ok(dims) => Some(dims),
-                Err(_) => return self.refuse_rig(raw),
-            },
+            None => Ok(None),
+            Some(raw) => self.session.rectified(raw).map(Some),
         };
-        let captured = camera.next_pair(memory, rectified);
+        // With a rig of other cameras it comes as it is, to be refused at the cameras' pace.
+        let captured = camera.next_pair(memory, rectified.as_ref().map_or(None, |&dims| dims));
         let now_us = self.time();
-        let time_us = captured.and_then(|pair| pair.times_us).map_or(now_us, |[left, _]| left);
         self.autopilot.miss(); // until its matches say otherwise
         if let (false, Some(dims)) = (self.autopilot.has_view(), self.session.rig_dims()) {
             self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is told of as well
         }
-        let dims = captured.map_or(Dims { width: 0, height: 0 }, |pair| pair.dims);
-        let is_free = captured.and_then(|pair| pair.frame_start) == Some(FrameStart::Free);
-        let good = if is_free { Health::FREE_RUNNING } else { Health::GOOD };
-        let failed = |health| failed_frame(0, time_us, dims, good | health);
         let Some(pair) = captured else {
-            self.write_frame(failed(Health::PAIR_MISSING), None);
+            let nothing = Dims { width: 0, height: 0 };
+            self.write_frame(failed_frame(0, now_us, nothing, Health::PAIR_MISSING), None);
             return Turn::Missing;
         };
-        let Ok(plan) = self.session.plan(dims) else {
-            self.write_frame(failed(Health::SIZE_MISMATCH), None);
-            return Turn::Finished;
-        };
-        let areas = self.session.areas();
         if let Some(skew_us) = camera.still_us() {
             self.session.watch.limits.skew_us = skew_us;
         }
-        let Ok(health) = self.session.watch.run(memory, &plan, areas.as_deref(), pair.times_us, &mut ()) else {
-            self.write_frame(failed(Health::SIZE_MISMATCH), None);
-            return Turn::Finished;
-        };
+        if rectified.is_err() || self.match_captured(memory, pair, now_us).is_none() {
+            let health = captured_health(pair) | Health::SIZE_MISMATCH;
+            self.write_frame(failed_frame(0, captured_us(pair, now_us), pair.dims, health), None);
+        }
+        Turn::Finished
+    }
+
+    /// Matches the pair that lies in the frames, and tells of it; `None` when images of its size cannot be matched.
+    fn match_captured(&mut self, memory: &mut impl Memory, pair: CapturedPair, now_us: u64) -> Option<()> {
+        let (time_us, captured) = (captured_us(pair, now_us), captured_health(pair));
+        let plan = self.session.plan(pair.dims).ok()?;
+        let areas = self.session.areas();
+        let health = self.session.watch.run(memory, &plan, areas.as_deref(), pair.times_us, &mut ()).ok()?;
         if health.is_refused() {
-            self.write_frame(failed(good).with_pair(&health), None);
-            return Turn::Finished;
+            self.write_frame(failed_frame(0, time_us, pair.dims, captured).with_pair(&health), None);
+            return Some(());
         }
         let objects = self.session.objects(memory, &plan, &health);
         let results = memory.results();
-        self.autopilot.set_view(self.session.directions(dims));
+        self.autopilot.set_view(self.session.directions(pair.dims));
         self.autopilot.see(results.matches, health.flags, now_us); // of the clock of its turns
-        let head = FrameHead::new(0, time_us, dims, good, results.counts).with_pair(&health);
+        let head = FrameHead::new(0, time_us, pair.dims, captured, results.counts).with_pair(&health);
         self.write_frame(head, Some((results.matches, &objects)));
-        Turn::Finished
+        Some(())
     }
 
     /// Numbers a frame and sends it, if the host wants results.
@@ -276,6 +267,16 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             Ok::<(), Infallible>(())
         });
     }
+}
+
+/// When a pair was captured, or else when it came.
+fn captured_us(pair: CapturedPair, now_us: u64) -> u64 {
+    pair.times_us.map_or(now_us, |[left, _]| left)
+}
+
+/// What is known of a pair before anybody has looked at it.
+fn captured_health(pair: CapturedPair) -> Health {
+    if pair.frame_start == Some(FrameStart::Free) { Health::FREE_RUNNING } else { Health::GOOD }
 }
 
 /// Stands for a camera: paints one scene after the other.
