@@ -1,7 +1,7 @@
 //! What all emulated machines give to the program `live`, beside a clock and ports of their own.
 
 use super::flash_file::FlashFile;
-use crate::ports::{self, NoWatchdog};
+use crate::ports::{self, ByteSink, ByteSource, NoWatchdog};
 use crate::programs::live::Painter;
 use crate::rig_store::RigStore;
 use crate::semihosting::Arguments;
@@ -20,6 +20,42 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         watchdog: NoWatchdog,
         reset: None,
     })
+}
+
+/// A serial port that is asked for bytes and room.
+pub trait Polled {
+    /// A byte that has come.
+    fn take(&mut self) -> Option<u8>;
+
+    /// Is there room for a byte?
+    fn has_room(&mut self) -> bool;
+
+    /// Sends a byte; there is room for it.
+    fn put(&mut self, byte: u8);
+}
+
+/// A polled port as programs use it.
+#[derive(Debug)]
+pub struct Port<P>(pub P);
+
+impl<P: Polled> ByteSource for Port<P> {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let mut count = 0;
+        for (place, byte) in bytes.iter_mut().zip(core::iter::from_fn(|| self.0.take())) {
+            *place = byte;
+            count += 1;
+        }
+        count
+    }
+}
+
+impl<P: Polled> ByteSink for Port<P> {
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            while !self.0.has_room() {}
+            self.0.put(byte);
+        }
+    }
 }
 
 /// Virtual nanoseconds that QEMU lets pass per instruction, with `-icount shift=6`. It knows no cycles: on a real board these clocks would

@@ -1,8 +1,8 @@
 //! Peripherals that QEMU's mps2 and mps3 machines have, all of Arm's CMSDK: an APB timer as the clock, UART 0 as the host's port, UART 1 as the
 //! autopilot's. Where they lie and how fast they tick differs between machines.
 
-use super::emulated::{self, NS_PER_INSTRUCTION};
-use crate::ports::{ByteSink, ByteSource, Clock};
+use super::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
+use crate::ports::Clock;
 use core::ptr;
 
 /// CMSDK APB timer (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD; counts down.
@@ -77,9 +77,9 @@ pub struct Uart(*mut u32);
 
 impl Uart {
     /// The host's port and the autopilot's, the latter at 57600 baud of a bus of so many MHz.
-    pub(super) fn start(addresses: [usize; 2], mhz: u32) -> [Self; 2] {
+    pub(super) fn start(addresses: [usize; 2], mhz: u32) -> [Port<Self>; 2] {
         let [host, autopilot] = addresses.map(ptr::without_provenance_mut);
-        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)]
+        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)].map(Port)
     }
 
     fn switch_on(registers: *mut u32, divider: u32) -> Self {
@@ -97,28 +97,19 @@ impl Uart {
     }
 }
 
-impl ByteSource for Uart {
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let mut count = 0;
-        for place in bytes {
-            if self.state() & RECEIVE_FULL == 0 {
-                break;
-            }
-            // SAFETY: there is a byte, and this port is the only one that takes it.
-            *place = unsafe { self.0.read_volatile() } as u8;
-            count += 1;
-        }
-        count
+impl Polled for Uart {
+    fn take(&mut self) -> Option<u8> {
+        // SAFETY: there is a byte, and this port is the only one that takes it.
+        (self.state() & RECEIVE_FULL != 0).then(|| unsafe { self.0.read_volatile() } as u8)
     }
-}
 
-impl ByteSink for Uart {
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            while self.state() & TRANSMIT_FULL != 0 {}
-            // SAFETY: there is room for a byte.
-            unsafe { self.0.write_volatile(byte.into()) };
-        }
+    fn has_room(&mut self) -> bool {
+        self.state() & TRANSMIT_FULL == 0
+    }
+
+    fn put(&mut self, byte: u8) {
+        // SAFETY: there is room for a byte.
+        unsafe { self.0.write_volatile(byte.into()) };
     }
 }
 
@@ -126,7 +117,7 @@ impl ByteSink for Uart {
 pub type InstructionClock = Timer<0x4000_0000, 25>;
 
 /// What they give to `live`.
-pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
     let [host, autopilot] = Uart::start([0x4000_4000, 0x4000_5000], 25);
     emulated::peripherals(InstructionClock::start(), host, autopilot)
 }

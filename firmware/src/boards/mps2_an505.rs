@@ -21,14 +21,14 @@ pub use on_board::{InstructionClock, peripherals};
 
 #[cfg(all(target_os = "none", feature = "mps2-an505"))]
 mod on_board {
-    use crate::boards::emulated;
+    use crate::boards::emulated::{self, Port};
     use crate::boards::mps2::{Timer, Uart};
 
     /// Timer 0, where the secure state sees it, on the bus's 20 MHz.
     pub type InstructionClock = Timer<0x5000_0000, 20>;
 
     /// What it gives to `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
         let [host, autopilot] = Uart::start([0x5020_0000, 0x5020_1000], 20);
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }

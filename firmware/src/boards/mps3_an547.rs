@@ -22,7 +22,7 @@ pub use on_board::{InstructionClock, peripherals};
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
 mod on_board {
-    use crate::boards::emulated;
+    use crate::boards::emulated::{self, Port};
     use crate::boards::mps2::{self, Uart};
     use crate::ports::Clock;
 
@@ -64,7 +64,7 @@ mod on_board {
     }
 
     /// What it gives to `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, Uart>> {
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
         let [host, autopilot] = Uart::start([0x5930_3000, 0x5930_4000], MHZ);
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }

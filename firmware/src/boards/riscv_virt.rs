@@ -22,8 +22,8 @@ pub use on_board::{InstructionClock, peripherals};
 
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 mod on_board {
-    use crate::boards::emulated::{self, NS_PER_INSTRUCTION};
-    use crate::ports::{ByteSink, ByteSource, Clock};
+    use crate::boards::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
+    use crate::ports::{ByteSink, Clock};
     use riscv::register::mcycle;
 
     /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its counter of retired instructions counts the same
@@ -74,28 +74,19 @@ mod on_board {
         }
     }
 
-    impl ByteSource for Uart {
-        fn read(&mut self, bytes: &mut [u8]) -> usize {
-            let mut count = 0;
-            for place in bytes {
-                if self.status() & RECEIVED == 0 {
-                    break;
-                }
-                // SAFETY: there is a byte, and this port is the only one that takes it.
-                *place = unsafe { UART.read_volatile() };
-                count += 1;
-            }
-            count
+    impl Polled for Uart {
+        fn take(&mut self) -> Option<u8> {
+            // SAFETY: there is a byte, and this port is the only one that takes it.
+            (self.status() & RECEIVED != 0).then(|| unsafe { UART.read_volatile() })
         }
-    }
 
-    impl ByteSink for Uart {
-        fn write(&mut self, bytes: &[u8]) {
-            for &byte in bytes {
-                while self.status() & TRANSMIT_EMPTY == 0 {}
-                // SAFETY: there is room for a byte.
-                unsafe { UART.write_volatile(byte) };
-            }
+        fn has_room(&mut self) -> bool {
+            self.status() & TRANSMIT_EMPTY != 0
+        }
+
+        fn put(&mut self, byte: u8) {
+            // SAFETY: there is room for a byte.
+            unsafe { UART.write_volatile(byte) };
         }
     }
 
@@ -108,7 +99,7 @@ mod on_board {
     }
 
     /// What it gives to `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Uart, NoPort>> {
-        emulated::peripherals(InstructionClock::start(), Uart(()), NoPort)
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, NoPort>> {
+        emulated::peripherals(InstructionClock::start(), Port(Uart(())), NoPort)
     }
 }
