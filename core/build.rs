@@ -1,8 +1,8 @@
-//! Tells the kernels which instructions the target has: `cfg(dsp)` for Arm's DSP extension. Every thumbv7em has it (Cortex-M4, M7); of
+//! Tells the kernels, here and in `block-matching`, which instructions the target has: `cfg(dsp)` for Arm's DSP extension. Every thumbv7em has it (Cortex-M4, M7); of
 //! thumbv8m.main those that are compiled for a processor with it, as `.cargo/config.toml` does (Cortex-M33 and all above).
 
 fn main() {
-    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=../core/build.rs");
     println!("cargo:rustc-check-cfg=cfg(dsp)");
     let of = |name: &str| std::env::var(name).unwrap_or_default();
     // `target_feature = "dsp"` is not visible to stable code; the names of target and processor are.

@@ -105,6 +105,8 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub flash: Option<F>,
     /// A [`Watchdog`].
     pub watchdog: W,
+    /// Sleeps until an interrupt has come since the last rest: nobody wants pairs.
+    pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
 }

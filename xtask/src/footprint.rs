@@ -3,6 +3,7 @@
 //! In: every board's `live`, built without logs, as it is flashed. Out: a table of flash and RAM, and whether each number is within 1 % of the
 //! committed one.
 
+use crate::measure::TOLERANCE_PERCENT;
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo_sim::board::Board;
@@ -12,8 +13,6 @@ use std::path::Path;
 
 const FILE: &str = "docs/board-sizes.toml";
 const PROGRAM: &str = "live";
-/// Larger differences are a loss or a gain.
-const TOLERANCE_PERCENT: u64 = 1;
 
 const HEAD: &str = "\
 # What the program `live`, without logs, takes of every board. Written by `cargo xtask footprint --bless`, compared by `cargo xtask footprint`.

@@ -6,13 +6,13 @@
 fn live() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::boards::selected;
     use linestereo_firmware::ports::{Peripherals, Watchdog as _};
-    use linestereo_firmware::programs::live::Live;
+    use linestereo_firmware::programs::live::{Live, Turn};
     use linestereo_firmware::session::Session;
     use linestereo_firmware::{memory, startup::Exit};
 
     let Some(memory) = memory::take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
-    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, reset } = board;
+    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset } = board;
     let mut session = match &mut flash {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
@@ -20,8 +20,12 @@ fn live() -> linestereo_firmware::startup::Exit {
     session.reset = reset;
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
-        if live.turn(memory, &mut pairs).is_work() {
+        let turn = live.turn(memory, &mut pairs);
+        if turn.is_work() {
             watchdog.feed();
+        }
+        if turn == Turn::Idle {
+            rest();
         }
     }
 }

@@ -18,6 +18,7 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         pairs: Painter::new(super::selected::BOARD.largest),
         flash: Arguments::ask().get(0).map(FlashFile::slots).transpose().ok()?,
         watchdog: NoWatchdog,
+        rest: || {}, // no interrupt is enabled that would end it
         reset: None,
     })
 }

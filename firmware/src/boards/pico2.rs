@@ -49,13 +49,8 @@ mod wired {
     /// Two frames of the longest exposure.
     const PATIENCE_US: u32 = 150_000;
 
-    const LIMITS: Limits = Limits {
-        rows: DIMS.height,
-        row_bytes: RAW.width,
-        row_gap_us: 1000,
-        silence_us: 100_000,
-        pair_us: 2000,
-    };
+    const LIMITS: Limits =
+        Limits { rows: DIMS.height, row_bytes: RAW.width, row_gap_us: 1000, silence_us: 100_000, pair_us: 2000 };
 
     const CAMERAS: StereoConfig = StereoConfig {
         config: Config {
@@ -125,6 +120,7 @@ mod wired {
             pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
             flash: keeper(board.FLASH),
             watchdog: FrameWatchdog::start(board.WATCHDOG),
+            rest: cortex_m::asm::wfe,
             reset: Some(reset),
         })
     }

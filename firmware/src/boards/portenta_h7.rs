@@ -143,6 +143,15 @@ mod on_board {
         let capture = Capture::new(Row::Both.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
         let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
-        Some(Peripherals { clock: MicrosecondClock, host, autopilot, pairs, flash, watchdog, reset })
+        Some(Peripherals {
+            clock: MicrosecondClock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest: cortex_m::asm::wfe,
+            reset,
+        })
     }
 }

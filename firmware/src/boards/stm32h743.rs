@@ -6,8 +6,7 @@ use super::capacities::qvga;
 use super::{Board, Device};
 
 /// Its description.
-pub const BOARD: Board =
-    qvga::board("stm32h743", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H743ZITx"));
+pub const BOARD: Board = qvga::board("stm32h743", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H743ZITx"));
 
 /// Its memory.
 pub type Workspace = qvga::Workspace;
@@ -20,10 +19,10 @@ mod on_board {
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::memory;
     use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
-    use crate::boards::stm32h7::memory;
     use crate::boards::usb_port;
     use crate::camera::{FrameStart, ResetPin};
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
@@ -119,6 +118,15 @@ mod on_board {
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
-        Some(Peripherals { clock: MicrosecondClock, host, autopilot, pairs, flash, watchdog, reset })
+        Some(Peripherals {
+            clock: MicrosecondClock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest: cortex_m::asm::wfe,
+            reset,
+        })
     }
 }

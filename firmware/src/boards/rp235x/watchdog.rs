@@ -42,11 +42,8 @@ impl FrameWatchdog {
 }
 
 impl Watchdog for FrameWatchdog {
-    /// Rests as well, until an interrupt has come since the last rest: after a pair one always has, and while nobody wants pairs the
-    /// program comes here over and over.
     fn feed(&mut self) {
         self.0.feed(PATIENCE);
-        cortex_m::asm::wfe();
     }
 }
 
