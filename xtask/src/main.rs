@@ -87,6 +87,8 @@ enum Command {
         #[arg(long)]
         no_logs: bool,
     },
+    /// Have clippy read the firmware as each board builds it, with logs and without; warnings are errors.
+    Lint(Boards),
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
     ///
     /// A live board that can be watched: cargo xtask run --program live --serial tcp:127.0.0.1:5555,server=on
@@ -167,6 +169,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Setup => setup(),
         Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
+        Command::Lint(boards) => lint(&boards.all()?),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
@@ -206,14 +209,9 @@ fn setup() -> Result<()> {
 }
 
 fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
-    let top = board::top()?;
     let boards = if boards.board.is_some() { boards.all()? } else { boards.list()? };
     for board in boards {
-        let programs = match program {
-            Some(program) => vec![program.to_owned()],
-            None if board.is_emulated() => programs(&top.join("firmware/src/bin"))?,
-            None => HARDWARE_PROGRAMS.map(str::to_owned).into(),
-        };
+        let programs = program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
         let toolchain = Toolchain::for_board(&board)?;
         for program in &programs {
             let logs = if no_logs { Logs::None } else { Logs::of(&board) };
@@ -226,12 +224,28 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
     Ok(())
 }
 
-/// The others read and write files of a PC.
+fn lint(boards: &[Board]) -> Result<()> {
+    for board in boards {
+        println!("clippy: {}", board.name);
+        let (toolchain, programs) = (Toolchain::for_board(board)?, programs(board)?);
+        for logs in [Logs::None, Logs::of(board)] {
+            firmware::lint(&toolchain, board, &programs, logs)?;
+        }
+    }
+    Ok(())
+}
+
+/// On hardware; the others read and write files of a PC.
 const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];
 
-fn programs(folder: &std::path::Path) -> Result<Vec<String>> {
+/// What a board can run.
+fn programs(board: &Board) -> Result<Vec<String>> {
+    if !board.is_emulated() {
+        return Ok(HARDWARE_PROGRAMS.map(str::to_owned).into());
+    }
+    let folder = board::top()?.join("firmware/src/bin");
     let mut names = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+    for entry in std::fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
         let path = entry?.path();
         names.extend(path.file_stem().map(|name| name.to_string_lossy().into_owned()));
     }

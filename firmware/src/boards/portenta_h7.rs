@@ -59,17 +59,20 @@ mod on_board {
         direction: Peri<'static, PI11>,
         next: Peri<'static, PH4>,
         stop: Peri<'static, PC0>,
-        data: (
-            Peri<'static, PA3>,
-            Peri<'static, PB0>,
-            Peri<'static, PB1>,
-            Peri<'static, PB10>,
-            Peri<'static, PB11>,
-            Peri<'static, PB12>,
-            Peri<'static, PB13>,
-            Peri<'static, PB5>,
-        ),
+        data: UlpiData,
     }
+
+    /// Data lines 0 to 7.
+    type UlpiData = (
+        Peri<'static, PA3>,
+        Peri<'static, PB0>,
+        Peri<'static, PB1>,
+        Peri<'static, PB10>,
+        Peri<'static, PB11>,
+        Peri<'static, PB12>,
+        Peri<'static, PB13>,
+        Peri<'static, PB5>,
+    );
 
     #[embassy_executor::task]
     async fn serve_usb(port: Peri<'static, USB_OTG_HS>, pins: Ulpi) {
@@ -116,11 +119,11 @@ mod on_board {
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
         let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };
         spawner.spawn(serve_usb(p.USB_OTG_HS, pins).ok()?);
-        let UartMemory { out, into } = HOST.init(UartMemory::new());
+        let UartMemory { out, into } = HOST.init(UartMemory::default());
         let settings = ports::host_settings();
         let uart = BufferedUart::new(p.USART1, p.PA10, p.PA9, out, into, Interrupts, settings).ok()?;
         let host = ports::host_port(spawner, uart)?;
-        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::new());
+        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::default());
         let settings = ports::autopilot_settings();
         let uart = BufferedUart::new(p.USART6, p.PC7, p.PC6, out, into, Interrupts, settings).ok()?;
         let autopilot = ports::autopilot_port(spawner, uart)?;

@@ -96,16 +96,16 @@ mod on_board {
         clocks::follow_usb_frames(FrameClock::Usb2);
         let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;
         spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
-        let UartMemory { out, into } = HOST.init(UartMemory::new());
+        let UartMemory { out, into } = HOST.init(UartMemory::default());
         let settings = ports::host_settings();
         let uart = BufferedUart::new(p.USART3, p.PD9, p.PD8, out, into, Interrupts, settings).ok()?;
         let host = ports::host_port(spawner, uart)?;
-        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::new());
+        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::default());
         let settings = ports::autopilot_settings();
         let uart = BufferedUart::new(p.USART2, p.PD6, p.PD5, out, into, Interrupts, settings).ok()?;
         let autopilot = ports::autopilot_port(spawner, uart)?;
 
-        core::mem::forget(Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default()));
+        let _runs_on = Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default());
         let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);
         let pins = CameraPins::new(data, (p.PB7, p.PA4, p.PA6));
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };

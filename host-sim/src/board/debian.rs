@@ -19,6 +19,9 @@ use std::process::Command;
 const CORE_LIMIT: Duration = Duration::from_secs(900);
 /// The compiler, its library's source, and a linker that rustc calls `rust-lld`.
 const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld-22"];
+/// Checks what is written for boards.
+const CLIPPY_PACKAGE: &str = "rust-web-clippy";
+const CLIPPY: &str = "/usr/bin/cargo-clippy";
 const RUSTC: &str = "/usr/bin/rustc";
 pub(super) const CARGO: &str = "/usr/bin/cargo";
 
@@ -57,6 +60,14 @@ pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
         fs::rename(unfinished.keep(), &libraries)?;
     }
     Ok(Toolchain { way: "apt", folder: Some(folder) })
+}
+
+/// The clippy of Debian's compiler, installed when it is missing.
+pub(super) fn clippy() -> Result<&'static str> {
+    if !Path::new(CLIPPY).is_file() {
+        packages::install("clippy for boards", &[CLIPPY_PACKAGE])?;
+    }
+    Ok(CLIPPY)
 }
 
 /// The version of Debian's compiler, and where its library's source is, if both are there.

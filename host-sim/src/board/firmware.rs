@@ -1,11 +1,12 @@
-//! Builds a board program.
+//! Builds a board program, and has clippy read it.
 
 use super::toolchain::Toolchain;
 use super::{Board, process, top};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 const LIMIT: Duration = Duration::from_secs(900);
 
@@ -32,32 +33,17 @@ impl Logs {
 ///
 /// Side by side calls wait for each other: a build leaves its file at one place for all boards, from where it is copied.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
-    let top = top()?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| top.join("target"), PathBuf::from);
-    // Cargo does not notice another library of the same compiler version: a folder per way.
-    let target = std::path::absolute(target)?.join(format!("boards-{}", toolchain.way));
-    let (features, kind) = match logs {
-        Logs::None => (board.name.to_owned(), "no-logs"),
-        Logs::Semihosting => (format!("{},log-semihosting", board.name), "logs"),
-        Logs::Rtt => (format!("{},log-rtt", board.name), "logs"),
-    };
-    fs::create_dir_all(target.join(board.name).join(kind))?;
+    let target = target_folder(toolchain)?;
+    let kind = if logs == Logs::None { "no-logs" } else { "logs" };
+    let folder = target.join(board.name).join(kind);
+    fs::create_dir_all(&folder)?;
     let lock = fs::File::create(target.join("lock"))?;
     lock.lock()?;
     let mut command = toolchain.cargo();
-    command
-        .current_dir(&top)
-        .args(["build", "--quiet", "--release", "--locked", "-p", "linestereo-firmware", "--no-default-features"])
-        .args(["--target", board.target, "--features", &features, "--bin", program, "--target-dir"])
-        .arg(&target)
-        .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
-    let outcome = process::run(&mut command, LIMIT)?;
-    if !outcome.status.success() {
-        let error = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
-        eprintln!("{}", outcome.stderr);
-        bail!("cannot build {program} for {}: {error}", board.name);
-    }
-    let folder = target.join(board.name).join(kind);
+    command.arg("build");
+    finish(&mut command, &target, board, logs)?;
+    command.args(["--bin", program]);
+    run(&mut command, &format!("cannot build {program} for {}", board.name))?;
     let elf = folder.join(program);
     // Renamed into place: another call may be running the one before it.
     let copy = tempfile::NamedTempFile::new_in(&folder)?;
@@ -65,4 +51,50 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
         .with_context(|| format!("cannot write {}", elf.display()))?;
     copy.persist(&elf)?;
     Ok(elf)
+}
+
+/// Has clippy read the library and these programs as a board builds them: much of both is for boards only, and nothing on a PC sees it.
+/// Warnings are errors.
+pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs) -> Result<()> {
+    let mut command = toolchain.clippy()?;
+    finish(&mut command, &target_folder(toolchain)?, board, logs)?;
+    command.arg("--lib");
+    for program in programs {
+        command.args(["--bin", program]);
+    }
+    command.args(["--", "-D", "warnings"]);
+    run(&mut command, &format!("clippy for {}", board.name))
+}
+
+/// Cargo does not notice another library of the same compiler version: a folder per way.
+fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| Ok(top()?.join("target")), |path| anyhow::Ok(path.into()))?;
+    Ok(std::path::absolute(target)?.join(format!("boards-{}", toolchain.way)))
+}
+
+/// What every command about a board's programs says.
+fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs) -> Result<()> {
+    let features = match logs {
+        Logs::None => board.name.to_owned(),
+        Logs::Semihosting => format!("{},log-semihosting", board.name),
+        Logs::Rtt => format!("{},log-rtt", board.name),
+    };
+    command
+        .current_dir(top()?)
+        .args(["--quiet", "--release", "--locked", "-p", "linestereo-firmware", "--no-default-features"])
+        .args(["--target", board.target, "--features", &features, "--target-dir"])
+        .arg(target)
+        .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
+    Ok(())
+}
+
+fn run(command: &mut Command, what: &str) -> Result<()> {
+    let outcome = process::run(command, LIMIT)?;
+    if !outcome.status.success() {
+        let error = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
+        eprintln!("{}", outcome.stderr);
+        bail!("{what}: {error}");
+    }
+    Ok(())
 }

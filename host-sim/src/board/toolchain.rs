@@ -52,14 +52,25 @@ impl Toolchain {
     /// A cargo command without what other builds left in the environment.
     #[must_use]
     pub fn cargo(&self) -> Command {
+        self.for_boards(Command::new(if self.folder.is_some() { debian::CARGO } else { "cargo" }))
+    }
+
+    /// The same of clippy: an unfinished `cargo clippy`.
+    pub fn clippy(&self) -> Result<Command> {
         let mut command = match &self.folder {
             Some(folder) => {
-                let mut command = Command::new(debian::CARGO);
-                command.env_remove("RUSTUP_TOOLCHAIN").env("RUSTC", folder.join("bin/rustc"));
+                let mut command = Command::new(debian::clippy()?);
+                command.env("CARGO", debian::CARGO).env("SYSROOT", folder);
                 command
             }
             None => Command::new("cargo"),
         };
+        command.arg("clippy");
+        Ok(self.for_boards(command))
+    }
+
+    /// With this compiler, and without profiles and flags that are of the PC's build.
+    fn for_boards(&self, mut command: Command) -> Command {
         for (name, _) in std::env::vars_os() {
             let text = name.to_string_lossy();
             let changes_the_build = text.starts_with("CARGO_PROFILE_")
@@ -68,6 +79,9 @@ impl Toolchain {
             if changes_the_build {
                 command.env_remove(name);
             }
+        }
+        if let Some(folder) = &self.folder {
+            command.env_remove("RUSTUP_TOOLCHAIN").env("RUSTC", folder.join("bin/rustc"));
         }
         command
     }

@@ -37,7 +37,7 @@ pub(crate) fn forbid_fences(fences: &[&Fence]) {
 fn forbid(entry: usize, start: usize, bytes: usize) {
     const { assert!(Fence::BYTES.is_power_of_two() && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
     // The address in words; ones from the lowest bit on say how many bytes.
-    let place = start >> 2 | (bytes >> 3) - 1;
+    let place = (start >> 2) | ((bytes >> 3) - 1);
     // SAFETY: nothing else writes these entries, and nothing but what is forbidden lies there.
     unsafe {
         match entry {

@@ -125,10 +125,8 @@ pub struct UartMemory<const OUT: usize, const IN: usize> {
     pub into: [u8; IN],
 }
 
-impl<const OUT: usize, const IN: usize> UartMemory<OUT, IN> {
-    /// Empty.
-    #[must_use]
-    pub const fn new() -> Self {
+impl<const OUT: usize, const IN: usize> Default for UartMemory<OUT, IN> {
+    fn default() -> Self {
         Self { out: [0; OUT], into: [0; IN] }
     }
 }
