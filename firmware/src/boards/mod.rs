@@ -21,9 +21,11 @@ pub mod mps2;
 #[cfg(all(target_os = "none", feature = "stm32h7"))]
 pub mod stm32h7;
 
+#[cfg(all(target_os = "none", feature = "hardware"))]
+pub mod pipes;
 #[cfg(any(not(target_os = "none"), feature = "rp235x"))]
 pub mod rp235x;
-#[cfg(all(target_os = "none", any(feature = "rp235x", feature = "stm32h7")))]
+#[cfg(all(target_os = "none", feature = "hardware"))]
 pub mod usb_port;
 
 use linestereo::Dims;

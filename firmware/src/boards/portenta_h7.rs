@@ -19,7 +19,7 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
+    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::usb_port;
@@ -36,7 +36,7 @@ mod on_board {
     use embassy_stm32::time::Hertz;
     use embassy_stm32::timer::low_level::CountingMode;
     use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
-    use embassy_stm32::usart::{self, BufferedUart};
+    use embassy_stm32::usart;
     use embassy_stm32::{Peri, SharedData, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
     use static_cell::StaticCell;
@@ -105,8 +105,6 @@ mod on_board {
     pub fn peripherals() -> Option<
         Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
     > {
-        static HOST: StaticCell<UartMemory<256, 256>> = StaticCell::new();
-        static AUTOPILOT: StaticCell<UartMemory<512, 16>> = StaticCell::new();
         static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
 
         memory::prepare();
@@ -119,14 +117,8 @@ mod on_board {
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
         let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };
         spawner.spawn(serve_usb(p.USB_OTG_HS, pins).ok()?);
-        let UartMemory { out, into } = HOST.init(UartMemory::default());
-        let settings = ports::host_settings();
-        let uart = BufferedUart::new(p.USART1, p.PA10, p.PA9, out, into, Interrupts, settings).ok()?;
-        let host = ports::host_port(spawner, uart)?;
-        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::default());
-        let settings = ports::autopilot_settings();
-        let uart = BufferedUart::new(p.USART6, p.PC7, p.PC6, out, into, Interrupts, settings).ok()?;
-        let autopilot = ports::autopilot_port(spawner, uart)?;
+        let host = ports::host_port(spawner, p.USART1, (p.PA10, p.PA9), Interrupts)?;
+        let autopilot = ports::autopilot_port(spawner, p.USART6, (p.PC7, p.PC6), Interrupts)?;
 
         let clock = PwmPin::new(p.PK1, OutputType::PushPull);
         let frequency = Hertz::hz(SENSOR_HZ);

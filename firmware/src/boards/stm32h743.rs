@@ -20,7 +20,7 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort, UartMemory};
+    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::usb_port;
@@ -32,7 +32,7 @@ mod on_board {
     use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
     use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig};
-    use embassy_stm32::usart::{self, BufferedUart};
+    use embassy_stm32::usart;
     use embassy_stm32::{Peri, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
     use linestereo::Eye;
@@ -85,8 +85,6 @@ mod on_board {
     pub fn peripherals() -> Option<
         Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
     > {
-        static HOST: StaticCell<UartMemory<256, 256>> = StaticCell::new();
-        static AUTOPILOT: StaticCell<UartMemory<512, 16>> = StaticCell::new();
         static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
 
         memory::prepare();
@@ -96,14 +94,8 @@ mod on_board {
         clocks::follow_usb_frames(FrameClock::Usb2);
         let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;
         spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
-        let UartMemory { out, into } = HOST.init(UartMemory::default());
-        let settings = ports::host_settings();
-        let uart = BufferedUart::new(p.USART3, p.PD9, p.PD8, out, into, Interrupts, settings).ok()?;
-        let host = ports::host_port(spawner, uart)?;
-        let UartMemory { out, into } = AUTOPILOT.init(UartMemory::default());
-        let settings = ports::autopilot_settings();
-        let uart = BufferedUart::new(p.USART2, p.PD6, p.PD5, out, into, Interrupts, settings).ok()?;
-        let autopilot = ports::autopilot_port(spawner, uart)?;
+        let host = ports::host_port(spawner, p.USART3, (p.PD9, p.PD8), Interrupts)?;
+        let autopilot = ports::autopilot_port(spawner, p.USART2, (p.PD6, p.PD5), Interrupts)?;
 
         let _runs_on = Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default());
         let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);

@@ -10,11 +10,10 @@
 //! # Cost
 //! 4 KiB for results, 1 KiB for commands, 0.4 KiB and two packets of descriptors and buffers.
 
+use super::pipes::{Pipe, put, put_all};
 use crate::host_lines::{HostLine, Line, Listener};
 use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::join::join4;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::pipe::Pipe;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
 use embassy_usb::driver::Driver;
 use embassy_usb::{Builder, Config};
@@ -27,8 +26,8 @@ const RESULTS: usize = 4096;
 /// Longest wait for room, microseconds.
 const PATIENCE_US: u64 = 100_000;
 
-static TO_HOST: Pipe<CriticalSectionRawMutex, RESULTS> = Pipe::new();
-static FROM_HOST: Pipe<CriticalSectionRawMutex, 1024> = Pipe::new();
+static TO_HOST: Pipe<RESULTS> = Pipe::new();
+static FROM_HOST: Pipe<1024> = Pipe::new();
 /// Has a host opened the port (DTR)?
 static IS_OPEN: AtomicBool = AtomicBool::new(false);
 
@@ -82,11 +81,8 @@ async fn receive<'d, const PACKET: usize, D: Driver<'d>>(receiver: &mut Receiver
     loop {
         receiver.wait_connection().await;
         while let Ok(count) = receiver.read_packet(&mut packet).await {
-            let mut rest = packet.get(..count).unwrap_or_default();
-            while !rest.is_empty() {
-                let taken = FROM_HOST.write(rest).await; // a host that is faster than the program waits
-                rest = rest.get(taken..).unwrap_or_default();
-            }
+            // A host that is faster than the program waits.
+            put_all(&FROM_HOST, packet.get(..count).unwrap_or_default()).await;
         }
     }
 }
@@ -126,10 +122,7 @@ impl Line for UsbLine {
     }
 
     fn put(&mut self, bytes: &[u8]) {
-        let mut rest = bytes;
-        while let Ok(taken @ 1..) = TO_HOST.try_write(rest) {
-            rest = rest.get(taken..).unwrap_or_default(); // at most twice: the pipe wraps
-        }
+        put(&TO_HOST, bytes);
     }
 
     fn read(&mut self, bytes: &mut [u8]) -> usize {

@@ -1,11 +1,6 @@
 //! Arm Cortex-M.
 
 mod faults;
-#[cfg(not(armv8m))]
-#[path = "protection_v7.rs"]
-pub(crate) mod protection;
-#[cfg(armv8m)]
-#[path = "protection_v8.rs"]
 pub(crate) mod protection;
 
 use crate::stack;

@@ -12,27 +12,29 @@
 //! 15 KiB of pipes and buffers with those of USB.
 
 use super::clocks::now_us;
+use crate::boards::pipes::{Pipe, put, put_all};
 use crate::boards::usb_port::{self, UsbLine};
 use crate::host_lines::{HostLine, HostLines, Line, Listener};
 use crate::ports::ByteSink;
 use embassy_executor::{InterruptExecutor, SendSpawner};
+use embassy_stm32::Peri;
+use embassy_stm32::interrupt::typelevel::Binding;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::interrupt;
-use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::pipe::Pipe;
+use embassy_stm32::usart::{
+    BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx, Config, Instance, RxPin, TxPin,
+};
 use embassy_time::Timer;
 use embedded_io_async::{Read as _, Write as _};
+use static_cell::StaticCell;
 
 /// Bytes that wait for the other end of a UART: some twenty records; and for the program: more than a command.
 const OUT: usize = 4096;
 const IN: usize = 1024;
-type Out = Pipe<CriticalSectionRawMutex, OUT>;
-type In = Pipe<CriticalSectionRawMutex, IN>;
 
-static TO_UART: Out = Pipe::new();
-static FROM_UART: In = Pipe::new();
-static TO_AUTOPILOT: Out = Pipe::new();
+static TO_UART: Pipe<OUT> = Pipe::new();
+static FROM_UART: Pipe<IN> = Pipe::new();
+static TO_AUTOPILOT: Pipe<OUT> = Pipe::new();
 
 /// How long a record waits for a host at the UART, microseconds: more than a full buffer takes on the UART.
 const PATIENCE_US: u64 = 100_000;
@@ -73,7 +75,7 @@ async fn tick() -> ! {
 
 /// From the program to a UART.
 #[embassy_executor::task(pool_size = 2)]
-async fn send_uart(mut uart: BufferedUartTx<'static>, pipe: &'static Out) -> ! {
+async fn send_uart(mut uart: BufferedUartTx<'static>, pipe: &'static Pipe<OUT>) -> ! {
     let mut bytes = [0; 64];
     loop {
         let count = pipe.read(&mut bytes).await;
@@ -88,46 +90,8 @@ async fn receive_uart(mut uart: BufferedUartRx<'static>) -> ! {
     loop {
         // What was lost or garbled is a command that the decoder refuses.
         if let Ok(count) = uart.read(&mut bytes).await {
-            let mut rest = bytes.get(..count).unwrap_or_default();
-            while !rest.is_empty() {
-                let taken = FROM_UART.write(rest).await;
-                rest = rest.get(taken..).unwrap_or_default();
-            }
+            put_all(&FROM_UART, bytes.get(..count).unwrap_or_default()).await;
         }
-    }
-}
-
-/// A UART's settings: 8 bits, no parity, one stop bit.
-fn settings(baud: u32) -> Config {
-    let mut config = Config::default();
-    config.baudrate = baud;
-    config
-}
-
-/// Settings of the host's UART.
-#[must_use]
-pub fn host_settings() -> Config {
-    settings(HOST_BAUD)
-}
-
-/// Settings of the autopilot's UART.
-#[must_use]
-pub fn autopilot_settings() -> Config {
-    settings(AUTOPILOT_BAUD)
-}
-
-/// Buffers of a UART, for its interrupts.
-#[expect(missing_debug_implementations, reason = "bytes")]
-pub struct UartMemory<const OUT: usize, const IN: usize> {
-    /// To be sent.
-    pub out: [u8; OUT],
-    /// Received.
-    pub into: [u8; IN],
-}
-
-impl<const OUT: usize, const IN: usize> Default for UartMemory<OUT, IN> {
-    fn default() -> Self {
-        Self { out: [0; OUT], into: [0; IN] }
     }
 }
 
@@ -157,18 +121,20 @@ impl Line for UartLine {
     }
 }
 
-/// A pipe's buffer wraps, so that it may take two pieces.
-fn put(pipe: &Out, mut bytes: &[u8]) {
-    while let Ok(count @ 1..) = pipe.try_write(bytes) {
-        bytes = bytes.get(count..).unwrap_or_default();
-    }
-}
-
 /// The host's port: the same records on both lines, commands from either.
 pub type HostPort = HostLines<UsbLine, UartLine, fn() -> u64>;
 
-/// Starts the UART's tasks; those of USB are the board's.
-pub fn host_port(spawner: SendSpawner, uart: BufferedUart<'static>) -> Option<HostPort> {
+/// Starts the UART and its tasks, pins: its input, its output. Those of USB are the board's.
+pub fn host_port<T: Instance>(
+    spawner: SendSpawner,
+    uart: Peri<'static, T>,
+    (receive, transmit): (Peri<'static, impl RxPin<T>>, Peri<'static, impl TxPin<T>>),
+    interrupts: impl Binding<T::Interrupt, BufferedInterruptHandler<T>> + 'static,
+) -> Option<HostPort> {
+    static OUT: StaticCell<[u8; 256]> = StaticCell::new();
+    static IN: StaticCell<[u8; 256]> = StaticCell::new();
+    let (out, into) = (OUT.init([0; 256]), IN.init([0; 256]));
+    let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(HOST_BAUD)).ok()?;
     let (sender, receiver) = uart.split();
     spawner.spawn(send_uart(sender, &TO_UART).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
@@ -180,8 +146,17 @@ pub fn host_port(spawner: SendSpawner, uart: BufferedUart<'static>) -> Option<Ho
 #[derive(Debug)]
 pub struct AutopilotPort(());
 
-/// Starts the autopilot's task. What comes from it is not read.
-pub fn autopilot_port(spawner: SendSpawner, uart: BufferedUart<'static>) -> Option<AutopilotPort> {
+/// Starts the UART and its task, pins: its input, its output. What comes from an autopilot is not read.
+pub fn autopilot_port<T: Instance>(
+    spawner: SendSpawner,
+    uart: Peri<'static, T>,
+    (receive, transmit): (Peri<'static, impl RxPin<T>>, Peri<'static, impl TxPin<T>>),
+    interrupts: impl Binding<T::Interrupt, BufferedInterruptHandler<T>> + 'static,
+) -> Option<AutopilotPort> {
+    static OUT: StaticCell<[u8; 512]> = StaticCell::new();
+    static IN: StaticCell<[u8; 16]> = StaticCell::new();
+    let (out, into) = (OUT.init([0; 512]), IN.init([0; 16]));
+    let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(AUTOPILOT_BAUD)).ok()?;
     let (sender, receiver) = uart.split();
     core::mem::forget(receiver);
     spawner.spawn(send_uart(sender, &TO_AUTOPILOT).ok()?);
@@ -194,4 +169,11 @@ impl ByteSink for AutopilotPort {
             put(&TO_AUTOPILOT, bytes);
         }
     }
+}
+
+/// A UART's settings: 8 bits, no parity, one stop bit.
+fn settings(baud: u32) -> Config {
+    let mut config = Config::default();
+    config.baudrate = baud;
+    config
 }

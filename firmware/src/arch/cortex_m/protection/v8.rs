@@ -1,4 +1,4 @@
-//! Stack limits and the memory protection unit of Armv8-M. No region can forbid access, but an address in two regions is refused
+//! Armv8-M, with the limits of both stacks. No region can forbid access, but an address in two regions is refused
 //! (Armv8-M Architecture Reference Manual, DDI 0553, "Protected Memory System Architecture"): forbidden is what lies in a second region.
 //!
 //! ```text
@@ -10,18 +10,17 @@
 //!                 (a watchdog's work) instead of changing what the program keeps there
 //! ```
 
-use crate::programs::kernels::{Fence, Rooms};
 use crate::{arch, stack};
 use cortex_m::peripheral::MPU;
 use cortex_m::register::{msplim, psplim};
 
-/// The first region over region 0.
-const FIRST: u32 = 1;
+/// The first region over region 0: the guard's, and while there are fences the first one's.
+pub(super) const FIRST_FENCE: u32 = 1;
 /// The end of the SRAM's addresses in the default memory map.
 const SRAM_END: usize = 0x4000_0000;
 
-/// Forbids the memory below the stack, and sets the limits of both stacks.
-pub(crate) fn guard() {
+/// Sets the limits of both stacks too.
+pub(super) fn forbid_below_stack() {
     let below = arch::guard();
     // SAFETY: nothing else writes these registers.
     unsafe {
@@ -31,34 +30,16 @@ pub(crate) fn guard() {
         (*MPU::PTR).mair[0].write(0xff);
     }
     write(0, below.start, SRAM_END - below.start);
-    write(FIRST, below.start, below.len());
-    /// MPU_CTRL: enabled, all else as without protection.
-    const ENABLE: u32 = 1 << 2 | 1;
-    // SAFETY: nothing else writes this register, and no code or data lies in the guard.
-    unsafe { (*MPU::PTR).ctrl.write(ENABLE) };
-    cortex_m::asm::dsb();
-    cortex_m::asm::isb();
+    forbid(FIRST_FENCE, below.start, below.len());
 }
 
-/// Are there regions for all fences?
-pub(crate) fn has_fences() -> bool {
-    // SAFETY: a read of a register that says what the processor has.
-    let regions = unsafe { (*MPU::PTR)._type.read() } >> 8 & 0xff;
-    regions as usize >= FIRST as usize + Rooms::FENCES
-}
-
-/// Forbids the fences.
-pub(crate) fn forbid_fences(fences: &[&Fence]) {
-    for (region, &fence) in (FIRST..).zip(fences) {
-        write(region, (&raw const *fence).addr(), Fence::BYTES);
-    }
-    cortex_m::asm::dsb();
-    cortex_m::asm::isb();
+/// No access to `bytes`, a multiple of 32 as `start` is, in region 0.
+pub(super) fn forbid(region: u32, start: usize, bytes: usize) {
+    write(region, start, bytes);
 }
 
 /// One region.
 fn write(region: u32, start: usize, bytes: usize) {
-    const { assert!(Fence::BYTES.is_multiple_of(32) && align_of::<Rooms>().is_multiple_of(32)) };
     /// MPU_RLAR: memory attribute 0, enabled. MPU_RBAR is the address alone: privileged code reads, writes and executes.
     const ENABLE: u32 = 1;
     // SAFETY: nothing else writes these regions.

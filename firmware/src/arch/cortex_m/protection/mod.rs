@@ -1,0 +1,44 @@
+//! The memory protection unit: what no access of any kind may reach. How a region forbids is each architecture's own.
+
+#[cfg(not(armv8m))]
+mod v7;
+#[cfg(armv8m)]
+mod v8;
+#[cfg(not(armv8m))]
+use v7 as version;
+#[cfg(armv8m)]
+use v8 as version;
+
+use crate::programs::kernels::{Fence, Rooms};
+use cortex_m::peripheral::MPU;
+
+/// Forbids the memory below the stack.
+pub(crate) fn guard() {
+    version::forbid_below_stack();
+    /// MPU_CTRL: enabled, all else as without protection (Armv7-M reference manual, B3.5.5; the same of Armv8-M).
+    const ENABLE: u32 = 1 << 2 | 1;
+    // SAFETY: nothing else writes this register, and no code or data lies in what is forbidden.
+    unsafe { (*MPU::PTR).ctrl.write(ENABLE) };
+    take_effect();
+}
+
+/// Are there regions for all fences?
+pub(crate) fn has_fences() -> bool {
+    // SAFETY: a read of a register that says what the processor has.
+    let regions = unsafe { (*MPU::PTR)._type.read() } >> 8 & 0xff;
+    regions as usize >= version::FIRST_FENCE as usize + Rooms::FENCES
+}
+
+/// Forbids the fences.
+pub(crate) fn forbid_fences(fences: &[&Fence]) {
+    const { assert!(Fence::BYTES.is_power_of_two() && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
+    for (region, &fence) in (version::FIRST_FENCE..).zip(fences) {
+        version::forbid(region, (&raw const *fence).addr(), Fence::BYTES);
+    }
+    take_effect();
+}
+
+fn take_effect() {
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+}
