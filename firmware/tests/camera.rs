@@ -12,7 +12,7 @@ use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::{Dims, Eye};
 use linestereo_firmware::camera::*;
-use support::Fake;
+use support::sensor::Fake;
 
 /// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
 fn text(said: &[Transaction]) -> String {

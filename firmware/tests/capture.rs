@@ -3,6 +3,8 @@
 //! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte of a row says from which camera, frame
 //! and row it is, so that a row of another frame cannot go unnoticed. What is injected is counted where it is injected.
 
+mod support;
+
 use core::cell::RefCell;
 use linestereo::{Dims, Eye, HealthFlags, RowError};
 use linestereo_firmware::boards::mps2_an386::Workspace;
@@ -13,6 +15,7 @@ use linestereo_firmware::ports::{CapturedPair, PairSource};
 use linestereo_firmware::watch::Watch;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
+use support::random::Random;
 
 const ROWS: u32 = 12;
 const WIDTH: u16 = 16;
@@ -253,19 +256,6 @@ fn frame_of(frames: &Frames) -> Result<u32, String> {
         }
     }
     found.ok_or("no rows".into())
-}
-
-struct Random(u64);
-
-impl Random {
-    /// Below a number (Steele, Lea and Flood's splitmix, 2014).
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) % u64::from(end)) as u32
-    }
 }
 
 /// What is to happen, and what has to come of it.

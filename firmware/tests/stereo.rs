@@ -15,7 +15,7 @@ use linestereo_firmware::programs::live::{Live, Painter, Turn};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
 use std::rc::Rc;
-use support::Fake;
+use support::sensor::Fake;
 
 const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
 const AGC_GAIN_OUTPUT: u16 = 0xba;

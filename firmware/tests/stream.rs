@@ -3,6 +3,8 @@
 //! The fake moves bytes, not rows: its DMA knows only a place in a ring, its interrupts are flags that stay set until somebody looks, however
 //! late. Every byte says from which camera, frame and row it is.
 
+mod support;
+
 use core::cell::RefCell;
 use linestereo::{Dims, Eye, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
@@ -13,6 +15,7 @@ use linestereo_firmware::ports::PairSource;
 use linestereo_firmware::watch::Watch;
 use std::collections::VecDeque;
 use std::rc::Rc;
+use support::random::Random;
 
 const ROWS: u32 = 24;
 const WIDTH: u16 = 16;
@@ -220,19 +223,6 @@ fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
 
 fn both(frame: u32) -> Vec<Vec<u8>> {
     (0..ROWS).map(|row| [paint(Eye::Left, frame, row), paint(Eye::Right, frame, row)].concat()).collect()
-}
-
-struct Random(u64);
-
-impl Random {
-    /// Below a number (Steele, Lea and Flood's splitmix, 2014).
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) % u64::from(end)) as u32
-    }
 }
 
 const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };

@@ -68,6 +68,17 @@ impl Random {
         self.bits() % limit.max(1)
     }
 
+    /// From `low` to `high`.
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// Of mean 0 and standard deviation 1 (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (self.uniform(1e-12, 1.0), self.uniform(0.0, 1.0));
+        (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
+    }
+
     /// A random grey.
     pub fn grey(&mut self) -> u8 {
         self.below(256) as u8

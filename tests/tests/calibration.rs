@@ -8,26 +8,8 @@ use linestereo_sim::calibration::{
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::load_gray;
 use linestereo_tests::captured;
+use linestereo_tests::drawn::Random;
 use std::path::Path;
-
-/// SplitMix64: seeds are fixed, so that a failure is the same failure tomorrow.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    /// Of standard deviation 1 (Box and Muller).
-    fn normal(&mut self) -> f64 {
-        let (u, v) = (self.uniform(1e-12, 1.0), self.uniform(0.0, 1.0));
-        (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
-    }
-}
 
 const VGA: Dims = Dims { width: 640, height: 480 };
 

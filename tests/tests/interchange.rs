@@ -9,6 +9,7 @@ use linestereo_sim::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
 use linestereo_tests::captured;
+use linestereo_tests::drawn::Random;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 
@@ -651,14 +652,8 @@ fn thousands_of_changed_bytes_are_read_or_refused() {
     let cases = corpus().into_iter().enumerate().flat_map(|(index, files)| {
         (0..EACH).map(move |round| {
             let mut files = files.clone();
-            let mut state = SEED ^ (index as u64) << 32 ^ round;
-            let mut next = |below: usize| {
-                // SplitMix64.
-                state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-                let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-                z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-                ((z ^ (z >> 31)) % below as u64) as usize
-            };
+            let mut random = Random(SEED ^ (index as u64) << 32 ^ round);
+            let mut next = |below: usize| random.below(below as u64) as usize;
             let file = next(files.len());
             let text = &mut files[file];
             for _ in 0..=next(4) {

@@ -1,22 +1,18 @@
 //! A calibration as a picture: where corners were seen, how far each is off, each view's error, and a rectified pair.
 
-use super::paint;
-use super::text::{Align, write};
+use super::sheet::{BACKGROUND, INK, Sheet};
+use super::text::Align;
 use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
 use crate::engine::GrayImage;
-use image::{Rgb, RgbImage};
+use image::RgbImage;
 use linestereo::{Eye, Rectification};
-use tiny_skia::{Color, LineCap, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
 const WIDTH: u32 = 1280;
-const BACKGROUND: [u8; 3] = [16, 16, 18];
-const INK: [u8; 3] = [225, 225, 225];
 const FAINT: [u8; 3] = [90, 90, 96];
 const GOOD: [u8; 3] = [70, 225, 110];
 const FAIR: [u8; 3] = [255, 225, 40];
 const POOR: [u8; 3] = [255, 45, 45];
 const SEEN: [u8; 3] = [0, 200, 255];
-const TEXT: f32 = 15.0;
 const MARGIN: f32 = 24.0;
 /// Width of one camera's field.
 const FIELD: f32 = 604.0;
@@ -42,7 +38,7 @@ pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<
     } else {
         pair - 30.0
     };
-    let mut sheet = Sheet::new(height.ceil() as u32);
+    let mut sheet = Sheet::new([WIDTH, height.ceil() as u32]);
     let verdict = match assessment.verdict {
         Verdict::Good => GOOD,
         Verdict::Usable => FAIR,
@@ -84,9 +80,9 @@ fn cells(sheet: &mut Sheet, [left, top, width, height]: [f32; 4], counts: &[u32]
         let (w, h) = (width / across as f32, height / down as f32);
         let at = [left + w * (index % across) as f32, top + h * (index / across) as f32, w, h];
         if count > 0 {
-            sheet.fill(at, SEEN, 0.08 + 0.25 * (count as f32 / 40.0).min(1.0));
+            fill(sheet, at, SEEN, 0.08 + 0.25 * (count as f32 / 40.0).min(1.0));
         }
-        sheet.frame(at, FAINT);
+        outline(sheet, at, FAINT);
     }
 }
 
@@ -123,7 +119,7 @@ fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
         for (eye, rms) in view.rms.into_iter().enumerate() {
             let height = BARS.0 * (rms / largest).min(1.0) as f32;
             let at = [left + step * (0.15 + 0.35 * eye as f32), bottom - height, 0.32 * step, height];
-            sheet.fill(at, if eye == 0 { SEEN } else { FAIR }, 0.8);
+            fill(sheet, at, if eye == 0 { SEEN } else { FAIR }, 0.8);
         }
         let middle = left + 0.5 * step;
         if view.dropped.is_some() {
@@ -150,11 +146,15 @@ fn rectified_pair(sheet: &mut Sheet, rectification: &Rectification, photos: &[Gr
             for x in 0..FIELD as u32 {
                 let at = [x, y].map(|v| f64::from(v as f32 / scale));
                 let grey = rectification.source(side, at).and_then(|raw| nearest(photo, raw));
-                sheet.pixels.push((left + x, top as u32 + y, grey.map_or(BACKGROUND, |grey| [grey; 3])));
+                sheet.pixel([left + x, top as u32 + y], grey.map_or(BACKGROUND, |grey| [grey; 3]));
             }
         }
     }
-    sheet.lines.extend((1..LINES).map(|line| top as u32 + height * line / LINES));
+    for line in 1..LINES {
+        // The middle of a row of pixels: a row of its own, not two of half its colour.
+        let y = (top as u32 + height * line / LINES) as f32 + 0.5;
+        sheet.line((MARGIN, y), (WIDTH as f32 - MARGIN, y), GOOD, 1.0);
+    }
 }
 
 fn nearest(photo: &GrayImage, [x, y]: [f64; 2]) -> Option<u8> {
@@ -164,74 +164,17 @@ fn nearest(photo: &GrayImage, [x, y]: [f64; 2]) -> Option<u8> {
     inside.then(|| photo.pixels[y as usize * usize::from(photo.dims.width) + x as usize])
 }
 
-/// A picture in the making: shapes first, then photos, then words.
-struct Sheet {
-    pixmap: Pixmap,
-    pixels: Vec<(u32, u32, [u8; 3])>,
-    lines: Vec<u32>,
-    labels: Vec<Label>,
+fn fill(sheet: &mut Sheet, area: [f32; 4], rgb: [u8; 3], alpha: f32) {
+    sheet.fill(&corners(area), rgb, alpha);
 }
 
-struct Label {
-    at: (f32, f32),
-    align: Align,
-    rgb: [u8; 3],
-    text: String,
+fn outline(sheet: &mut Sheet, area: [f32; 4], rgb: [u8; 3]) {
+    let round = corners(area);
+    for index in 0..4 {
+        sheet.line(round[index], round[(index + 1) % 4], rgb, 0.7);
+    }
 }
 
-impl Sheet {
-    fn new(height: u32) -> Self {
-        let mut pixmap = Pixmap::new(WIDTH, height.max(1)).expect("sides are above 0");
-        let [red, green, blue] = BACKGROUND;
-        pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
-        Self { pixmap, pixels: Vec::new(), lines: Vec::new(), labels: Vec::new() }
-    }
-
-    fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
-        self.labels.push(Label { at, align, rgb, text });
-    }
-
-    fn fill(&mut self, [x, y, width, height]: [f32; 4], rgb: [u8; 3], alpha: f32) {
-        if let Some(area) = Rect::from_xywh(x, y, width, height) {
-            self.pixmap.fill_rect(area, &paint(rgb, alpha), Transform::identity(), None);
-        }
-    }
-
-    fn frame(&mut self, [x, y, width, height]: [f32; 4], rgb: [u8; 3]) {
-        let round = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)];
-        for index in 0..4 {
-            self.line(round[index], round[(index + 1) % 4], rgb, 0.7);
-        }
-    }
-
-    fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
-        let mut path = PathBuilder::new();
-        path.move_to(from.0, from.1);
-        path.line_to(to.0, to.1);
-        if let Some(path) = path.finish() {
-            let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
-            self.pixmap.stroke_path(&path, &paint(rgb, 1.0), &stroke, Transform::identity(), None);
-        }
-    }
-
-    fn into_picture(self) -> RgbImage {
-        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        let mut picture = RgbImage::from_raw(WIDTH, self.pixmap.height(), bytes).expect("three bytes for each pixel");
-        for (x, y, rgb) in self.pixels {
-            if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
-                *pixel = Rgb(rgb);
-            }
-        }
-        for y in self.lines {
-            for x in MARGIN as u32..WIDTH - MARGIN as u32 {
-                if let Some(pixel) = picture.get_pixel_mut_checked(x, y) {
-                    *pixel = Rgb(GOOD);
-                }
-            }
-        }
-        for Label { at, align, rgb, text } in &self.labels {
-            write(&mut picture, *at, *align, TEXT, *rgb, text);
-        }
-        picture
-    }
+fn corners([x, y, width, height]: [f32; 4]) -> [(f32, f32); 4] {
+    [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
 }

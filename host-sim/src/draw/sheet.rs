@@ -1,17 +1,17 @@
-//! A dark sheet for plans and charts: lines and areas first, labels on top.
+//! A dark sheet for plans and charts: shapes and pixels as they come, labels on top.
 
 use super::paint;
 use super::text::{Align, write};
 use image::RgbImage;
-use tiny_skia::{Color, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
+use tiny_skia::{Color, ColorU8, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
 
-const BACKGROUND: [u8; 3] = [16, 16, 18];
+pub(super) const BACKGROUND: [u8; 3] = [16, 16, 18];
 pub(super) const INK: [u8; 3] = [225, 225, 225];
 pub(super) const FAINT: [u8; 3] = [120, 120, 128];
 pub(super) const GRID: [u8; 3] = [60, 60, 66];
 pub(super) const TEXT: f32 = 15.0;
 
-/// A picture in the making: shapes first, words over them.
+/// A picture in the making.
 pub(super) struct Sheet {
     pixmap: Pixmap,
     labels: Vec<Label>,
@@ -26,7 +26,7 @@ struct Label {
 
 impl Sheet {
     pub(super) fn new([width, height]: [u32; 2]) -> Self {
-        let mut pixmap = Pixmap::new(width, height).expect("sides are above 0");
+        let mut pixmap = Pixmap::new(width.max(1), height.max(1)).expect("sides are above 0");
         let [red, green, blue] = BACKGROUND;
         pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
         Self { pixmap, labels: Vec::new() }
@@ -54,6 +54,14 @@ impl Sheet {
         path.close();
         if let Some(path) = path.finish() {
             self.pixmap.fill_path(&path, &paint(rgb, alpha), FillRule::Winding, Transform::identity(), None);
+        }
+    }
+
+    pub(super) fn pixel(&mut self, [x, y]: [u32; 2], [red, green, blue]: [u8; 3]) {
+        let width = self.pixmap.width();
+        if x < width && y < self.pixmap.height() {
+            let place = y as usize * width as usize + x as usize;
+            self.pixmap.pixels_mut()[place] = ColorU8::from_rgba(red, green, blue, u8::MAX).premultiply();
         }
     }
 
