@@ -1,6 +1,7 @@
 //! Output files: all of a command's files appear, whole, or none does.
 
 use anyhow::{Result, anyhow};
+use serde::Serialize;
 use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,26 @@ impl OutputFiles {
     /// Writes one file's contents to a temporary file in the destination's folder.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
         self.stage(path, contents).map_err(|error| cannot_write(path, &error))
+    }
+
+    /// The same of a listing, made only if it is asked for. "-" is stdout, for which the listing is given back: print it after the files.
+    pub fn add_listing(
+        &mut self,
+        path: Option<&Path>,
+        listing: impl FnOnce() -> serde_json::Result<String>,
+    ) -> Result<Option<String>> {
+        let Some(path) = path else { return Ok(None) };
+        let listing = listing()?;
+        if path == Path::new("-") {
+            return Ok(Some(listing));
+        }
+        self.add(path, listing.as_bytes())?;
+        Ok(None)
+    }
+
+    /// The same of a value as indented JSON.
+    pub fn add_json(&mut self, path: Option<&Path>, value: &impl Serialize) -> Result<Option<String>> {
+        self.add_listing(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
     }
 
     fn stage(&mut self, path: &Path, contents: &[u8]) -> io::Result<()> {

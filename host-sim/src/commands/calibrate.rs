@@ -14,7 +14,7 @@ use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::Dims;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread;
 
 const EXAMPLES: &str = "\
@@ -133,18 +133,14 @@ pub fn run(args: &Args) -> Result<()> {
         let file = RigFile { calibration: estimate.calibration, quality: Some(quality) };
         output.add(path, file.text().as_bytes())?;
     }
-    let listing = || Ok::<_, anyhow::Error>(serde_json::to_string_pretty(&json(&estimate, &assessment))? + "\n");
-    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
-        output.add(path, listing()?.as_bytes())?;
-    }
+    let json = output.add_json(args.json.as_deref(), &json(&estimate, &assessment))?;
     if let Some(path) = &args.report {
         let photos = clearest_pair(&estimate, &pairs)?;
         output.add(path, &draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)?;
     }
     output.commit()?;
-    if json_to_stdout {
-        return print(&listing()?);
+    if let Some(json) = json {
+        return print(&json);
     }
     let mut text =
         format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());

@@ -360,21 +360,14 @@ impl Args {
         if let Some(path) = &self.picture {
             output.add(path, &draw::png(&picture(&compared))?)?;
         }
-        if let Some(path) = &self.json {
-            let scene = |Compared { name, methods, .. }: &Compared| JsonScene {
-                scene: name.clone(),
-                methods: summarise([methods.as_slice()]),
-            };
-            let report = JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
-            let json = serde_json::to_string_pretty(&report)? + "\n";
-            if path == Path::new("-") {
-                text = json;
-            } else {
-                output.add(path, json.as_bytes())?;
-            }
-        }
+        let scene = |Compared { name, methods, .. }: &Compared| JsonScene {
+            scene: name.clone(),
+            methods: summarise([methods.as_slice()]),
+        };
+        let report = JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
+        let json = output.add_json(self.json.as_deref(), &report)?;
         output.commit()?;
-        print(&text)
+        print(&json.unwrap_or(text))
     }
 }
 

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Timing of one pair stops after this long, or after this many runs.
@@ -325,16 +325,10 @@ fn write_results(args: &Args, head: &ShardHead, outcomes: Vec<PairOutcome>) -> R
     if args.perturbation.swap {
         text.push_str("\nthe images were swapped: every true disparity is negative, so every claim above is wrong\n");
     }
-    if let Some(path) = &args.json {
-        let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
-        let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };
-        let json = serde_json::to_string_pretty(&report)? + "\n";
-        if path == Path::new("-") {
-            return print(&json);
-        }
-        let mut output = OutputFiles::new();
-        output.add(path, json.as_bytes())?;
-        output.commit()?;
-    }
-    print(&text)
+    let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
+    let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };
+    let mut output = OutputFiles::new();
+    let json = output.add_json(args.json.as_deref(), &report)?;
+    output.commit()?;
+    print(&json.unwrap_or(text))
 }

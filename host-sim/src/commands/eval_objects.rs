@@ -94,20 +94,13 @@ fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: O
         text.push_str("\nLeave one scene out: each scene by models fitted on the others\n\n");
         text.push_str(&object_table(unseen));
     }
-    if let Some(path) = json {
-        let pool = |scores: &[ObjectScore]| {
-            let all = Outline::ALL.map(|outline| ObjectSummary::pool(outline, scores));
-            all.into_iter().filter(|summary| summary.objects > 0).collect()
-        };
-        let report = JsonReport { fitted: pool(fitted), leave_one_out: unseen.map(pool) };
-        let mut json = serde_json::to_string_pretty(&report)?;
-        json.push('\n');
-        if path == Path::new("-") {
-            return print(&json);
-        }
-        let mut output = OutputFiles::new();
-        output.add(path, json.as_bytes())?;
-        output.commit()?;
-    }
-    print(&text)
+    let pool = |scores: &[ObjectScore]| {
+        let all = Outline::ALL.map(|outline| ObjectSummary::pool(outline, scores));
+        all.into_iter().filter(|summary| summary.objects > 0).collect()
+    };
+    let report = JsonReport { fitted: pool(fitted), leave_one_out: unseen.map(pool) };
+    let mut output = OutputFiles::new();
+    let json = output.add_json(json, &report)?;
+    output.commit()?;
+    print(&json.unwrap_or(text))
 }

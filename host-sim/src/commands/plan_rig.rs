@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use core::fmt::Write;
 use linestereo::Dims;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -82,13 +82,10 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.out {
         output.add(path, &draw::png(&draw::plan(&plan, wish.as_ref()))?)?;
     }
-    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
-        output.add(path, json(&plan, wish.as_ref(), suggestion.as_ref())?.as_bytes())?;
-    }
+    let json = output.add_json(args.json.as_deref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
     output.commit()?;
-    if json_to_stdout {
-        return print(&json(&plan, wish.as_ref(), suggestion.as_ref())?);
+    if let Some(json) = json {
+        return print(&json);
     }
     print(&text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some()))?;
     for path in [&args.out, &args.json].into_iter().flatten() {
@@ -178,9 +175,9 @@ struct Listing<'a> {
     suggestion: Option<&'a Suggestion>,
 }
 
-fn json(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>) -> Result<String> {
+fn listing<'a>(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&'a Suggestion>) -> Listing<'a> {
     let [horizontal_fov_deg, vertical_fov_deg] = plan.fields_of_view();
-    let listing = Listing {
+    Listing {
         size: [plan.dims().width, plan.dims().height],
         focal_px: plan.focal(),
         horizontal_fov_deg,
@@ -194,8 +191,7 @@ fn json(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>) ->
         reach_10_percent_m: plan.reach(0.1),
         table: plan.table(wish),
         suggestion,
-    };
-    Ok(serde_json::to_string_pretty(&listing)? + "\n")
+    }
 }
 
 fn parse_field_of_view(text: &str) -> Result<f64, String> {

@@ -17,7 +17,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Eye, Rejection};
 use linestereo_wire::{Regions, Request};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -157,10 +157,7 @@ pub fn run(args: &Args) -> Result<()> {
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
-    let json_to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    if let Some(path) = args.json.as_deref().filter(|_| !json_to_stdout) {
-        output.add(path, listing::json(left.dims, &result, &answers)?.as_bytes())?;
-    }
+    let json = output.add_listing(args.json.as_deref(), || listing::json(left.dims, &result, &answers))?;
     if let Some(path) = &args.csv {
         output.add(path, listing::csv(&result).as_bytes())?;
     }
@@ -181,8 +178,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     output.commit()?;
-    if json_to_stdout {
-        print(&listing::json(left.dims, &result, &answers)?)?;
+    if let Some(json) = json {
+        print(&json)?;
     } else {
         print(&summary(left.dims, max_disparity, &result, &cost))?;
         print(&objects.as_ref().map_or(String::new(), Asked::summary))?;
