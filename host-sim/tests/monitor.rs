@@ -351,8 +351,13 @@ fn a_lost_command_is_sent_again() {
     let (address, thread) = board(2, 0);
     let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "start"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert_eq!(text(&output.stdout), "accepted: start\n");
-    assert_eq!(thread.join().unwrap().0, [Request::Start]);
+    let board = "board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n";
+    assert_eq!(
+        text(&output.stdout),
+        format!("{board}accepted: describe\naccepted: start\n"),
+        "described once, unasked"
+    );
+    assert_eq!(thread.join().unwrap().0, [Request::Describe, Request::Start]);
 }
 
 #[test]
@@ -396,9 +401,9 @@ fn a_board_on_a_serial_port_is_watched() {
     let output = monitor(folder.path(), &args);
     let shown = text(&output.stdout);
     assert!(output.status.success(), "{shown}{}", text(&output.stderr));
-    assert_eq!(shown.lines().nth(1), Some("accepted: start"));
+    assert!(shown.contains("accepted: describe\naccepted: start\n"), "{shown}");
     assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
-    assert_eq!(thread.join().unwrap().log, [Request::Start]);
+    assert_eq!(thread.join().unwrap().log, [Request::Describe, Request::Start]);
     drop(slave);
 }
 

@@ -86,6 +86,9 @@ enum Command {
         /// Without log code.
         #[arg(long)]
         no_logs: bool,
+        /// More features of the firmware: still-scene.
+        #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
+        features: Vec<String>,
     },
     /// Have clippy read the firmware as each board builds it, with logs and without; warnings are errors.
     Lint(Boards),
@@ -168,7 +171,7 @@ fn execute(command: Command) -> Result<()> {
     let top = board::top()?;
     match command {
         Command::Setup => setup(),
-        Command::Build { boards, program, no_logs } => build(&boards, program.as_deref(), no_logs),
+        Command::Build { boards, program, no_logs, features } => build(&boards, program.as_deref(), no_logs, &features),
         Command::Lint(boards) => lint(&boards.all()?),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
@@ -208,14 +211,14 @@ fn setup() -> Result<()> {
     Ok(())
 }
 
-fn build(boards: &Boards, program: Option<&str>, no_logs: bool) -> Result<()> {
+fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[String]) -> Result<()> {
     let boards = if boards.board.is_some() { boards.all()? } else { boards.list()? };
     for board in boards {
         let programs = program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
         let toolchain = Toolchain::for_board(&board)?;
         for program in &programs {
             let logs = if no_logs { Logs::None } else { Logs::of(&board) };
-            let elf = firmware::build(&toolchain, &board, program, logs)?;
+            let elf = firmware::build_with(&toolchain, &board, program, logs, features)?;
             let found = sizes::read(&elf)?;
             let ram = found.static_ram() + found.stack;
             println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());

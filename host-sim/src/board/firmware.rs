@@ -33,15 +33,27 @@ impl Logs {
 ///
 /// Side by side calls wait for each other: a build leaves its file at one place for all boards, from where it is copied.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
+    build_with(toolchain, board, program, logs, &[])
+}
+
+/// The same with more features of the firmware.
+pub fn build_with(
+    toolchain: &Toolchain,
+    board: &Board,
+    program: &str,
+    logs: Logs,
+    features: &[String],
+) -> Result<PathBuf> {
     let target = target_folder(toolchain)?;
     let kind = if logs == Logs::None { "no-logs" } else { "logs" };
+    let kind = [&[kind.to_owned()], features].concat().join("-");
     let folder = target.join(board.name).join(kind);
     fs::create_dir_all(&folder)?;
     let lock = fs::File::create(target.join("lock"))?;
     lock.lock()?;
     let mut command = toolchain.cargo();
     command.arg("build");
-    finish(&mut command, &target, board, logs)?;
+    finish(&mut command, &target, board, logs, features)?;
     command.args(["--bin", program]);
     run(&mut command, &format!("cannot build {program} for {}", board.name))?;
     let elf = folder.join(program);
@@ -57,7 +69,7 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
 /// Warnings are errors.
 pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs) -> Result<()> {
     let mut command = toolchain.clippy()?;
-    finish(&mut command, &target_folder(toolchain)?, board, logs)?;
+    finish(&mut command, &target_folder(toolchain)?, board, logs, &[])?;
     command.arg("--lib");
     for program in programs {
         command.args(["--bin", program]);
@@ -74,16 +86,18 @@ fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
 }
 
 /// What every command about a board's programs says.
-fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs) -> Result<()> {
-    let features = match logs {
-        Logs::None => board.name.to_owned(),
-        Logs::Semihosting => format!("{},log-semihosting", board.name),
-        Logs::Rtt => format!("{},log-rtt", board.name),
+fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs, features: &[String]) -> Result<()> {
+    let logs: &[&str] = match logs {
+        Logs::None => &[],
+        Logs::Semihosting => &["log-semihosting"],
+        Logs::Rtt => &["log-rtt"],
     };
+    let features: Vec<&str> =
+        [board.name].into_iter().chain(logs.iter().copied()).chain(features.iter().map(String::as_str)).collect();
     command
         .current_dir(top()?)
         .args(["--quiet", "--release", "--locked", "-p", "linestereo-firmware", "--no-default-features"])
-        .args(["--target", board.target, "--features", &features, "--target-dir"])
+        .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
         .arg(target)
         .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
     Ok(())

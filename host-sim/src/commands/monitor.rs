@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_wire::{
-    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, encode,
+    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
 };
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -33,11 +33,13 @@ Examples:
   linestereo monitor --serial /dev/ttyACM0 --send rig=rig.bin --send start
       keep a rig in the board's flash (linestereo flash-image makes it), then start
   linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
-      the depth of an object in every frame; only_box= matches around the boxes alone, box=none asks no more
+      the depth of an object in every frame, in px of the rectified left image; only_box= matches around the
+      boxes alone, box=none asks no more
   linestereo monitor run.bin
       the same bytes again
 
-Commands are sent first, one after the other, each answered before the next. Neighbouring NAME=VALUE
+Commands are sent first, one after the other, each answered before the next; before start comes describe,
+so that what the board is, which rig it has and why it was reset stands above its frames. Neighbouring NAME=VALUE
 go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
 NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach,
 min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
@@ -77,14 +79,15 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, rig=FILE, box=LABEL:LEFT,TOP,RIGHT,BOTTOM or NAME=VALUE, and wait for the answer; may be given several times.
+    /// Send start, stop, describe, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
+    /// several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let wanted = requests::parse(&args.send)?;
+    let wanted = described(requests::parse(&args.send)?);
     let mut record = match &args.record {
         Some(path) => Some(create_record(path, args.file.as_deref())?),
         None => None,
@@ -121,6 +124,15 @@ impl From<io::Error> for Stop {
     }
 }
 
+/// Before a start, a board says what it is and why it was reset: when it began to run, nobody may have listened.
+fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
+    let place = |request: &Request| wanted.iter().position(|wanted| wanted.request == *request);
+    if let (Some(start), None) = (place(&Request::Start), place(&Request::Describe)) {
+        wanted.insert(start, Wanted { request: Request::Describe, words: "describe".to_owned() });
+    }
+    wanted
+}
+
 fn create_record(path: &Path, source: Option<&Path>) -> Result<(PathBuf, File)> {
     let same =
         source.is_some_and(|source| source.canonicalize().is_ok_and(|it| path.canonicalize().is_ok_and(|to| it == to)));
@@ -155,6 +167,7 @@ struct Monitor {
     waiting: Option<Waiting>,
     next_id: u16,
     last_capture: Option<u64>,
+    last_hello: Option<Hello>,
     /// Flags of the last frame.
     health: Health,
     has_summary: bool,
@@ -173,6 +186,7 @@ impl Monitor {
             waiting: None,
             next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
             last_capture: None,
+            last_hello: None,
             health: Health::GOOD,
             has_summary: args.count != Some(0),
             screen: Screen::new(args.json, args.count != Some(0)),
@@ -251,7 +265,12 @@ impl Monitor {
             // Points come only from programs that are fed by a file; photos are for `linestereo photograph`.
             Some(Ok(Message::Points(_) | Message::Photo(_) | Message::Pixels(_))) => Ok(()),
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
-            Some(Ok(Message::Hello(hello))) => Ok(self.screen.note(&introduction(&hello))?),
+            Some(Ok(Message::Hello(hello))) => {
+                let is_news = self.last_hello.as_ref() != Some(&hello);
+                let text = introduction(&hello);
+                self.last_hello = Some(hello);
+                if is_news { Ok(self.screen.note(&text)?) } else { Ok(()) }
+            }
             Some(Ok(Message::Answer(answer))) => {
                 let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
                     return Ok(()); // answered twice

@@ -95,9 +95,11 @@ impl Port {
 
     /// A serial port, 8 data bits, no parity, 1 stop bit.
     pub fn serial(name: &str, baud: u32) -> Result<Self> {
-        let port = serialport::new(name, baud).timeout(PATIENCE).open().map_err(|error| {
+        let mut port = serialport::new(name, baud).timeout(PATIENCE).open().map_err(|error| {
             anyhow!("cannot open the serial port {name}: {error}; check that the board is plugged in and no other program has it")
         })?;
+        // A port over USB is closed to a board until this line says otherwise; on others it may be missing.
+        let _ = port.write_data_terminal_ready(true);
         Ok(Self { name: name.to_owned(), line: Line::Serial(port) })
     }
 

@@ -52,7 +52,7 @@ pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
                 "stop" => Request::Stop,
                 "describe" => Request::Describe,
                 _ => bail!(
-                    "--send {word} is unknown; give start, stop, describe, rig=FILE, box=LABEL:LEFT,TOP,RIGHT,BOTTOM or NAME=VALUE"
+                    "--send {word} is unknown; give start, stop, describe, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
                 ),
             },
             parameters => Request::SetParams(update(parameters)?),
