@@ -25,7 +25,7 @@ fn rig(left: Camera, right: Camera, rotation: [f64; 3]) -> Calibration {
     Calibration::new(left, right, quaternion(rotation), [-0.08, 0.001, -0.002]).unwrap()
 }
 
-/// The rigs of the issue: name, rig, family of lens.
+/// The rigs that are recovered: name, rig, family of lens.
 fn rigs() -> Vec<(&'static str, Calibration, LensModel)> {
     let lens = |k, p| {
         let left = brown([520.0, 523.0], [322.0, 236.0], k, p);

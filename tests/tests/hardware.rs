@@ -117,7 +117,7 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
     assert!(boards >= 3, "{boards} boards");
 }
 
-/// What issue and design allow, bytes.
+/// What the part's class allows, bytes.
 #[test]
 fn the_h7_keeps_to_its_budget() {
     let board = Board::named("stm32h743").unwrap();

@@ -67,7 +67,7 @@ pub struct Args {
     /// Search disparities 0 .. N in every scene, whatever its scene.json says.
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
-    /// Match on this board, emulated by QEMU: mps2-an500 or mps2-an386. Scenes that it cannot hold are left out.
+    /// Match on this board, emulated by QEMU, as in linestereo run. Scenes that it cannot hold are left out.
     #[arg(long, value_name = "BOARD")]
     on: Option<String>,
     /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.

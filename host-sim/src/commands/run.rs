@@ -121,7 +121,8 @@ pub struct Args {
     /// Say the depth of this pixel of the left image as matched; repeat it for more.
     #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "on")]
     query: Vec<(u16, u16)>,
-    /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7, up to 320x240) or mps2-an386 (Cortex-M4, up to 160x120).
+    /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7), mps2-an386 (Cortex-M4, up to 160x120), mps2-an505, mps3-an547 or
+    /// riscv-virt; the others up to 320x240.
     #[arg(long, value_name = "BOARD", conflicts_with_all = ["refine", "only_objects"])]
     on: Option<String>,
     #[command(flatten)]
