@@ -23,10 +23,14 @@ pub(crate) fn refused(overflow: bool, pc: Option<u32>, registers: &[(&str, u32)]
 }
 
 fn report_decimal(number: u32) {
-    if number >= 10 {
-        report_decimal(number / 10);
+    let mut place = 1;
+    while number / place >= 10 {
+        place *= 10;
     }
-    report(["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][(number % 10) as usize]);
+    while place > 0 {
+        report(["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][(number / place % 10) as usize]);
+        place /= 10;
+    }
 }
 
 /// Where, in every build; why, in builds with logs.

@@ -40,9 +40,27 @@ fn faults() -> linestereo_firmware::startup::Exit {
             #[cfg(target_arch = "riscv32")]
             core::arch::asm!("unimp");
         },
+        // SAFETY: not safe: between both stacks, as a handler that takes too much would.
+        #[cfg(all(target_arch = "arm", not(armv8m)))]
+        Some("between") => unsafe {
+            core::ptr::with_exposed_provenance_mut::<u32>(stack::top() + 16).write_volatile(1);
+        },
+        // SAFETY: the handler below is called.
+        #[cfg(target_arch = "arm")]
+        Some("handler") => unsafe { core::arch::asm!("svc #0") },
         Some(_) => return Exit::Usage,
     }
     Exit::Success
+}
+
+/// A handler that fails.
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+#[cortex_m_rt::exception]
+fn SVCall() {
+    // SAFETY: not safe: nothing lies there, which is the point.
+    unsafe {
+        core::hint::black_box(core::ptr::with_exposed_provenance::<u32>(0xf000_0000).read_volatile());
+    }
 }
 
 linestereo_firmware::program!(faults);

@@ -15,13 +15,15 @@ const BELOW_LIMIT: u32 = 1 << 20;
 /// Bits of CFSR: MMFAR and BFAR hold the address.
 const MMFAR_VALID: u32 = 1 << 7;
 const BFAR_VALID: u32 = 1 << 15;
+/// Bit of ICSR: no handler was running before this one (RETTOBASE).
+const FROM_PROGRAM: u32 = 1 << 11;
 
 #[exception(trampoline = false)]
 unsafe fn HardFault() -> ! {
     // SAFETY: reads of status registers.
-    let (cfsr, hfsr, mmfar, bfar) = unsafe {
+    let (cfsr, hfsr, mmfar, bfar, icsr) = unsafe {
         let scb = &*SCB::PTR;
-        (scb.cfsr.read(), scb.hfsr.read(), scb.mmfar.read(), scb.bfar.read())
+        (scb.cfsr.read(), scb.hfsr.read(), scb.mmfar.read(), scb.bfar.read(), scb.icsr.read())
     };
     let address = match cfsr {
         bits if bits & MMFAR_VALID != 0 => Some(mmfar),
@@ -30,11 +32,13 @@ unsafe fn HardFault() -> ! {
     };
     let frame = psp::read() as usize;
     let stack = stack::bottom()..stack::top();
-    let overflow = !stack.contains(&frame)
+    // The registers of a handler are saved on its own stack: what lies on the program's says where the program was.
+    let from_program = icsr & FROM_PROGRAM != 0;
+    let overflow = from_program && !stack.contains(&frame)
         || cfsr & (STACKING_ERROR | BELOW_LIMIT) != 0
         || address.is_some_and(|address| guard().contains(&(address as usize)));
     // Where they were not saved the stack pointer is left at its limit.
-    let saved = cfsr & STACKING_ERROR == 0 && (cfsr & BELOW_LIMIT == 0 || frame != stack.start);
+    let saved = from_program && cfsr & STACKING_ERROR == 0 && (cfsr & BELOW_LIMIT == 0 || frame != stack.start);
     let pc = (saved && stack.contains(&frame) && stack.contains(&(frame + 28)))
         // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is the program counter.
         .then(|| unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() });

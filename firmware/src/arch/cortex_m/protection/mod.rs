@@ -12,8 +12,17 @@ use v8 as version;
 use crate::programs::kernels::{Fence, Rooms};
 use cortex_m::peripheral::MPU;
 
-/// Forbids the memory below the stack.
+/// Forbids the memory below the stack. What a bootloader has left is forgotten.
 pub(crate) fn guard() {
+    // SAFETY: nothing else writes these registers; without protection everything is allowed.
+    unsafe {
+        let mpu = &*MPU::PTR;
+        mpu.ctrl.write(0);
+        for region in 0..regions() {
+            mpu.rnr.write(region);
+            version::forget(mpu);
+        }
+    }
     version::forbid_below_stack();
     /// MPU_CTRL: enabled, all else as without protection (Armv7-M reference manual, B3.5.5; the same of Armv8-M).
     const ENABLE: u32 = 1 << 2 | 1;
@@ -24,9 +33,13 @@ pub(crate) fn guard() {
 
 /// Are there regions for all fences?
 pub(crate) fn has_fences() -> bool {
-    // SAFETY: a read of a register that says what the processor has.
-    let regions = unsafe { (*MPU::PTR)._type.read() } >> 8 & 0xff;
-    regions as usize >= version::FIRST_FENCE as usize + Rooms::FENCES
+    regions() as usize >= version::FIRST_FENCE as usize + Rooms::FENCES
+}
+
+/// How many the processor has.
+fn regions() -> u32 {
+    // SAFETY: a read of a register that does not change.
+    unsafe { (*MPU::PTR)._type.read() >> 8 & 0xff }
 }
 
 /// Forbids the fences.

@@ -12,6 +12,7 @@
 
 use crate::{arch, stack};
 use cortex_m::peripheral::MPU;
+use cortex_m::peripheral::mpu::RegisterBlock;
 use cortex_m::register::{msplim, psplim};
 
 /// The first region over region 0: the guard's, and while there are fences the first one's.
@@ -31,6 +32,12 @@ pub(super) fn forbid_below_stack() {
     }
     write(0, below.start, SRAM_END - below.start);
     forbid(FIRST_FENCE, below.start, below.len());
+}
+
+/// The region that RNR names does nothing any more.
+pub(super) unsafe fn forget(mpu: &RegisterBlock) {
+    // SAFETY: as the caller says.
+    unsafe { mpu.rlar.write(0) }
 }
 
 /// No access to `bytes`, a multiple of 32 as `start` is, in region 0.
