@@ -13,7 +13,7 @@ use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 const DIMS: Dims = Dims { width: 128, height: 96 };
 
@@ -521,6 +521,39 @@ fn live_serves_commands_and_survives_its_camera() {
     send(3, Request::Stop);
     live.turn(&mut *memory, &mut camera);
     assert_eq!(received(), [accepted(3)]);
+}
+
+#[test]
+fn of_what_takes_long_there_is_one_a_turn() {
+    let mut bytes = Vec::new();
+    let image = rig(DIMS).encode(0);
+    for id in 1..=2 {
+        push_rig(&mut bytes, id, &image);
+    }
+    for id in 3..=4 {
+        push(&mut bytes, id, Request::Photograph);
+    }
+    push(&mut bytes, 5, Request::Stop);
+    push(&mut bytes, 6, Request::Describe);
+    let (incoming, outgoing) = (RefCell::new(bytes.into()), RefCell::new(Vec::new()));
+    let line = Line { incoming: &incoming, outgoing: &outgoing };
+    let mut memory = Box::new(Workspace::new());
+    let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
+    // The watchdog is fed between two turns, and waits for one sector that is erased, not for two.
+    let mut answered_in = Vec::new();
+    for turn in 0..200 {
+        outgoing.borrow_mut().clear();
+        live.turn(&mut *memory, &mut Painter::new(DIMS));
+        for message in messages(&outgoing.borrow()) {
+            if let Message::Answer(answer) = message {
+                answered_in.push((turn, answer.command));
+            }
+        }
+    }
+    let commands: Vec<u16> = answered_in.iter().map(|&(_, command)| command).collect();
+    assert_eq!(commands, [1, 2, 3, 4, 5, 6], "nothing is lost");
+    let slow: BTreeSet<usize> = answered_in.iter().take(4).map(|&(turn, _)| turn).collect();
+    assert_eq!(slow.len(), 4, "{answered_in:?}");
 }
 
 /// Painted pairs of two moments, of which somebody says that nothing moves.

@@ -9,7 +9,7 @@ use core::convert::Infallible;
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome,
-    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, send, send_frame, send_objects,
+    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot can be told of obstacles.
@@ -135,30 +135,39 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         // A host that never pauses does not stop the pairs.
         for _ in 0..MAX_COMMAND {
             let count = self.port.read(&mut bytes);
-            if count == 0 {
+            let mut took_long = false;
+            for &byte in bytes.iter().take(count) {
+                if let Some(Ok(command)) = self.decoder.push(byte) {
+                    took_long |= matches!(command.request, Request::SetRig(_) | Request::Photograph);
+                    self.serve(&command, memory, camera);
+                }
+            }
+            // One a turn: the watchdog is fed in between.
+            if count == 0 || took_long {
                 return;
             }
-            for &byte in bytes.iter().take(count) {
-                let Some(Ok(command)) = self.decoder.push(byte) else { continue };
-                match self.session.command(&command, memory) {
-                    Reply::Answer(answer) => self.write(&Message::Answer(answer)),
-                    Reply::Describe(answer) => {
-                        let hello = self.session.hello();
-                        self.write(&Message::Hello(hello));
-                        self.write(&Message::Answer(answer));
-                    }
-                    Reply::Photograph { command } => {
-                        let taken = self.photograph(memory, camera);
-                        let outcome = taken.as_ref().map(|_| ()).map_err(Refusal::clone).into();
-                        self.write(&Message::Answer(Answer { command, outcome }));
-                        if let Ok(head) = taken {
-                            self.write(&Message::Photo(head));
-                        }
-                    }
-                    // Pixels come from the camera here; what follows is garbage to the decoder.
-                    Reply::Pair { command, .. } => self
-                        .write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) })),
+        }
+    }
+
+    fn serve(&mut self, command: &Command, memory: &mut impl Memory, camera: &mut impl PairSource) {
+        match self.session.command(command, memory) {
+            Reply::Answer(answer) => self.write(&Message::Answer(answer)),
+            Reply::Describe(answer) => {
+                let hello = self.session.hello();
+                self.write(&Message::Hello(hello));
+                self.write(&Message::Answer(answer));
+            }
+            Reply::Photograph { command } => {
+                let taken = self.photograph(memory, camera);
+                let outcome = taken.as_ref().map(|_| ()).map_err(Refusal::clone).into();
+                self.write(&Message::Answer(Answer { command, outcome }));
+                if let Ok(head) = taken {
+                    self.write(&Message::Photo(head));
                 }
+            }
+            // Pixels come from the camera here; what follows is garbage to the decoder.
+            Reply::Pair { command, .. } => {
+                self.write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }));
             }
         }
     }
