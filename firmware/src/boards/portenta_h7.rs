@@ -112,6 +112,8 @@ mod on_board {
         clocks::take_over();
         let p = embassy_stm32::init_primary(clocks::config(), &SHARED);
         clocks::follow_usb_frames(FrameClock::Usb1);
+        // Before the ports: a USB that does not answer would keep them waiting for ever.
+        let watchdog = IndependentDog::start(p.IWDG1);
         let spawner = ports::executor([interrupt::USART1, interrupt::USART6], interrupt::OTG_HS)?;
         start_phy(p.PH1, p.PJ4);
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
@@ -137,7 +139,7 @@ mod on_board {
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
         let capture = Capture::new(Row::Both.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
-        let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
+        let flash = RigFlash::slots(p.FLASH);
         Some(Peripherals {
             clock: MicrosecondClock,
             host,

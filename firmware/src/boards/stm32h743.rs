@@ -92,6 +92,8 @@ mod on_board {
         clocks::take_over();
         let p = embassy_stm32::init(clocks::config());
         clocks::follow_usb_frames(FrameClock::Usb2);
+        // Before the ports: a USB that does not answer would keep them waiting for ever.
+        let watchdog = IndependentDog::start(p.IWDG1);
         let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;
         spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
         let host = ports::host_port(spawner, p.USART3, (p.PD9, p.PD8), Interrupts)?;
@@ -109,7 +111,7 @@ mod on_board {
         let capture = Capture::new(Row::One.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
-        let (flash, watchdog) = (RigFlash::slots(p.FLASH), IndependentDog::start(p.IWDG1));
+        let flash = RigFlash::slots(p.FLASH);
         Some(Peripherals {
             clock: MicrosecondClock,
             host,

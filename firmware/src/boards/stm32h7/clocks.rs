@@ -54,13 +54,18 @@ pub fn config() -> Config {
     config
 }
 
-/// Runs from the HSI, as after a reset: a bootloader may have left a clock that is too fast for the voltage that `init` chooses first.
+/// Runs from the HSI, with the PLLs off, as after a reset: a bootloader may have left a clock that is too fast for the voltage that `init`
+/// chooses first, and settings of a PLL that runs are not taken (RM0433, section 8.7.11).
 pub fn take_over() {
     use embassy_stm32::pac::RCC;
     RCC.cr().modify(|control| control.set_hsion(true));
     while !RCC.cr().read().hsirdy() {}
     RCC.cfgr().modify(|config| config.set_sw(Sysclk::HSI));
     while RCC.cfgr().read().sws() != Sysclk::HSI {}
+    for pll in 0..3 {
+        RCC.cr().modify(|control| control.set_pllon(pll, false));
+        while RCC.cr().read().pllrdy(pll) {}
+    }
 }
 
 /// Whose frames trim the HSI48.

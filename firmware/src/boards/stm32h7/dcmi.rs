@@ -116,7 +116,8 @@ impl CameraPins {
             Flex::new(clock),
         ];
         for (mut pin, function) in pins.into_iter().zip(functions) {
-            pin.set_as_af_unchecked(function, AfType::input(Pull::None));
+            // No sensor: no frame, no row, no pixel, instead of noise that keeps the interrupts busy.
+            pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
         Self { vsync: place }

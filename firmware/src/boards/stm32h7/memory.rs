@@ -11,15 +11,16 @@
 //! Armv7-M reference manual (DDI 0403E), B3.5 (memory protection unit); RM0433 and RM0399: memory map, RCC_AHB2ENR.
 
 use cortex_m::peripheral::{CPUID, MPU, SCB};
-use embassy_stm32::pac::RCC;
+use embassy_stm32::pac::{DBGMCU, RCC};
 
-/// Regions of the memory protection unit; the highest number counts where they overlap. Region 0 is the stack's guard
-/// (`firmware/src/arch`).
+/// Regions of the memory protection unit; the highest number counts where they overlap. The lowest are the stacks'
+/// (`firmware/src/arch`), and the others were cleared there.
 const RIG_REGION: u32 = 14;
 const RINGS_REGION: u32 = 15;
 
 /// To be called once, before anything else: takes over from a bootloader as well.
 pub fn prepare() {
+    read_axi_sram_one_at_a_time();
     unsafe extern "C" {
         static __vector_table: u32;
     }
@@ -32,12 +33,6 @@ pub fn prepare() {
         caches.0.disable_dcache(&mut caches.1); // a bootloader's; written back
         not_cached(RIG_REGION, super::rig::FIRST_ADDRESS, 2 * super::rig::SECTOR);
         not_cached(RINGS_REGION, 0x3000_0000, 512 * 1024);
-        // Other regions of a bootloader; Arduino's protects a part of the flash.
-        for region in 1..RIG_REGION {
-            let mpu = &*MPU::PTR;
-            mpu.rnr.write(region);
-            mpu.rasr.write(0);
-        }
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
         caches.0.enable_icache();
@@ -50,6 +45,18 @@ pub fn prepare() {
         enable.set_sram3en(true);
     });
     let _ = RCC.ahb2enr().read(); // the clock runs after a read (RM0433, section 8.5.10)
+}
+
+/// Revision Y and older may read wrong data from the AXI SRAM while two requests are open (ES0392, 2.2.9); ST's `SystemInit` does the same.
+fn read_axi_sram_one_at_a_time() {
+    /// Revisions from X on read right.
+    const X: u32 = 0x2000;
+    /// AXI_TARG7_FN_MOD, bit 0: READ_ISS_OVERRIDE.
+    const TARGET_7: *mut u32 = core::ptr::with_exposed_provenance_mut(0x5100_8108);
+    if u32::from(DBGMCU.idc().read().rev_id()) < X {
+        // SAFETY: a register that nothing else writes.
+        unsafe { TARGET_7.write_volatile(1) };
+    }
 }
 
 struct Caches(SCB, CPUID);

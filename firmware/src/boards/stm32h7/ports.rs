@@ -18,6 +18,7 @@ use crate::host_lines::{HostLine, HostLines, Line, Listener};
 use crate::ports::ByteSink;
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_stm32::Peri;
+use embassy_stm32::gpio::Pull;
 use embassy_stm32::interrupt::typelevel::Binding;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::interrupt;
@@ -175,5 +176,6 @@ impl ByteSink for AutopilotPort {
 fn settings(baud: u32) -> Config {
     let mut config = Config::default();
     config.baudrate = baud;
+    config.rx_pull = Pull::Up; // nobody there: silence, not noise
     config
 }

@@ -5,7 +5,7 @@
 
 use crate::ending;
 use crate::ports::Watchdog;
-use embassy_stm32::pac::RCC;
+use embassy_stm32::pac::{DBGMCU, RCC};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, peripherals};
 use linestereo_wire::{Reset, ResetCause};
@@ -38,7 +38,7 @@ pub fn cause() -> Option<Reset> {
     })
 }
 
-/// The independent watchdog. It has an oscillator of its own, and nothing but a reset stops it.
+/// The independent watchdog. It has an oscillator of its own, and nothing but a reset or a debugger stops it.
 #[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct IndependentDog(IndependentWatchdog<'static, peripherals::IWDG1>);
 
@@ -46,6 +46,7 @@ impl IndependentDog {
     /// Resets the chip when it is not fed for 5 s.
     #[must_use]
     pub fn start(peripheral: Peri<'static, peripherals::IWDG1>) -> Self {
+        DBGMCU.apb4fzr1().modify(|frozen| frozen.set_iwdg1(true)); // while a debugger has stopped the processor
         let mut dog = IndependentWatchdog::new(peripheral, WATCHDOG_US);
         dog.unleash();
         Self(dog)

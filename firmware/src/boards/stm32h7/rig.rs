@@ -3,16 +3,17 @@
 //! The program runs from bank 1, so that it goes on while a sector is erased (1 to 4 s) and only the command that asked for it waits.
 //!
 //! Power may fail while a word of 32 bytes is written. Such a word cannot be corrected, and reading it is a bus fault: it is read with bus
-//! faults ignored, and the flash's own flag says that it is of no use.
+//! faults ignored, and the flash's own flag says that it is of no use. Memory protection, which keeps the sectors out of the cache, stays on
+//! meanwhile: without HFNMIENA it would be off, and what is read would be what lay there before.
 //!
 //! # Source
 //! RM0433, sections 4.3 (sectors, words, reading while the other bank is written) and 4.7.5 (double errors: bus error and DBECCERR);
-//! Armv7-M reference manual, B1.4.3 (FAULTMASK) and B3.2.8 (CCR.BFHFNMIGN).
+//! Armv7-M reference manual, B1.4.3 (FAULTMASK), B3.2.8 (CCR.BFHFNMIGN), B3.2.15 (CFSR) and B3.5.5 (MPU_CTRL.HFNMIENA).
 
 use crate::rig_store::RigStore;
 use core::arch::asm;
 use core::fmt;
-use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::{MPU, SCB};
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::{Peri, pac, peripherals};
 use embedded_storage::nor_flash::{
@@ -91,6 +92,9 @@ fn clear_errors() {
         clear.set_clr_strberr(true);
         clear.set_clr_incerr(true);
         clear.set_clr_operr(true);
+        clear.set_clr_rdperr(true); // of protected areas, which the processor reads ahead into
+        clear.set_clr_rdserr(true);
+        clear.set_clr_crcrderr(true);
         clear.set_clr_sneccerr(true);
         clear.set_clr_dbeccerr(true);
     });
@@ -103,10 +107,15 @@ fn clear_errors() {
 unsafe fn copy_ignoring_faults(address: usize, bytes: &mut [u8]) {
     /// CCR: handlers of the highest priorities ignore bus faults of data.
     const BFHFNMIGN: u32 = 1 << 8;
-    // SAFETY: nothing else changes CCR while FAULTMASK holds all handlers back, as which this code counts meanwhile; both are as before
-    // afterwards. The source is memory, as the caller says.
+    /// MPU_CTRL: protection counts for these handlers too.
+    const HFNMIENA: u32 = 1 << 1;
+    /// CFSR: what bus faults leave; a bit that is written is cleared.
+    const BUS_FAULTS: u32 = 0xff00;
+    // SAFETY: nothing else changes CCR and MPU_CTRL while FAULTMASK holds all handlers back, as which this code counts meanwhile; all are as
+    // before afterwards. The source is memory, as the caller says.
     unsafe {
-        let scb = &*SCB::PTR;
+        let (scb, mpu) = (&*SCB::PTR, &*MPU::PTR);
+        mpu.ctrl.modify(|control| control | HFNMIENA);
         asm!("cpsid f", options(nostack, preserves_flags));
         scb.ccr.modify(|ccr| ccr | BFHFNMIGN);
         cortex_m::asm::dsb();
@@ -114,6 +123,10 @@ unsafe fn copy_ignoring_faults(address: usize, bytes: &mut [u8]) {
         core::ptr::with_exposed_provenance::<u8>(address).copy_to_nonoverlapping(bytes.as_mut_ptr(), bytes.len());
         cortex_m::asm::dsb();
         scb.ccr.modify(|ccr| ccr & !BFHFNMIGN);
+        scb.cfsr.write(BUS_FAULTS); // or the next fault would be taken for one at this address
         asm!("cpsie f", options(nostack, preserves_flags));
+        mpu.ctrl.modify(|control| control & !HFNMIENA);
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
     }
 }
