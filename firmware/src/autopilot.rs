@@ -6,13 +6,15 @@
 //! 0.6 KB; instructions in `docs/board-numbers.toml`.
 
 use crate::ports::ByteSink;
+use crate::vehicle::Vehicle;
 use core::convert::Infallible;
 use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles};
-use linestereo_wire::mavlink::{AutopilotParams, AutopilotStream};
+use linestereo_wire::mavlink::AutopilotStream;
 
 /// What is known of each direction, and who is told. Silent until there is a rig.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Autopilot {
+    vehicle: Vehicle,
     obstacles: Obstacles,
     view: Option<(ObstaclePlan, AutopilotStream)>,
 }
@@ -20,8 +22,8 @@ pub struct Autopilot {
 impl Autopilot {
     /// Nothing seen, no rig.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { obstacles: Obstacles::new(), view: None }
+    pub const fn new(vehicle: Vehicle) -> Self {
+        Self { vehicle, obstacles: Obstacles::new(), view: None }
     }
 
     /// Pairs are seen so from now on; if it is another view than before, nothing is known any more.
@@ -30,7 +32,8 @@ impl Autopilot {
             return;
         }
         self.obstacles = Obstacles::new();
-        self.view = plan.and_then(|plan| Some((plan, AutopilotStream::new(AutopilotParams::of(&plan), &plan).ok()?)));
+        self.view =
+            plan.and_then(|plan| Some((plan, AutopilotStream::new(self.vehicle.autopilot(&plan), &plan).ok()?)));
     }
 
     /// Is it known how pairs are seen?

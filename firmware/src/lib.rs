@@ -34,6 +34,7 @@ pub mod ports;
 pub mod programs;
 pub mod rig_store;
 pub mod session;
+pub mod vehicle;
 pub mod watch;
 
 #[cfg(target_os = "none")]

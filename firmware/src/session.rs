@@ -3,9 +3,10 @@
 use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
+use crate::vehicle::Vehicle;
 use crate::watch::Watch;
 use heapless::Vec;
-use linestereo::{Area, Counts, Dims, MIN_SIDE, ObjectDepth, ObstacleParams, ObstaclePlan, PairHealth, Params, Plan};
+use linestereo::{Area, Counts, Dims, MIN_SIDE, ObjectDepth, ObstaclePlan, PairHealth, Params, Plan};
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
     RigFault, RigImage, RigInUse, RigReport,
@@ -28,6 +29,8 @@ pub struct Session<'a> {
     pub watch: Watch,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
     rig: Option<[u8; RigImage::BYTES]>,
+    /// How the cameras sit on the vehicle, and what its autopilot wants.
+    pub vehicle: Vehicle,
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
     report: RigReport,
@@ -73,6 +76,7 @@ impl<'a> Session<'a> {
             regions: Regions { boxes: Vec::new(), only: false },
             watch: Watch::new(),
             rig: None,
+            vehicle: Vehicle::DEFAULT,
             reset: None,
             report: RigReport::NONE,
             keeper: None,
@@ -241,7 +245,7 @@ impl<'a> Session<'a> {
             return Some(plan);
         }
         let (focal_px, centre) = self.pinhole?;
-        let plan = ObstacleParams { centre, ..ObstacleParams::new(focal_px) }.plan(&self.params, dims).ok()?;
+        let plan = self.vehicle.directions(focal_px, centre).plan(&self.params, dims).ok()?;
         self.directions = Some((dims, plan));
         Some(plan)
     }

@@ -8,6 +8,7 @@ fn live() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::ports::{Peripherals, Watchdog as _};
     use linestereo_firmware::programs::live::{Live, Turn};
     use linestereo_firmware::session::Session;
+    use linestereo_firmware::vehicle::VEHICLE;
     use linestereo_firmware::{memory, startup::Exit};
 
     let Some(memory) = memory::take() else { return Exit::Usage };
@@ -17,7 +18,7 @@ fn live() -> linestereo_firmware::startup::Exit {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    session.reset = reset;
+    (session.reset, session.vehicle) = (reset, VEHICLE);
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
         let turn = live.turn(memory, &mut pairs);

@@ -3,6 +3,7 @@
 use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
 use crate::ports::{ByteSink, Clock, Results};
+use crate::vehicle::Vehicle;
 use crate::watch::Watch;
 use linestereo::{Area, HealthFlags, Observer, ObstaclePlan, PairHealth, Plan, Stage, Step};
 
@@ -42,7 +43,7 @@ impl<C: Clock> Observer for StageClock<'_, C> {
 
 /// What the obstacles of the last pair cost, as those of a good one, and telling an autopilot of them; and the bytes of the latter.
 pub fn measure_autopilot(memory: &impl Memory, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
-    let mut autopilot = Autopilot::new();
+    let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut count = Count(0);
     let start = clock.now();

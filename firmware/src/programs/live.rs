@@ -74,6 +74,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Says hello.
     pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
         let last = clock.now();
+        let autopilot = Autopilot::new(session.vehicle);
         let mut live = Self {
             session,
             clock,
@@ -81,7 +82,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             decoder: Decoder::new(),
             last,
             time_us: 0,
-            autopilot: Autopilot::new(),
+            autopilot,
             autopilot_port: None,
             lost: CaptureReport::default(),
             told_us: None,

@@ -7,6 +7,7 @@ use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
+use crate::vehicle::Vehicle;
 use crate::watch::Watch;
 use linestereo::{HealthFlags, Match, ObstacleParams, ObstaclePlan, Params, Rig, Stage, StageDigests};
 
@@ -69,7 +70,7 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
 
 /// Digest of what an autopilot is told: of the matches as those of a good pair, then of the pair as it is.
 fn autopilot(view: &ObstaclePlan, matches: &[Match], flags: HealthFlags) -> u32 {
-    let mut autopilot = Autopilot::new();
+    let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut digest = Fnv(0x811c_9dc5);
     for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {

@@ -1,0 +1,120 @@
+//! What differs from vehicle to vehicle. A robot starts without a host that could say it, so it is chosen before a build: change [`VEHICLE`],
+//! build, flash. `docs/autopilots.md` says what suits which autopilot.
+
+use linestereo::{ObstacleParams, ObstaclePlan};
+use linestereo_wire::mavlink::{AutopilotParams, Policy};
+
+/// What `live` takes.
+pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
+
+/// How the cameras sit on a vehicle, and how its autopilot wants to be told of obstacles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vehicle {
+    /// Where the cameras look, degrees clockwise from ahead, seen from above; -180 ..= 180.
+    pub yaw_deg: f64,
+    /// Obstacles at this distance or further do not matter, m; 0.1 ..= 600.
+    pub range_m: f64,
+    /// Lowest and highest height that matters, m above the camera; -1000 ..= 1000.
+    pub heights_m: [f64; 2],
+    /// System id of the autopilot.
+    pub system: u8,
+    /// Distances a second, at most one a pair; 10 ..= 20.
+    pub rate_hz: u8,
+    /// What is sent while the pair is not fit.
+    pub policy: Policy,
+    /// Where [`Policy::Block`] sees obstacles, cm; the near limit of the rig if `None`, and never nearer.
+    pub block_cm: Option<u16>,
+    /// Send DISTANCE_SENSOR as well.
+    pub distance_sensor: bool,
+}
+
+impl Vehicle {
+    /// Cameras that look ahead, obstacles to 10 m at all heights; system 1, 15 distances a second, `block` at the near limit.
+    pub const DEFAULT: Self = Self {
+        yaw_deg: 0.0,
+        range_m: 10.0,
+        heights_m: [-1000.0, 1000.0],
+        system: AutopilotParams::DEFAULT.system,
+        rate_hz: AutopilotParams::DEFAULT.rate_hz,
+        policy: AutopilotParams::DEFAULT.policy,
+        block_cm: None,
+        distance_sensor: AutopilotParams::DEFAULT.distance_sensor,
+    };
+
+    /// Directions of a rig whose rectified images have this focal length and principal point, px.
+    #[must_use]
+    pub fn directions(&self, focal_px: f64, centre: Option<[f64; 2]>) -> ObstacleParams {
+        let Self { yaw_deg, range_m, heights_m, .. } = *self;
+        ObstacleParams { centre, yaw_deg, range_m, heights_m, ..ObstacleParams::new(focal_px) }
+    }
+
+    /// What its autopilot is told of these directions.
+    #[must_use]
+    pub fn autopilot(&self, plan: &ObstaclePlan) -> AutopilotParams {
+        let Self { system, rate_hz, policy, block_cm, distance_sensor, .. } = *self;
+        let near = AutopilotParams::of(plan);
+        let block_cm = block_cm.map_or(near.block_cm, |block_cm| block_cm.max(near.min_distance_cm));
+        AutopilotParams { system, rate_hz, policy, block_cm, distance_sensor, ..near }
+    }
+
+    /// Are all numbers in their ranges?
+    const fn is_valid(&self) -> bool {
+        let Self { yaw_deg, range_m, heights_m: [low, high], rate_hz, .. } = *self;
+        let block_cm = match self.block_cm {
+            Some(block_cm) => block_cm as f64,
+            None => 0.0,
+        };
+        -180.0 <= yaw_deg
+            && yaw_deg <= 180.0
+            && 0.1 <= range_m
+            && range_m <= 600.0
+            && -1000.0 <= low
+            && low < high
+            && high <= 1000.0
+            && 10 <= rate_hz
+            && rate_hz <= 20
+            && block_cm < 100.0 * range_m
+    }
+}
+
+const _: () = assert!(VEHICLE.is_valid(), "a number of VEHICLE is outside of its range");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::{Dims, Params, Rig};
+
+    /// A rig that sees from 0.39 m on.
+    fn plan(vehicle: &Vehicle) -> ObstaclePlan {
+        let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
+        vehicle.directions(250.0, None).plan(&params, Dims { width: 320, height: 240 }).unwrap()
+    }
+
+    #[test]
+    fn the_default_is_the_default_of_both_it_is_made_of() {
+        let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
+        let expected = ObstacleParams::new(250.0).plan(&params, Dims { width: 320, height: 240 }).unwrap();
+        assert_eq!(plan(&Vehicle::DEFAULT), expected);
+        assert_eq!(Vehicle::DEFAULT.autopilot(&expected), AutopilotParams::of(&expected));
+    }
+
+    #[test]
+    fn a_block_is_never_nearer_than_what_can_be_seen() {
+        for (asked, given) in [(None, 39), (Some(5), 39), (Some(250), 250)] {
+            let vehicle = Vehicle { block_cm: asked, policy: Policy::Block, ..Vehicle::DEFAULT };
+            let plan = plan(&vehicle);
+            let params = vehicle.autopilot(&plan);
+            assert_eq!((params.min_distance_cm, params.block_cm), (plan.near_cm(), given.max(plan.near_cm())));
+        }
+        assert!(!Vehicle { block_cm: Some(1000), ..Vehicle::DEFAULT }.is_valid());
+        assert!(!Vehicle { yaw_deg: 181.0, ..Vehicle::DEFAULT }.is_valid());
+        assert!(Vehicle { yaw_deg: -90.0, range_m: 4.0, rate_hz: 20, ..Vehicle::DEFAULT }.is_valid());
+    }
+
+    #[test]
+    fn the_camera_may_look_to_the_side() {
+        let ahead = plan(&Vehicle::DEFAULT);
+        let aside = plan(&Vehicle { yaw_deg: 90.0, ..Vehicle::DEFAULT });
+        assert_ne!(ahead, aside);
+    }
+}
