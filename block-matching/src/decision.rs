@@ -81,24 +81,48 @@ fn refined(costs: &[Group], d: usize, cost: u16) -> i16 {
     ((d as i32 * 256 + fraction + 15) >> 4) as i16
 }
 
-/// The disparities that meet the pixels of a right row, each with the lowest cost.
+/// Memory for what is decided of a row.
 #[derive(Debug)]
-pub(super) struct RightRow<'a> {
-    pub(super) costs: &'a mut [u16],
-    pub(super) sixteenths: &'a mut [i16],
+pub(super) struct DecidedMemory<const ROW: usize> {
+    disparities: [i16; ROW],
+    right_costs: [u16; ROW],
+    right_disparities: [i16; ROW],
 }
 
-impl RightRow<'_> {
+impl<const ROW: usize> DecidedMemory<ROW> {
+    pub(super) const CLEARED: Self = Self { disparities: [0; ROW], right_costs: [0; ROW], right_disparities: [0; ROW] };
+
+    /// As far as rows of this width need it.
+    pub(super) fn row(&mut self, width: usize) -> DecidedRow<'_> {
+        DecidedRow {
+            left: &mut self.disparities[..width],
+            right_costs: &mut self.right_costs[..width],
+            right: &mut self.right_disparities[..width],
+        }
+    }
+}
+
+/// The disparities of a left row, and those that meet the pixels of the right one, each with the lowest cost.
+#[derive(Debug)]
+pub(super) struct DecidedRow<'a> {
+    left: &'a mut [i16],
+    right_costs: &'a mut [u16],
+    right: &'a mut [i16],
+}
+
+impl DecidedRow<'_> {
     pub(super) fn clear(&mut self) {
-        self.costs.fill(u16::MAX);
-        self.sixteenths.fill(NO_DISPARITY);
+        self.left.fill(NO_DISPARITY);
+        self.right_costs.fill(u16::MAX);
+        self.right.fill(NO_DISPARITY);
     }
 
-    /// Tells of a left pixel.
+    /// Notes the disparity of a left pixel.
     #[inline]
-    pub(super) fn claim(&mut self, x: usize, found: Found) {
+    pub(super) fn note(&mut self, x: usize, found: Found) {
+        self.left[x] = found.sixteenths;
         let met = x.wrapping_sub(((found.sixteenths + 8) >> 4) as usize);
-        if let (Some(cost), Some(sixteenths)) = (self.costs.get_mut(met), self.sixteenths.get_mut(met))
+        if let (Some(cost), Some(sixteenths)) = (self.right_costs.get_mut(met), self.right.get_mut(met))
             && *cost > found.cost
         {
             *cost = found.cost;
@@ -106,16 +130,23 @@ impl RightRow<'_> {
         }
     }
 
-    /// Drops the disparities of a left row that meet two right pixels that belong to others.
-    pub(super) fn check(&self, row: &mut [i16], most_px: u16) {
+    /// The disparities, without those that meet two right pixels which belong to others, if that is asked for.
+    pub(super) fn checked(&mut self, most_px: Option<u16>) -> &[i16] {
+        if let Some(most_px) = most_px {
+            self.check(most_px);
+        }
+        self.left
+    }
+
+    fn check(&mut self, most_px: u16) {
         let most = 16 * most_px;
-        for (x, disparity) in row.iter_mut().enumerate() {
+        for (x, disparity) in self.left.iter_mut().enumerate() {
             let d = *disparity;
             if d == NO_DISPARITY {
                 continue;
             }
             let differs = |px: i16| {
-                let other = self.sixteenths.get(x.wrapping_sub(px as usize));
+                let other = self.right.get(x.wrapping_sub(px as usize));
                 other.is_some_and(|&other| other != NO_DISPARITY && other.abs_diff(d) > most)
             };
             if differs(d >> 4) && differs((d + 15) >> 4) {

@@ -21,7 +21,7 @@
 //! # Source
 //! See the crate.
 
-use crate::decision::{NO_DISPARITY, RightRow, decide};
+use crate::decision::{DecidedMemory, DecidedRow, decide};
 use crate::kernel::{CAP, Column, Group, Windows, add_column, slide_windows};
 use crate::{MOST_GROUPS, Misfit, Settings, values};
 use linestereo::kernel::reverse_row;
@@ -52,9 +52,7 @@ pub struct DenseMemory<const ROW: usize, const COSTS: usize> {
     texture: [u16; ROW],
     asked: [bool; ROW],
     lowest: [Group; ROW],
-    disparities: [i16; ROW],
-    right_costs: [u16; ROW],
-    right_disparities: [i16; ROW],
+    decided: DecidedMemory<ROW>,
 }
 
 impl<const ROW: usize, const COSTS: usize> DenseMemory<ROW, COSTS> {
@@ -74,13 +72,11 @@ impl<const ROW: usize, const COSTS: usize> DenseMemory<ROW, COSTS> {
             texture: [0; ROW],
             asked: [false; ROW],
             lowest: [Group([0; 4]); ROW],
-            disparities: [0; ROW],
-            right_costs: [0; ROW],
-            right_disparities: [0; ROW],
+            decided: DecidedMemory::CLEARED,
         }
     }
 
-    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`].
+    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY).
     pub fn run(
         &mut self,
         settings: &Settings,
@@ -112,8 +108,7 @@ impl<const ROW: usize, const COSTS: usize> DenseMemory<ROW, COSTS> {
             texture: &mut self.texture[..width],
             asked: &mut self.asked[..windows],
             lowest: &mut self.lowest[..windows],
-            disparities: &mut self.disparities[..width],
-            met: RightRow { costs: &mut self.right_costs[..width], sixteenths: &mut self.right_disparities[..width] },
+            decided: self.decided.row(width),
         }
         .run([left, right], row);
         Ok(())
@@ -140,8 +135,7 @@ struct State<'a> {
     texture: &'a mut [u16],
     asked: &'a mut [bool],
     lowest: &'a mut [Group],
-    disparities: &'a mut [i16],
-    met: RightRow<'a>,
+    decided: DecidedRow<'a>,
 }
 
 impl State<'_> {
@@ -156,14 +150,10 @@ impl State<'_> {
             values(left, y, left_values);
             values(right, y, right_values);
             reverse_row(right_values);
-            self.met.clear();
-            self.disparities.fill(NO_DISPARITY);
+            self.decided.clear();
             self.slide(y);
             if let Some(middle) = (y + 1).checked_sub(SIDE).map(|top| top + HALF) {
-                if let Some(most) = self.settings.left_right {
-                    self.met.check(self.disparities, most);
-                }
-                row(middle, self.disparities);
+                row(middle, self.decided.checked(self.settings.left_right));
             }
         }
     }
@@ -195,8 +185,7 @@ impl State<'_> {
         let all = self.costs.chunks_exact(self.groups).zip(&*self.lowest).zip(&*self.asked).zip(first + HALF..);
         for (((costs, lowest), asked), x) in all {
             if *asked && let Some(found) = decide(costs, *lowest, self.settings.uniqueness_ratio) {
-                self.disparities[x] = found.sixteenths;
-                self.met.claim(x, found);
+                self.decided.note(x, found);
             }
         }
     }

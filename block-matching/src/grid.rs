@@ -20,7 +20,7 @@
 //! # Source
 //! See the crate.
 
-use crate::decision::{NO_DISPARITY, RightRow, decide};
+use crate::decision::{DecidedMemory, DecidedRow, decide};
 use crate::kernel::{Blocks, CAP, Group, add_block, block_costs, columns_of_four};
 use crate::{MOST_GROUPS, Misfit, Settings, values};
 use linestereo::{Dims, Gray};
@@ -52,9 +52,7 @@ pub struct GridMemory<const ROW: usize, const COSTS: usize> {
     right: [u32; ROW],
     /// Of the blocks of the last four rows.
     texture: [[u16; ROW]; BLOCKS],
-    disparities: [i16; ROW],
-    right_costs: [u16; ROW],
-    right_disparities: [i16; ROW],
+    decided: DecidedMemory<ROW>,
 }
 
 impl<const ROW: usize, const COSTS: usize> GridMemory<ROW, COSTS> {
@@ -73,13 +71,11 @@ impl<const ROW: usize, const COSTS: usize> GridMemory<ROW, COSTS> {
             left: [0; ROW],
             right: [0; ROW],
             texture: [[0; ROW]; BLOCKS],
-            disparities: [0; ROW],
-            right_costs: [0; ROW],
-            right_disparities: [0; ROW],
+            decided: DecidedMemory::CLEARED,
         }
     }
 
-    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`]; between
+    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY); between
     /// columns that are multiples of four there is none.
     pub fn run(
         &mut self,
@@ -109,8 +105,7 @@ impl<const ROW: usize, const COSTS: usize> GridMemory<ROW, COSTS> {
             left: &mut self.left[..width],
             right: &mut self.right[..width],
             texture: self.texture.each_mut().map(|row| &mut row[..width]),
-            disparities: &mut self.disparities[..width],
-            met: RightRow { costs: &mut self.right_costs[..width], sixteenths: &mut self.right_disparities[..width] },
+            decided: self.decided.row(width),
         }
         .run([left, right], row);
         Ok(())
@@ -136,8 +131,7 @@ struct State<'a> {
     left: &'a mut [u32],
     right: &'a mut [u32],
     texture: [&'a mut [u16]; BLOCKS],
-    disparities: &'a mut [i16],
-    met: RightRow<'a>,
+    decided: DecidedRow<'a>,
 }
 
 impl State<'_> {
@@ -151,14 +145,10 @@ impl State<'_> {
                 }
                 columns_of_four(self.values.each_ref().map(|row| &**row), columns);
             }
-            self.met.clear();
-            self.disparities.fill(NO_DISPARITY);
+            self.decided.clear();
             self.slide(r);
             if r + 1 >= BLOCKS {
-                if let Some(most) = self.settings.left_right {
-                    self.met.check(self.disparities, most);
-                }
-                row(BLOCK * (r - 1), self.disparities);
+                row(BLOCK * (r - 1), self.decided.checked(self.settings.left_right));
             }
         }
     }
@@ -196,8 +186,7 @@ impl State<'_> {
                 && u32::from(texture) >= threshold
                 && let Some(found) = decide(costs, lowest, self.settings.uniqueness_ratio)
             {
-                self.disparities[x - BLOCK] = found.sixteenths;
-                self.met.claim(x - BLOCK, found);
+                self.decided.note(x - BLOCK, found);
             }
         }
     }

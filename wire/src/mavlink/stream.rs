@@ -3,7 +3,7 @@
 //! # What autopilots make of "no data"
 //! | policy | sent while the pair is unfit | PX4 | ArduPilot |
 //! |---|---|---|---|
-//! | `Silent` | no distances | stops after 0.5 s, holds its position after 5 s | free after 0.5 to 1.75 s |
+//! | `Silent` | no distances | stops after 0.5 s, holds its position after 5 s | free after 1 to 1.75 s |
 //! | `Block` | the blocking distance in every sector in view | stops at once, on the spot | stops at once; backs away from what is nearer than its margin |
 //! | `Unknown` | obstacles seen before, while they are kept; nothing else | stops after 0.5 s, never holds | free as soon as nothing is kept |
 //!
