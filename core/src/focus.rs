@@ -13,10 +13,10 @@
 //! # Source
 //! The chapter's first idea: other perception rules out the pixels whose depth nobody needs.
 
+use crate::area::Area;
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
 use crate::matching::band::Reached;
-use crate::objects::Area;
 use crate::objects::witness::{OBJECT_REACH, may_speak};
 use crate::params::Params;
 use heapless::Vec;

@@ -54,6 +54,7 @@
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may fail"))]
 
+mod area;
 mod claims;
 mod confidence;
 mod focus;
@@ -75,6 +76,7 @@ mod rig;
 mod sort;
 mod units;
 
+pub use area::Area;
 pub use claims::Views;
 pub use confidence::{FITTED, Model, Models, NODES};
 pub use focus::Focus;
@@ -84,7 +86,7 @@ pub use lines::Segment;
 pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
-pub use objects::{Area, LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
+pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params};

@@ -3,7 +3,7 @@
 //! The processor's part, which finds out what it was, is in [`arch`](crate::arch).
 
 use crate::ending::{end, report, report_number};
-use crate::startup::Exit;
+use crate::exit::Exit;
 use core::panic::PanicInfo;
 
 /// The end after an instruction or an address that the processor refused: what is known of it, and its registers by name.

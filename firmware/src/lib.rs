@@ -5,6 +5,7 @@
 //! programs/       selftest, kernels, bench, blocks, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! session         what a host asked for so far
 //! autopilot       obstacles as MAVLink, on a port of their own
+//! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
@@ -13,6 +14,7 @@
 //! boards/         one file per board: name, capacities, what its peripherals are
 //! rig_store       the rig in two slots of a flash
 //! memory          frames, rectifiers, scratch memory and output, in one static
+//! exit            how programs end, as numbers
 //! startup, ending, fault, fence, stack, semihosting    only on a board: with arch and boards the only unsafe code
 //! arch/           what differs between families of processors
 //! ```
@@ -26,6 +28,7 @@ pub mod boards;
 pub mod camera;
 pub mod capture;
 pub mod cases;
+pub mod exit;
 pub mod host_lines;
 pub mod log;
 pub mod memory;

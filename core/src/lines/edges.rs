@@ -9,9 +9,9 @@
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
 use super::{Chain, LineParams, Room};
+use crate::area::Area;
 use crate::image::{Gray, Span};
 use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
-use crate::objects::Area;
 use crate::units::quotient;
 
 /// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.

@@ -24,8 +24,8 @@
 mod edges;
 mod fit;
 
+use crate::area::Area;
 use crate::image::{Gray, MAX_HEIGHT, MAX_WIDTH};
-use crate::objects::Area;
 use crate::result::Point;
 use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;

@@ -9,10 +9,10 @@
 //! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
 
 use super::codes::{census, gradients};
+use crate::area::Area;
 use crate::image::{Dims, Gray, Span};
 use crate::kernel::{FLAT, STRIP, Strip, census_code, reverse_row};
 use crate::lines::Segment;
-use crate::objects::Area;
 use crate::units::quotient;
 
 /// Rows held, every second one of the image: those of the tallest segment (33) that starts as high as the current one, and the reach of

@@ -8,7 +8,8 @@
 //! # Cost
 //! A box needs no words. A mask: the words of its rows, and its runs twice.
 
-use super::region::{Area, Region, Run, Shape};
+use super::region::{Region, Run, Shape};
+use crate::area::Area;
 
 /// The pixels of one region.
 pub(crate) struct Cover<'a> {

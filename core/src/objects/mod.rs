@@ -36,7 +36,7 @@ use crate::units::{Confidence, Depth, Disparity, quotient};
 use core::fmt;
 use cover::Cover;
 use heapless::vec::VecView;
-pub use region::{Area, Region, RegionError, Run, Shape};
+pub use region::{Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
 use surface::Surface;
 
@@ -222,6 +222,7 @@ impl ObjectDepth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::area::Area;
     use crate::confidence::FITTED;
     use crate::image::Span;
     use crate::lines::Segment;

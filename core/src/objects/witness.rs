@@ -16,7 +16,7 @@
 //! Some 20 instructions a candidate, 200 for each within [`OBJECT_REACH`].
 
 use super::cover::Cover;
-use super::region::Area;
+use crate::area::Area;
 use crate::confidence::Models;
 use crate::image::Dims;
 use crate::lines::Segment;

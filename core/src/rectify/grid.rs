@@ -4,7 +4,6 @@
 //! Method and bounds: [`mesh`](super::mesh).
 
 use super::calibration::Eye;
-use super::mesh::MeshError;
 use super::nodes::{
     COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, nodes_along,
 };
@@ -45,12 +44,13 @@ impl Grid {
         Self { dims: NOTHING, raw: NOTHING, columns, cell: 0, piece: 0, band_rows, is_inner: false, error_q16 }
     };
 
+    /// `None` when no rectified pixel has a source.
     pub(super) fn build<'a>(
         rectification: &Rectification,
         eye: Eye,
         nodes: &mut [Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
-    ) -> Result<Self, MeshError> {
+    ) -> Option<Self> {
         let mut grid = Self::placed(rectification, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
         if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() && grid.dims.width <= MAX_WIDTH / 2 {
@@ -59,8 +59,8 @@ impl Grid {
         }
         grid.choose_pieces(nodes, cubic);
         grid.centre_pieces(nodes);
-        grid.plan_rows(rectification, eye, nodes, rows)?;
-        Ok(grid)
+        grid.plan_rows(rectification, eye, nodes, rows);
+        (grid.band_rows > 0).then_some(grid)
     }
 
     /// Nodes at a distance.
@@ -180,7 +180,7 @@ impl Grid {
         eye: Eye,
         nodes: &[Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
-    ) -> Result<(), MeshError> {
+    ) {
         let (mut last, mut is_inner) = (0, true);
         for ((row_span, row_last), y) in rows.zip(0..) {
             let span = self.longest_run(rectification, eye, nodes, y);
@@ -200,7 +200,6 @@ impl Grid {
             }
         }
         self.is_inner = is_inner;
-        if self.band_rows == 0 { Err(MeshError::NothingSeen) } else { Ok(()) }
     }
 
     /// The largest run of pixels of row `y` that have a source.

@@ -130,7 +130,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
             return Err(MeshError::Rows { needed, given });
         }
         let rows = self.spans.iter_mut().zip(&mut self.last).take(needed);
-        self.grid = Grid::build(rectification, eye, &mut self.nodes, rows)?;
+        self.grid = Grid::build(rectification, eye, &mut self.nodes, rows).ok_or(MeshError::NothingSeen)?;
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use crate::arch::guard;
 use crate::ending::{end, report, report_number};
-use crate::startup::Exit;
+use crate::exit::Exit;
 use crate::{fault, stack};
 use core::ptr;
 use cortex_m::peripheral::SCB;

@@ -3,8 +3,8 @@
 mod faults;
 pub(crate) mod protection;
 
+use crate::exit::Exit;
 use crate::stack;
-use crate::startup::Exit;
 use core::arch::asm;
 
 /// Goes to `enter` with the program, on the program's stack (PSP). Handlers keep theirs (MSP).

@@ -6,8 +6,8 @@ use riscv_rt as _;
 mod faults;
 pub(crate) mod protection;
 
+use crate::exit::Exit;
 use crate::stack;
-use crate::startup::Exit;
 use core::arch::asm;
 
 /// Goes to `enter` with the program, on the program's stack. Handlers begin at the end of theirs: see [`faults`].
