@@ -41,7 +41,8 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use linestereo::Eye;
 
 bind_interrupts!(struct Interrupts {
-    PIO0_IRQ_0 => InterruptHandler<PIO0>; // asked for, never enabled
+    // `Pio::new` asks for it and enables it; it never comes, because nothing is a source of it (INTE of IRQ 0 stays 0).
+    PIO0_IRQ_0 => InterruptHandler<PIO0>;
 });
 
 /// A camera's pins, in the order of [`Wire`].
@@ -121,9 +122,9 @@ impl Channel {
         let (rows, addresses) = (DMA.ch(self.number), DMA.ch(self.number + 1));
         let running = 1 << self.number;
         PIO0.ctrl().modify(|w| w.set_sm_enable(w.sm_enable() & !running));
-        // RP2350-E5: neither may start again.
-        rows.al1_ctrl().write_value(0);
-        addresses.al1_ctrl().write_value(0);
+        // RP2350-E5: neither may start again, and neither may start another one: 0 would chain both to the left camera's channel 0.
+        rows.al1_ctrl().write_value(disabled(self.number).0);
+        addresses.al1_ctrl().write_value(disabled(self.number + 1).0);
         DMA.chan_abort().write(|w| w.set_chan_abort(0b11 << self.number));
         while DMA.chan_abort().read().chan_abort() & 0b11 << self.number != 0 {}
 
@@ -203,6 +204,13 @@ impl Channel {
             self.restart(place);
         }
     }
+}
+
+/// Control of a channel that does nothing, and starts nothing when it is aborted: it chains to itself.
+fn disabled(channel: usize) -> CtrlTrig {
+    let mut control = CtrlTrig::default();
+    control.set_chain_to(channel as u8);
+    control
 }
 
 fn serve() {

@@ -2,6 +2,8 @@
 
 use crate::ports::ByteSink;
 use core::fmt;
+use embassy_rp::interrupt;
+use embassy_rp::interrupt::{InterruptExt as _, Priority};
 use embassy_rp::peripherals::{PIN_0, UART0};
 use embassy_rp::uart::{BufferedInterruptHandler, BufferedUartTx, Config};
 use embassy_rp::{Peri, bind_interrupts};
@@ -27,6 +29,7 @@ impl Autopilot {
     /// 57600 baud, 8 bits, no parity, on GP0. At most one.
     pub fn start(uart: Peri<'static, UART0>, pin: Peri<'static, PIN_0>) -> Self {
         static BUFFER: StaticCell<[u8; WAITING]> = StaticCell::new();
+        interrupt::UART0_IRQ.set_priority(Priority::P3); // below the cameras
         let mut config = Config::default();
         config.baudrate = 57_600;
         Self(BufferedUartTx::new(uart, Interrupts, pin, BUFFER.init_with(|| [0; WAITING]), config))

@@ -54,7 +54,7 @@ pub fn reset_cause() -> Reset {
     let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());
     let is_ours = WATCHDOG.scratch0().read() == OURS;
     WATCHDOG.scratch0().write_value(0);
-    // The watchdog's own reason is cleared by every other reset but those of the processor alone.
+    // The watchdog's own reason is cleared by every other reset, on the RP2350 by SYSRESETREQ as well: what ends with that leaves a note.
     words.unwrap_or(Reset::of(if reason.timer() && is_ours {
         ResetCause::Watchdog
     } else if reason.timer() || reason.force() {
