@@ -22,7 +22,9 @@ mod wired {
     use super::BOARD;
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
-    use crate::boards::rp235x::{Autopilot, FrameWatchdog, KeptRig, Micros, Pause, keeper, reset_cause, start_host};
+    use crate::boards::rp235x::{
+        Autopilot, FrameWatchdog, KeptRig, Micros, Pause, i2c, keeper, reset_cause, start_host,
+    };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
         Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
@@ -33,7 +35,6 @@ mod wired {
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
-    use embassy_rp::i2c::{self, I2c};
     use linestereo::Dims;
 
     /// Bytes of the board's flash.
@@ -70,6 +71,7 @@ mod wired {
     -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, KeptRig<FLASH>, FrameWatchdog>> {
         let board = embassy_rp::init(embassy_rp::config::Config::default()); // 150 MHz
         let reset = reset_cause();
+        let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
 
         let mclk = Gpout::new(board.PIN_21);
@@ -100,11 +102,8 @@ mod wired {
         ];
         let rings = block.start([left, right]);
 
-        let mut config = i2c::Config::default();
-        config.frequency = 400_000;
-        (config.sda_pullup, config.scl_pullup) = (false, false); // to 2.8 V, outside
-        let left = I2c::new_blocking(board.I2C0, board.PIN_17, board.PIN_16, config);
-        let right = I2c::new_blocking(board.I2C1, board.PIN_19, board.PIN_18, config);
+        let left = i2c::bus(board.I2C0, (board.PIN_17, board.PIN_16));
+        let right = i2c::bus(board.I2C1, (board.PIN_19, board.PIN_18));
         let chips = (
             Chip::<Hm01b0Nibbles, _, _>::new(left, Hm01b0Nibbles::ADDRESS, NoReset),
             Chip::<Hm01b0Nibbles, _, _>::new(right, Hm01b0Nibbles::ADDRESS, NoReset),
@@ -119,7 +118,7 @@ mod wired {
             autopilot: Autopilot::start(board.UART0, board.PIN_0),
             pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
             flash: keeper(board.FLASH),
-            watchdog: FrameWatchdog::start(board.WATCHDOG),
+            watchdog,
             rest: cortex_m::asm::wfe,
             reset: Some(reset),
         })

@@ -3,12 +3,15 @@
 //! ```text
 //! program   what a PIO block does with a camera's wires
 //! rows      what the DMA has written -> numbers of rows, and signals
+//! bus       I2C whose transactions end, and a bus that is cleared
 //! cameras   registers and interrupts of both                                    only on a board, as what follows
+//! i2c       registers and pins of `bus`
 //! clock     microseconds, and pauses        ending    why the last run ended; watchdog
 //! keeper    the rig in the last two sectors of the flash
 //! uart      the autopilot's port            (the host's is `boards::usb_port`)
 //! ```
 
+pub mod bus;
 pub mod program;
 pub mod rows;
 
@@ -18,6 +21,8 @@ pub mod cameras;
 mod clock;
 #[cfg(target_os = "none")]
 mod host;
+#[cfg(target_os = "none")]
+pub mod i2c;
 #[cfg(target_os = "none")]
 mod keeper;
 #[cfg(target_os = "none")]
