@@ -12,7 +12,7 @@
 //! # Source
 //! onsemi MT9V034/D and MT9V024/D, which has the same interface (addresses, serial interface, least row and blanking); Linux
 //! `drivers/media/i2c/mt9v032.c` (names, addresses, chip version 0x1324, ranges, CHIP_CONTROL to start and stop); OpenMV `mt9v0xx.c`
-//! (snapshot mode, linear companding, row noise correction off for the test pattern, outputs of AEC and AGC).
+//! (snapshot mode, linear companding, row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted without binning).
 
 use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
 
@@ -44,6 +44,7 @@ const SENSOR_TYPE_HDR: u16 = 0x0f;
 const ADC_COMPANDING: u16 = 0x1c;
 const ANALOG_GAIN: u16 = 0x35;
 const ROW_NOISE_CORRECTION: u16 = 0x70;
+const PIXEL_CLOCK: u16 = 0x72;
 const TEST_PATTERN: u16 = 0x7f;
 const AEC_AGC_ENABLE: u16 = 0xaf;
 const AGC_AEC_PIXEL_COUNT: u16 = 0xb0;
@@ -56,6 +57,8 @@ const MASTER: u16 = 1 << 8 | 1 << 7 | 1 << 3;
 const SNAPSHOT: u16 = 1 << 8 | 1 << 7 | 3 << 3;
 /// READ_MODE after a reset: reserved bits that stay.
 const READ_MODE_RESERVED: u16 = 0x0300;
+/// PIXEL_CLOCK: PIXCLK is inverted (4).
+const INVERTED: u16 = 1 << 4;
 /// TEST_PATTERN: on (13), grey levels that change from column to column (12:11).
 const VERTICAL_SHADES: u16 = 1 << 13 | 1 << 11;
 /// The gain's bits of ANALOG_GAIN and AGC_GAIN_OUTPUT: 16 is 1, 64 is 4.
@@ -86,10 +89,11 @@ impl Model for Mt9v034 {
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
         let (width, height) = window(config);
         let (columns, rows) = Self::ARRAY;
-        let bits = match config.binning {
-            Binning::One => 0,
-            Binning::Two => 0b0101,
-            Binning::Four => 0b1010,
+        // At the full rate pixels are valid around the rising edge of PIXCLK only; inverted it is the falling one, as it is with binning.
+        let (bits, pixel_clock) = match config.binning {
+            Binning::One => (0, INVERTED),
+            Binning::Two => (0b0101, 0),
+            Binning::Four => (0b1010, 0),
         };
         let pixels = u32::from(config.dims.width) * u32::from(config.dims.height);
         // Noise is corrected by the mean of a row's dark pixels, which a pattern does not have.
@@ -108,6 +112,7 @@ impl Model for Mt9v034 {
             Step::set(ADC_COMPANDING, 0x0202),
             Step::set(AGC_AEC_PIXEL_COUNT, u16::try_from(pixels / 8).unwrap_or(u16::MAX)),
             Step::set(ROW_NOISE_CORRECTION, correction),
+            Step::set(PIXEL_CLOCK, pixel_clock),
             Step::set(TEST_PATTERN, pattern),
         ]
         .into_iter()
