@@ -5,13 +5,15 @@
 
 mod support;
 
+use core::cell::Cell;
 use core::fmt::Write as _;
-use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource};
+use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource, Operation};
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::{Dims, Eye};
 use linestereo_firmware::camera::*;
+use std::rc::Rc;
 use support::sensor::Fake;
 
 /// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
@@ -584,6 +586,93 @@ fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
     assert!(trigger.fire(&mut NoopDelay).is_err());
     trigger.fire(&mut NoopDelay).unwrap();
     trigger.release().done();
+}
+
+#[test]
+fn two_hm01b0_start_although_a_reset_leaves_them_more_rows_than_a_frame_has() {
+    const INTEGRATION: [u16; 2] = [0x0202, 0x0203];
+    const AE_CTRL: u16 = 0x2100;
+    for (config, rows) in [(hm01b0().config, 258), (config(162, 122, Binning::Two), 130)] {
+        let (mut pair, [left, right]) = both::<Hm01b0>(0x24);
+        assert_eq!(INTEGRATION.map(|register| left.get(register)), [0x01, 0x08]);
+        pair.start(&config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+        let [high, low] = u16::to_be_bytes(rows).map(u16::from);
+        for camera in [&left, &right] {
+            assert_eq!(INTEGRATION.map(|register| camera.get(register)), [high, low]);
+        }
+        assert_eq!([left.get(AE_CTRL), right.get(AE_CTRL)], [1, 0]);
+        let both_have = Exposure { rows, gain_code: 0x100 };
+        assert_eq!(pair.follow(&mut NoopDelay), Ok(Some(both_have)));
+    }
+}
+
+/// A sensor that says that it runs until the end of the frame in which it was stopped, and the clock of this.
+#[derive(Clone)]
+struct InFrame(Fake, Rc<Cell<u32>>);
+
+impl embedded_hal::i2c::ErrorType for InFrame {
+    type Error = ErrorKind;
+}
+
+impl I2c for InFrame {
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+        self.0.transaction(address, operations)?;
+        if let [Operation::Write([0x01, 0x00]), Operation::Read([mode])] = operations
+            && self.1.get() > 0
+        {
+            *mode = 1;
+        }
+        Ok(())
+    }
+}
+
+impl embedded_hal::delay::DelayNs for InFrame {
+    fn delay_ns(&mut self, ns: u32) {
+        self.1.set(self.1.get().saturating_sub(ns.div_ceil(1000)));
+    }
+}
+
+#[test]
+fn an_hm01b0_in_the_middle_of_a_frame_is_started_again() {
+    let fake = Fake::of::<Hm01b0>();
+    let mut sensor = InFrame(fake.clone(), Rc::new(Cell::new(0)));
+    let mut chip = Chip::<Hm01b0, _, _>::new(sensor.clone(), Hm01b0::ADDRESS, NoReset);
+    chip.start(&hm01b0().config, &mut sensor).unwrap();
+    fake.said();
+    sensor.1.set(260 * 125 + 83); // a frame of 6 MHz, and some
+    chip.start(&hm01b0().config, &mut sensor).unwrap();
+    let said = text(&fake.said());
+    let writes = said.lines().filter(|line| line.starts_with('w')).collect::<Vec<_>>();
+    assert_eq!(writes[..2], ["w 01 00 00", "w 01 03 01"], "stopped, then reset");
+}
+
+#[test]
+fn nothing_that_a_sensor_sees_is_in_its_test_pattern() {
+    // After whatever else is written: automatic exposure, black level, defect pixels, gains; and walking ones.
+    const REGISTERS: [u16; 7] = [0x2100, 0x1000, 0x1008, 0x0205, 0x020e, 0x020f, 0x0601];
+    let fixed = PairExposure::Fixed(hm01b0().other);
+    for exposure in [PairExposure::LeftChooses, fixed] {
+        let (mut pair, fakes) = both::<Hm01b0>(0x24);
+        let config = Config { test_pattern: true, ..hm01b0().config };
+        pair.start(&config, exposure, &mut NoopDelay).unwrap();
+        for fake in &fakes {
+            assert_eq!(REGISTERS.map(|register| fake.get(register)), [0, 0, 0, 0, 0x01, 0x00, 0x11], "{exposure:?}");
+        }
+    }
+}
+
+#[test]
+fn reserved_bits_of_an_hm01b0_may_read_as_they_like() {
+    // Without a public name, and those beside the bits that have a meaning.
+    let unnamed =
+        [0x3044, 0x3045, 0x3047, 0x3050, 0x3051, 0x3052, 0x3053, 0x3054, 0x3055, 0x3056, 0x3057, 0x3058, 0x3065];
+    let reserved = [(0x3059, 0x1f), (0x3060, 0x0a | 0xc0), (0x3064, 0xfb), (0x3067, 0xfc), (0x3068, 0x21 | 0xfe)];
+    for (register, value) in unnamed.map(|register| (register, 0xff)).into_iter().chain(reserved) {
+        let fake = Fake::of::<Hm01b0>();
+        fake.0.borrow_mut().stuck.insert(register, value);
+        let mut chip = OnFake::<Hm01b0>::new(fake, Hm01b0::ADDRESS, NoReset);
+        assert_eq!(chip.start(&hm01b0().config, &mut NoopDelay), Ok(()), "{register:#06x}");
+    }
 }
 
 #[test]

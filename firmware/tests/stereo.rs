@@ -19,6 +19,7 @@ use support::sensor::Fake;
 
 const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
 const AGC_GAIN_OUTPUT: u16 = 0xba;
+const AEC_AGC_ENABLE: u16 = 0xaf;
 const COARSE_SHUTTER_WIDTH_TOTAL: u16 = 0x0b;
 
 type Stereo = StereoCamera<Mt9v034, Fake, NoReset, Fake, NoReset, Pin, NoopDelay>;
@@ -41,8 +42,8 @@ fn stereo(pulses: usize, start: FrameStart) -> (Stereo, [Fake; 2], Pin) {
             test_pattern: false,
         },
         exposure: PairExposure::LeftChooses,
-        row_ns: 31_700,
-        readout_us: 7608,
+        row_ns: 27_500,
+        readout_us: 6600,
     };
     let trigger = Trigger::new(pin.clone(), 10).unwrap();
     (StereoCamera::new((left, right), Some(trigger), NoopDelay, config), fakes, pin)
@@ -54,10 +55,10 @@ fn a_pair_is_started_once_triggered_each_time_and_exposed_alike() {
     assert_eq!(left.get(0x07), 0, "nothing is sent before the first pair");
     assert!(cameras.shoot());
     let starting = left.said().len();
-    assert_eq!(cameras.follow(), Some([-(100 * 31_700 / 2000); 2])); // a global shutter: half of the exposure before the readout
+    assert_eq!(cameras.follow(), Some([-(100 * 27_500 / 2000); 2])); // a global shutter: half of the exposure before the readout
     left.set(AEC_EXPOSURE_OUTPUT, 300);
     assert!(cameras.shoot());
-    assert_eq!(cameras.follow(), Some([-(300 * 31_700 / 2000); 2]));
+    assert_eq!(cameras.follow(), Some([-(300 * 27_500 / 2000); 2]));
     assert_eq!(right.get(COARSE_SHUTTER_WIDTH_TOTAL), 300);
     assert!(left.said().len() < starting, "started once");
     assert_eq!((cameras.failures(), cameras.last_error()), ([0, 0], None));
@@ -68,6 +69,21 @@ fn a_pair_is_started_once_triggered_each_time_and_exposed_alike() {
 fn cameras_that_run_free_get_no_pulse() {
     let (mut cameras, _, mut pin) = stereo(0, FrameStart::Free);
     assert!(cameras.shoot() && cameras.shoot());
+    pin.done();
+}
+
+#[test]
+fn a_pair_whose_left_sensor_has_not_chosen_yet_is_started() {
+    // No frame yet: 0 rows, which nobody can fix.
+    let (mut cameras, [left, right], mut pin) = stereo(2, FrameStart::Triggered);
+    left.set(AEC_EXPOSURE_OUTPUT, 0);
+    assert!(cameras.shoot());
+    assert_eq!([left.get(AEC_AGC_ENABLE), right.get(AEC_AGC_ENABLE)], [0b11; 2], "each for itself");
+    assert_eq!((cameras.follow(), cameras.failures()), (None, [0, 0]));
+    left.set(AEC_EXPOSURE_OUTPUT, 120);
+    assert!(cameras.shoot());
+    assert_eq!(cameras.follow(), Some([-(120 * 27_500 / 2000); 2]));
+    assert_eq!([right.get(AEC_AGC_ENABLE), right.get(COARSE_SHUTTER_WIDTH_TOTAL)], [0, 120]);
     pin.done();
 }
 

@@ -56,7 +56,7 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
             .and_then(|()| self.take(M::mode(config), delay))
             .and_then(|()| self.take(auto.iter().copied(), delay))
             .and_then(|()| self.take(fixed.into_iter().flat_map(M::exposure), delay))
-            .and_then(|()| self.take(M::run(config.start), delay))
+            .and_then(|()| self.take(M::run(config), delay))
             .map_err(|cause| self.abandon(cause))?;
         self.condition = Condition::Running;
         Ok(())

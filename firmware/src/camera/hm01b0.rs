@@ -15,11 +15,16 @@
 //!
 //! # Source
 //! Himax's register names and addresses, formats of gain, modes and the vendor's analogue settings as OpenMV's `hm01b0_regs.h` and `hm01b0.c`
-//! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3065 have
-//! no public names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most significant bits first, 1:0: MCLK / 8, 4,
+//! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3058
+//! have no public names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most significant bits first, 1:0: MCLK / 8, 4,
 //! 2, 1): Himax's own comments in public register lists; four wires, two PCLKO a pixel and the lower half first with bit 4 off: Arm's
 //! `hm01b0-library-for-pico`, `src/hm01b0.c`. PCLK_POLARITY, bit 0: OpenMV sets it and takes pixels at falling edges (`pixck_pol = 0`); Arm's
 //! library leaves it off and takes them at rising ones.
+//!
+//! Trigger: Himax's comment at MODE_SELECT has "wait for HW trigger (level), then continuous video out til HW TRIG goes off" for 4 and nothing
+//! for 5; Synaptics' `hm01b0.c` ends in 5 with 0x3064 = 4 (`[2]: Trigger En`; 0 is `Trigger SYNC mode disable`, hence the name here), Ambiq's driver holds
+//! TRIG high while it streams. ANA_REGISTER_17, bit 1 (the trigger is taken at the falling edge of MCLK): the same file sets it; here it is off, as in
+//! OpenMV. Walking ones (0x11): `hm01b0-esp-idf-driver`.
 
 use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
 use linestereo::Dims;
@@ -89,6 +94,7 @@ const MD_CTRL: u16 = 0x2150;
 const QVGA_WIN_EN: u16 = 0x3010;
 const BIT_CONTROL: u16 = 0x3059;
 const OSC_CLK_DIV: u16 = 0x3060;
+const TRIGGER_SYNC: u16 = 0x3064;
 const ANA_REGISTER_17: u16 = 0x3067;
 const PCLK_POLARITY: u16 = 0x3068;
 
@@ -100,23 +106,23 @@ const ROWS_BINNED: u16 = 132;
 /// Takes over what was written since the last time.
 const TAKE_OVER: Step = Step::command(GRP_PARAM_HOLD, 1);
 
-/// Analogue settings for every mode.
+/// Analogue settings for every mode. What has no public name is only written, and of the others the bits are compared whose meaning is known:
+/// nobody promises that reserved bits read as written.
 const VENDOR: &[Step] = &[
-    Step::set(0x3044, 0x0a), // correlated double sampling: time to settle
-    Step::set(0x3045, 0x00),
-    Step::set(0x3047, 0x0a),
-    Step::set(0x3050, 0xc0), // negative offset
-    Step::set(0x3051, 0x42),
-    Step::set(0x3052, 0x50),
-    Step::set(0x3053, 0x00),
-    Step::set(0x3054, 0x03), // clamp
-    Step::set(0x3055, 0xf7),
-    Step::set(0x3056, 0xf8),
-    Step::set(0x3057, 0x29), // converter
-    Step::set(0x3058, 0x1f), // dark sun
-    Step::set(0x3064, 0x00),
-    Step::set(0x3065, 0x04),
-    Step::set(ANA_REGISTER_17, 0x00), // MCLK instead of the oscillator: both sensors have one clock
+    Step::command(0x3044, 0x0a), // correlated double sampling: time to settle
+    Step::command(0x3045, 0x00),
+    Step::command(0x3047, 0x0a),
+    Step::command(0x3050, 0xc0), // negative offset
+    Step::command(0x3051, 0x42),
+    Step::command(0x3052, 0x50),
+    Step::command(0x3053, 0x00),
+    Step::command(0x3054, 0x03), // clamp
+    Step::command(0x3055, 0xf7),
+    Step::command(0x3056, 0xf8),
+    Step::command(0x3057, 0x29), // converter
+    Step::command(0x3058, 0x1f), // dark sun
+    Step::command(0x3065, 0x04),
+    Step::set(ANA_REGISTER_17, 0x00).keeping(0x03), // MCLK instead of the oscillator: both sensors have one clock
     Step::set(BLC_CFG, 0x43),
     Step::set(BLC_DITHER, 0x43),
     Step::set(BLC_DARKPIXEL, 0x43),
@@ -137,10 +143,22 @@ const VENDOR: &[Step] = &[
     Step::set(MAX_DGAIN, 0xc0),
     Step::set(FS_CTRL, 0x00), // no steps of exposure against flicker: they differ between sensors
     Step::set(MD_CTRL, 0x00), // no motion detection
-    Step::set(BIT_CONTROL, 0x02), // 8 bits at once; `on_wires`
-    Step::set(OSC_CLK_DIV, 0x0a), // MCLK / 2
-    Step::set(PCLK_POLARITY, 0x21), // data are valid at the falling edge
+    Step::set(BIT_CONTROL, 0x02).keeping(0xe0), // 8 bits at once; `on_wires`
+    Step::set(OSC_CLK_DIV, 0x0a).keeping(0x3f), // MCLK / 2
+    Step::set(PCLK_POLARITY, 0x21).keeping(0x01), // data are valid at the falling edge
     Step::set(IMG_ORIENTATION, 0x00),
+];
+
+/// The last steps before frames with the test pattern. Whatever reckons with what each sensor sees is off: the same bytes from both.
+const PATTERN: &[Step] = &[
+    Step::set(AE_CTRL, 0),
+    Step::set(BLC_CFG, 0),
+    Step::set(DPC_CTRL, 0),
+    Step::set(ANALOG_GAIN, 0),
+    Step::set(DIGITAL_GAIN_H, 0x01), // 1
+    Step::set(DIGITAL_GAIN_L, 0x00),
+    Step::set(TEST_PATTERN_MODE, 0x11), // walking ones: a swapped wire or half shows
+    TAKE_OVER,
 ];
 
 impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
@@ -150,7 +168,9 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const PIXEL_BYTES: u16 = 1;
     const IDENTITY: &'static [Identity] =
         &[Identity { register: MODEL_ID_H, value: 0x01 }, Identity { register: MODEL_ID_L, value: 0xb0 }];
-    const RESET: &'static [Step] = &[Step::command(SW_RESET, 1).then_wait(2000), Step::expect(MODE_SELECT, 0)];
+    /// One that runs may end its frame first: 33 ms at 6 MHz.
+    const RESET: &'static [Step] =
+        &[Step::command(MODE_SELECT, 0), Step::command(SW_RESET, 1).then_wait(40_000), Step::expect(MODE_SELECT, 0)];
     const STANDBY: &'static [Step] = &[Step::set(MODE_SELECT, 0)];
     const AUTO: &'static [Step] = &[Step::set(AE_CTRL, 1), TAKE_OVER];
 
@@ -168,6 +188,10 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
             Binning::One => (0x01, 0x00, ROWS),
             _ => (0x03, 0x03, ROWS_BINNED),
         };
+        let trigger = match config.start {
+            FrameStart::Free => 0x00,
+            FrameStart::Triggered => 0x04,
+        };
         let [[rows_high, rows_low], [row_high, row_low], [most_high, most_low]] = [rows, ROW, rows - 2].map(bytes);
         let sized = [
             Step::set(READOUT_X, readout),
@@ -180,18 +204,23 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
             Step::set(LINE_LEN_PCK_L, row_low),
             Step::set(MAX_INTG_H, most_high),
             Step::set(MAX_INTG_L, most_low),
-            Step::set(TEST_PATTERN_MODE, config.test_pattern.into()),
+            // After a reset it is 264, which is more than a frame has: nobody could give it to the other sensor.
+            Step::set(INTEGRATION_H, most_high),
+            Step::set(INTEGRATION_L, most_low),
+            Step::set(TRIGGER_SYNC, trigger).keeping(0x04),
+            Step::set(TEST_PATTERN_MODE, 0),
             TAKE_OVER,
         ];
         VENDOR.iter().copied().map(Self::on_wires).chain(sized)
     }
 
-    fn run(start: FrameStart) -> impl Iterator<Item = Step> {
-        let mode = match start {
+    fn run(config: &Config) -> impl Iterator<Item = Step> {
+        let mode = match config.start {
             FrameStart::Free => 0x01,
             FrameStart::Triggered => 0x05,
         };
-        [Step::set(MODE_SELECT, mode)].into_iter()
+        let pattern = if config.test_pattern { PATTERN } else { &[] };
+        pattern.iter().copied().chain([Step::set(MODE_SELECT, mode)])
     }
 
     fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {

@@ -53,7 +53,7 @@ pub struct Config {
     pub start: FrameStart,
     /// Who chooses exposure and gain.
     pub exposure: ExposureControl,
-    /// Send a built-in picture: the same bytes from every sensor, so that wiring and capture can be tested.
+    /// Send a built-in picture, so that wiring and capture can be tested.
     pub test_pattern: bool,
 }
 
@@ -153,8 +153,8 @@ pub trait Model {
     /// From the state after a reset to a mode that [`Model::check`] has allowed, still sending nothing.
     fn mode(config: &Config) -> impl Iterator<Item = Step>;
 
-    /// Sends frames from now on.
-    fn run(start: FrameStart) -> impl Iterator<Item = Step>;
+    /// After mode and exposure: whatever a test pattern needs, and frames from now on.
+    fn run(config: &Config) -> impl Iterator<Item = Step>;
 
     /// Can it be exposed like that?
     fn check_exposure(exposure: Exposure) -> Result<(), Unsupported>;

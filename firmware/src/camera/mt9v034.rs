@@ -118,8 +118,8 @@ impl Model for Mt9v034 {
         .into_iter()
     }
 
-    fn run(start: FrameStart) -> impl Iterator<Item = Step> {
-        let control = match start {
+    fn run(config: &Config) -> impl Iterator<Item = Step> {
+        let control = match config.start {
             FrameStart::Free => MASTER,
             FrameStart::Triggered => SNAPSHOT,
         };

@@ -143,7 +143,7 @@ impl Model for Ov7670 {
         .into_iter()
     }
 
-    fn run(_: FrameStart) -> impl Iterator<Item = Step> {
+    fn run(_: &Config) -> impl Iterator<Item = Step> {
         [Step::set(COM2, AWAKE)].into_iter()
     }
 

@@ -1,7 +1,8 @@
 //! Two sensors of a model, in one mode, exposed alike.
 //!
 //! ```text
-//! start    both stopped; left, then right; if one fails the other is put to standby
+//! start    both stopped; left, then right, with the left one's first choice, or with its own where that is none that anybody may fix;
+//!          if one fails the other is put to standby
 //! shared   left chooses; follow: what it has chosen is written to the right one, which shows it one or two frames later
 //!          freeze: its choice stays, in both
 //! ```
@@ -70,6 +71,9 @@ where
     }
 
     /// Starts both in one mode; of `config`, the exposure is replaced. When one fails neither runs.
+    ///
+    /// Before its first frame a sensor may say that it has chosen what nobody can fix (MT9V034: 0 rows). The right one chooses for itself then, until
+    /// [`CameraPair::follow`] finds a choice.
     pub fn start(
         &mut self,
         config: &Config,
@@ -84,13 +88,16 @@ where
         self.left
             .start(&Config { exposure: left, ..*config }, delay)
             .map_err(|error| self.fail(Eye::Left, error, delay))?;
-        let fixed = match exposure {
-            PairExposure::Fixed(fixed) => fixed,
-            PairExposure::LeftChooses => self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?,
+        let known = match exposure {
+            PairExposure::Fixed(fixed) => Some(fixed),
+            PairExposure::LeftChooses => {
+                let chosen = self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?;
+                Some(chosen).filter(|&chosen| M::check_exposure(chosen).is_ok())
+            }
         };
-        let right = Config { exposure: ExposureControl::Fixed(fixed), ..*config };
+        let right = Config { exposure: known.map_or(ExposureControl::Auto, ExposureControl::Fixed), ..*config };
         self.right.start(&right, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
-        (self.exposure, self.start) = (Some(fixed), config.start);
+        (self.exposure, self.start) = (known, config.start);
         Ok(())
     }
 

@@ -7,13 +7,16 @@ use linestereo_firmware::camera::{Model, Wire};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A sensor that keeps what is written to it, and writes down what was said. Registers not written since the reset answer with 0.
+/// A sensor that keeps what is written to it until it is reset by register, and writes down what was said. Registers not written since the reset answer
+/// with what a reset leaves in them, as far as drivers rely on it, or with 0.
 #[derive(Clone)]
 pub(crate) struct Fake(pub(crate) Rc<RefCell<Registers>>);
 
 pub(crate) struct Registers {
     wire: Wire,
     values: BTreeMap<u16, u16>,
+    /// Writing this register brings these values back.
+    reset: Option<(u16, BTreeMap<u16, u16>)>,
     /// Registers that keep something else.
     pub(crate) stuck: BTreeMap<u16, u16>,
     pointer: u16,
@@ -24,9 +27,17 @@ pub(crate) struct Registers {
 
 impl Fake {
     pub(crate) fn of<M: Model>() -> Self {
-        let values = M::IDENTITY.iter().map(|identity| (identity.register, identity.value)).collect();
+        let mut values =
+            M::IDENTITY.iter().map(|identity| (identity.register, identity.value)).collect::<BTreeMap<_, _>>();
+        let mut reset = None;
+        if M::NAME == "HM01B0" {
+            // INTEGRATION 0x0108, DIGITAL_GAIN 0x0100, automatic exposure on: more rows than a frame has here.
+            values.extend([(0x0202, 0x01), (0x0203, 0x08), (0x020e, 0x01), (0x2100, 0x01)]);
+            reset = Some((0x0103, values.clone()));
+        }
         let (stuck, said) = (BTreeMap::new(), Vec::new());
-        Self(Rc::new(RefCell::new(Registers { wire: M::WIRE, values, stuck, pointer: 0, fails_after: None, said })))
+        let (wire, pointer, fails_after) = (M::WIRE, 0, None);
+        Self(Rc::new(RefCell::new(Registers { wire, values, reset, stuck, pointer, fails_after, said })))
     }
 
     pub(crate) fn set(&self, register: u16, value: u16) {
@@ -67,8 +78,14 @@ impl I2c for Fake {
                     chip.pointer = register;
                     if !value.is_empty() {
                         let value = value.iter().fold(0, |value, &byte| value << 8 | u16::from(byte));
-                        let kept = chip.stuck.get(&register).copied().unwrap_or(value);
-                        chip.values.insert(register, kept);
+                        if let Some((_, values)) = chip.reset.clone().filter(|&(reset, _)| reset == register) {
+                            chip.values = values;
+                            let stuck = chip.stuck.clone();
+                            chip.values.extend(stuck);
+                        } else {
+                            let kept = chip.stuck.get(&register).copied().unwrap_or(value);
+                            chip.values.insert(register, kept);
+                        }
                     }
                     written = bytes.to_vec();
                 }
