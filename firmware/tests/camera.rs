@@ -576,15 +576,30 @@ fn a_camera_that_fails_later_stops_the_other_one() {
 #[test]
 fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
     let states = [State::Low, State::Low, State::High, State::Low];
-    let mut trigger = Trigger::new(Pin::new(&edges(&states)), 10).unwrap();
-    trigger.fire(&mut NoopDelay).unwrap();
+    let mut trigger = Trigger::new(Pin::new(&edges(&states))).unwrap();
+    trigger.fire(10, &mut NoopDelay).unwrap();
+    trigger.lower().unwrap(); // it is
     trigger.release().done();
     // It stays high once; the next pulse starts low.
     let mut stuck = edges(&[State::Low, State::Low, State::High, State::Low, State::Low, State::High, State::Low]);
     stuck[3] = stuck[3].clone().with_error(pin_error());
-    let mut trigger = Trigger::new(Pin::new(&stuck), 10).unwrap();
-    assert!(trigger.fire(&mut NoopDelay).is_err());
-    trigger.fire(&mut NoopDelay).unwrap();
+    let mut trigger = Trigger::new(Pin::new(&stuck)).unwrap();
+    assert!(trigger.fire(10, &mut NoopDelay).is_err());
+    trigger.fire(10, &mut NoopDelay).unwrap();
+    trigger.release().done();
+}
+
+#[test]
+fn a_trigger_that_is_held_is_lowered_until_it_is_low() {
+    let mut states = edges(&[State::Low, State::Low, State::High, State::Low, State::Low, State::Low, State::High]);
+    states[3] = states[3].clone().with_error(pin_error());
+    let mut trigger = Trigger::new(Pin::new(&states)).unwrap();
+    trigger.lower().unwrap(); // it is
+    trigger.raise().unwrap();
+    assert!(trigger.lower().is_err());
+    trigger.lower().unwrap();
+    trigger.lower().unwrap(); // it is
+    trigger.raise().unwrap();
     trigger.release().done();
 }
 

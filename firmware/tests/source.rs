@@ -1,14 +1,23 @@
 //! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows come; and what happens when they fail.
 
+mod support;
+
 use core::cell::{Cell, RefCell};
+use core::convert::Infallible;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::{Calibration, Camera, Dims, Eye, Lens, Rectification, View};
 use linestereo_firmware::boards::mps2_an386::Workspace;
-use linestereo_firmware::camera::FrameStart;
+use linestereo_firmware::camera::{
+    Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
+    StereoConfig, Trigger,
+};
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::PairSource;
 use std::collections::VecDeque;
 use std::rc::Rc;
+use support::sensor::Fake;
 
 const DIMS: Dims = Dims { width: 64, height: 48 };
 const LIMITS: Limits = Limits { rows: 48, row_bytes: 64, row_gap_us: 200, silence_us: 20_000, pair_us: 500 };
@@ -177,4 +186,285 @@ fn nobody_says_that_nothing_moves_unless_somebody_does() {
     let (_, source) = source(0);
     assert_eq!(source.still_us(), None);
     assert_eq!(source.still(40_000).still_us(), Some(40_000));
+}
+
+const ROW_US: u64 = 100;
+/// From the start of a frame to that of the next one, while a sensor sends without a pause.
+const PERIOD_US: u64 = 52 * ROW_US;
+
+/// Two cameras whose signals come when it is time.
+#[derive(Default)]
+struct Timed {
+    now_us: Cell<u64>,
+    signals: [RefCell<VecDeque<(u64, Signal)>>; 2],
+    begun: [Cell<u32>; 2],
+    /// Of those that act on a level: is it high, since when and until when; from its rise to the start of each one's frame, if it sends any.
+    edges: RefCell<Vec<(u64, bool)>>,
+    late_us: Cell<[Option<u64>; 2]>,
+    next_us: Cell<[Option<u64>; 2]>,
+}
+
+impl Timed {
+    fn pass(&self, us: u64) {
+        self.now_us.set(self.now_us.get() + us);
+    }
+
+    fn begin(&self, eye: Eye, time_us: u64) {
+        let first = 48 * self.begun[eye as usize].get();
+        let start = (time_us, Signal::FrameStart { time_us, row: first });
+        let rows = (1..=48).map(|row| {
+            let time_us = time_us + u64::from(row) * ROW_US;
+            (time_us, Signal::Rows { end: first + row, bytes: 64, time_us })
+        });
+        self.signals[eye as usize].borrow_mut().extend([start].into_iter().chain(rows));
+        self.begun[eye as usize].set(self.begun[eye as usize].get() + 1);
+    }
+
+    /// Frames that have started by the level until now.
+    fn run(&self) {
+        let mut next_us = self.next_us.get();
+        for (eye, next_us) in Eye::BOTH.into_iter().zip(&mut next_us) {
+            while let Some(start_us) = next_us.filter(|&start_us| start_us <= self.now_us.get()) {
+                self.begin(eye, start_us);
+                *next_us = Some(start_us + PERIOD_US);
+            }
+        }
+        self.next_us.set(next_us);
+    }
+
+    fn begun(&self) -> [u32; 2] {
+        self.begun.each_ref().map(Cell::get)
+    }
+}
+
+/// Fetching a row takes so long that two cameras at once are not followed.
+struct TimedRing(Rc<Timed>, Eye);
+
+impl RowRing for TimedRing {
+    fn rows(&self) -> u32 {
+        64
+    }
+
+    fn next_signal(&mut self) -> Option<Signal> {
+        self.0.run();
+        let mut signals = self.0.signals[self.1 as usize].borrow_mut();
+        signals.pop_front_if(|(time_us, _)| *time_us <= self.0.now_us.get()).map(|(_, signal)| signal)
+    }
+
+    fn written(&self) -> u32 {
+        48 * self.0.begun[self.1 as usize].get()
+    }
+
+    fn copy(&self, _: u32, into: &mut [u8]) {
+        into.fill(7);
+        self.0.pass(ROW_US * 6 / 10);
+    }
+
+    fn now_us(&self) -> u64 {
+        self.0.now_us.get()
+    }
+
+    fn rest(&self) {
+        self.0.pass(50);
+    }
+}
+
+/// Sensors that expose after the trigger and then send, the right one like the left one was last told to be. The left one makes its exposure
+/// longer by itself.
+struct Exposing {
+    bench: Rc<Timed>,
+    exposures_us: [u64; 2],
+}
+
+impl Cameras for Exposing {
+    fn shoot(&mut self) -> bool {
+        let now_us = self.bench.now_us.get();
+        for (eye, exposure_us) in Eye::BOTH.into_iter().zip(self.exposures_us) {
+            self.bench.begin(eye, now_us + exposure_us);
+        }
+        let [left_us, _] = &mut self.exposures_us;
+        *left_us = (*left_us + 800).min(9_000);
+        true
+    }
+
+    fn follow(&mut self) -> Option<[i32; 2]> {
+        self.exposures_us = [self.exposures_us[0]; 2];
+        Some([-(self.exposures_us[0] as i32) / 2; 2])
+    }
+
+    fn stopped(&mut self) {
+        panic!("both send");
+    }
+}
+
+#[test]
+fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
+    let bench = Rc::new(Timed::default());
+    let rings = Eye::BOTH.map(|eye| TimedRing(bench.clone(), eye));
+    // Further apart than `pair_us` from the beginning.
+    let cameras = Exposing { bench: bench.clone(), exposures_us: [3000, 1000] };
+    let capture = Capture::new(LIMITS, FrameStart::Triggered);
+    let mut source = CameraSource::new(rings, cameras, capture, DIMS, 15_000);
+    let mut memory = Box::new(Workspace::new());
+    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(source.losses().unwrap().unpaired, 1);
+    for exposure_us in [3800, 4600, 5400] {
+        let shot_us = bench.now_us.get();
+        let pair = source.next_pair(&mut *memory, None).expect("alike again");
+        // From the middle of the exposure that follows from what it was told after the missing pair.
+        assert_eq!(pair.times_us, Some([shot_us + exposure_us - exposure_us / 2; 2]));
+    }
+}
+
+/// The pin of [`Timed`]'s level, and its pause.
+struct Level(Rc<Timed>);
+
+impl ErrorType for Level {
+    type Error = Infallible;
+}
+
+impl OutputPin for Level {
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        let now_us = self.0.now_us.get();
+        assert!(self.0.next_us.get() == [None; 2], "raised twice");
+        self.0.next_us.set(self.0.late_us.get().map(|late_us| Some(now_us + late_us?)));
+        self.0.edges.borrow_mut().push((now_us, true));
+        Ok(())
+    }
+
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.run();
+        self.0.next_us.set([None; 2]);
+        if self.0.edges.borrow().last().is_some_and(|&(_, is_high)| is_high) {
+            self.0.edges.borrow_mut().push((self.0.now_us.get(), false));
+        }
+        Ok(())
+    }
+}
+
+impl DelayNs for Level {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0.pass(u64::from(ns).div_ceil(1000));
+    }
+}
+
+type Held = StereoCamera<Hm01b0Nibbles, Fake, NoReset, Fake, NoReset, Level, Level>;
+
+/// Two HM01B0 whose frames start so long after the trigger's rise, the source of their pairs, and their registers.
+fn held(late_us: [Option<u64>; 2], limits: Limits) -> (Rc<Timed>, CameraSource<TimedRing, Held>, [Fake; 2]) {
+    let bench = Rc::new(Timed::default());
+    bench.late_us.set(late_us);
+    let fakes = [Fake::of::<Hm01b0Nibbles>(), Fake::of::<Hm01b0Nibbles>()];
+    let [left, right] = fakes.clone().map(|fake| Chip::new(fake, Hm01b0Nibbles::ADDRESS, NoReset));
+    let config = StereoConfig {
+        config: Config {
+            dims: Dims { width: 324, height: 244 },
+            binning: Binning::One,
+            start: FrameStart::Triggered,
+            exposure: ExposureControl::Auto,
+            test_pattern: false,
+        },
+        exposure: PairExposure::LeftChooses,
+        row_ns: 125_333,
+        readout_us: 30_500,
+    };
+    let trigger = Trigger::new(Level(bench.clone())).unwrap();
+    let cameras = StereoCamera::new((left, right), Some(trigger), Level(bench.clone()), config);
+    let rings = Eye::BOTH.map(|eye| TimedRing(bench.clone(), eye));
+    let capture = Capture::new(limits, FrameStart::Triggered);
+    (bench, CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US), fakes)
+}
+
+/// The last two edges: when the level was raised, and for how long it was high. There were so many before.
+fn last_pulse(bench: &Timed, before: usize) -> (u64, u64) {
+    let edges = bench.edges.borrow();
+    let [(from_us, true), (to_us, false)] = edges[before..] else { panic!("{edges:?}") };
+    (from_us, to_us - from_us)
+}
+
+#[test]
+fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
+    for late_us in [[300, 700], [700, 300], [500, 500], [0, 0]] {
+        let (bench, mut source, _) = held(late_us.map(Some), LIMITS);
+        let mut memory = Box::new(Workspace::new());
+        for pairs in 0..3 {
+            let asked_us = bench.now_us.get();
+            // Starting the sensors takes longer than the longest silence, and than a pair may take.
+            let pair = source.next_pair(&mut *memory, None).expect("a pair");
+            let (shot_us, held_us) = last_pulse(&bench, 2 * pairs);
+            let second_us = late_us[0].max(late_us[1]);
+            // Looked for every 50 us, while rows of the other camera are fetched.
+            assert!((second_us..second_us + 150).contains(&held_us), "{late_us:?}: {held_us}");
+            assert_eq!(shot_us > asked_us, pairs == 0, "started once");
+            let middle_us = if pairs == 0 { 0 } else { 15_250 - 258 * 125_333 / 2000 };
+            let times_us = late_us.map(|late_us| shot_us + late_us);
+            assert_eq!(pair.times_us, Some(times_us.map(|time_us| time_us.saturating_add_signed(middle_us))));
+            assert_eq!(bench.begun(), [pairs as u32 + 1; 2], "one frame of each, no second one");
+        }
+        assert_eq!(source.losses(), Some(Losses::default()));
+    }
+}
+
+#[test]
+fn a_level_is_lowered_when_no_pair_comes() {
+    let patient = Limits { silence_us: 1_000_000, ..LIMITS };
+    for (late_us, limits, least_us) in [
+        ([None, None], LIMITS, LIMITS.silence_us),
+        ([Some(300), None], LIMITS, LIMITS.silence_us),
+        ([None, Some(300)], LIMITS, LIMITS.silence_us),
+        ([None, None], patient, PATIENCE_US),
+        ([Some(300), None], patient, PATIENCE_US),
+        ([None, Some(300)], patient, PATIENCE_US),
+    ] {
+        let (bench, mut source, _) = held(late_us, limits);
+        let mut memory = Box::new(Workspace::new());
+        assert_eq!(source.next_pair(&mut *memory, None), None);
+        let (_, held_us) = last_pulse(&bench, 0);
+        let least_us = u64::from(least_us);
+        assert!((least_us..least_us + 500).contains(&held_us), "{late_us:?}: {held_us}");
+        // What has been sent ends; then both work.
+        bench.pass(2 * PERIOD_US);
+        bench.late_us.set([Some(300); 2]);
+        assert!((0..2).any(|_| source.next_pair(&mut *memory, None).is_some()), "{late_us:?}");
+        assert_eq!(bench.edges.borrow().last().map(|&(_, is_high)| is_high), Some(false));
+    }
+}
+
+#[test]
+fn a_level_is_not_raised_for_sensors_that_do_not_start() {
+    let (bench, mut source, [left, _]) = held([Some(300); 2], LIMITS);
+    left.0.borrow_mut().fails_after = Some(9);
+    let mut memory = Box::new(Workspace::new());
+    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!((bench.edges.borrow().len(), source.losses().unwrap().sensors), (0, [1, 0]));
+    assert!(source.next_pair(&mut *memory, None).is_some());
+}
+
+#[test]
+fn frames_that_nobody_asked_for_do_not_lower_a_level() {
+    let (bench, mut source, _) = held([Some(8000); 2], LIMITS);
+    let mut memory = Box::new(Workspace::new());
+    assert!(source.next_pair(&mut *memory, None).is_some());
+    for eye in Eye::BOTH {
+        bench.begin(eye, bench.now_us.get() + 50);
+        bench.pass(PERIOD_US); // too far apart for a pair
+    }
+    let pair = source.next_pair(&mut *memory, None).expect("a pair");
+    let (shot_us, held_us) = last_pulse(&bench, 2);
+    assert!(pair.times_us.unwrap()[0].abs_diff(shot_us) < 20_000 && held_us >= 8000);
+    assert_eq!(bench.begun(), [3; 2]);
+}
+
+#[test]
+fn sensors_that_are_started_again_have_not_been_silent() {
+    let (_, mut source, [left, right]) = held([Some(300); 2], LIMITS);
+    let mut memory = Box::new(Workspace::new());
+    // The right one does not take what the left one has chosen: neither runs.
+    assert!(source.next_pair(&mut *memory, None).is_some());
+    [(0x0202, 0), (0x0203, 77)].into_iter().for_each(|(register, value)| left.set(register, value)); // rows
+    right.0.borrow_mut().fails_after = Some(0);
+    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert_eq!(source.losses().unwrap().sensors, [0, 1]);
+    assert!(source.next_pair(&mut *memory, None).is_some(), "starting takes longer than the longest silence");
+    assert_eq!(source.losses().unwrap().faults, [[0; 7]; 2]);
 }

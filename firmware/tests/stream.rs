@@ -5,7 +5,7 @@
 
 mod support;
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use linestereo::{Dims, Eye, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::FrameStart;
@@ -416,6 +416,25 @@ impl Switch for FakeSwitch {
     }
 }
 
+/// Cameras that count how often they are let go.
+struct Counted(Rc<Cell<u32>>);
+
+impl Cameras for Counted {
+    fn shoot(&mut self) -> bool {
+        true
+    }
+
+    fn let_go(&mut self) {
+        self.0.set(self.0.get() + 1);
+    }
+
+    fn follow(&mut self) -> Option<[i32; 2]> {
+        None
+    }
+
+    fn stopped(&mut self) {}
+}
+
 #[test]
 fn cameras_in_turn_are_triggered_one_after_the_other() {
     let fake = Rc::new(RefCell::new(Fake::new(ONE_ROW)));
@@ -424,7 +443,8 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     let eyes = InTurn::new(FakeStream(fake.clone()), switch, ROWS as u16);
     let capture = Capture::new(limits(WIDTH, 2 * PERIOD_US as u32), FrameStart::Triggered);
     let patience_us = 3 * PERIOD_US as u32;
-    let mut source = CameraSource::new(eyes.eyes(), eyes.cameras(FreeCameras), capture, DIMS, patience_us);
+    let let_go = Rc::new(Cell::new(0));
+    let mut source = CameraSource::new(eyes.eyes(), eyes.cameras(Counted(let_go.clone())), capture, DIMS, patience_us);
     let mut memory = Box::new(Workspace::new());
     let mut seen = Vec::new();
     for _ in 0..5 {
@@ -440,6 +460,8 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     }
     // The third pair's left frame is short: its right camera is not even triggered.
     assert_eq!(seen, [Some([0, 1]), Some([2, 3]), None, Some([5, 6]), Some([7, 8])]);
+    // Four pairs whose frames have both started, and five ends of waiting.
+    assert_eq!(let_go.get(), 4 + 5);
     let [l, r] = Eye::BOTH;
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
     assert_eq!(source.losses().unwrap().of(Eye::Left, Fault::EarlyVsync), 1);

@@ -45,8 +45,6 @@ mod wired {
     const ROW_NS: u32 = 125_333;
     /// The cameras' raw frames.
     const RAW: Dims = Dims { width: ROW_BYTES as u16, height: FRAME_ROWS as u16 };
-    /// Of the pulse that starts a frame, microseconds: 60 MCLK.
-    const PULSE_US: u32 = 10;
     /// Two frames of the longest exposure.
     const PATIENCE_US: u32 = 150_000;
 
@@ -108,7 +106,7 @@ mod wired {
             Chip::<Hm01b0Nibbles, _, _>::new(left, Hm01b0Nibbles::ADDRESS, NoReset),
             Chip::<Hm01b0Nibbles, _, _>::new(right, Hm01b0Nibbles::ADDRESS, NoReset),
         );
-        let trigger = Trigger::new(Output::new(board.PIN_20, Level::Low), PULSE_US).ok()?;
+        let trigger = Trigger::new(Output::new(board.PIN_20, Level::Low)).ok()?;
         let cameras = StereoCamera::new(chips, Some(trigger), Pause, CAMERAS);
         let capture = Capture::new(LIMITS, CAMERAS.config.start);
 

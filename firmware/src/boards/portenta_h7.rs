@@ -133,7 +133,7 @@ mod on_board {
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
         let stream = DcmiStream::start(interface, Row::Both.layout())?;
         let eyes = &*EYES.init(SideBySide::new(stream));
-        let trigger = Trigger::new(output(p.PG7.into()), 10).ok();
+        let trigger = Trigger::new(output(p.PG7.into())).ok();
         // One pin resets both.
         let resets = (ResetPin(output(p.PC13.into())), NoReset);
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);

@@ -1,7 +1,8 @@
 //! One sensor: its steps taken over the bus, and what becomes of it when one fails.
 
 use super::{
-    CameraError, Cause, Condition, Config, Exposure, ExposureControl, Model, PinFault, ResetLine, Step, Unsupported,
+    CameraError, Cause, Condition, Config, Exposure, ExposureControl, FrameStart, Model, PinFault, ResetLine, Step,
+    TriggerInput, Unsupported,
 };
 use core::marker::PhantomData;
 use embedded_hal::delay::DelayNs;
@@ -88,6 +89,9 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
     }
 
     fn check(&self, config: &Config) -> Result<(), Unsupported> {
+        if config.start == FrameStart::Triggered && M::TRIGGER == TriggerInput::None {
+            return Err(Unsupported::Trigger);
+        }
         M::check(config)?;
         match config.exposure {
             ExposureControl::Fixed(exposure) => M::check_exposure(exposure),

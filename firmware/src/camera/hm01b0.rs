@@ -5,7 +5,7 @@
 //! ```text
 //! 324x244  every pixel, QVGA window        162x122  two by two made one
 //! row      376 pixel clocks; MCLK is divided by 2: 125 us and 30 frames a second at 6 MHz, the double at 12 MHz
-//! run      MODE_SELECT: streaming (1), or a frame per pulse on TRIG (5)
+//! run      MODE_SELECT: streaming (1), or frames while TRIG is high (5)
 //! ```
 //! The two pixels at each side and the two rows above and below 320x240 are real pixels. Rows follow each other: at 30 frames a second the
 //! last row is exposed 30 ms after the first one. What that costs stands at [`Ov7670`](super::Ov7670); with one trigger both sensors are
@@ -26,7 +26,7 @@
 //! TRIG high while it streams. ANA_REGISTER_17, bit 1 (the trigger is taken at the falling edge of MCLK): the same file sets it; here it is off, as in
 //! OpenMV. Walking ones (0x11): `hm01b0-esp-idf-driver`.
 
-use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
+use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
 use linestereo::Dims;
 
 /// The sensor, with so many data wires: 8 or 4.
@@ -165,6 +165,7 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const NAME: &'static str = "HM01B0";
     const WIRE: Wire = Wire::Long8;
     const SHUTTER: Shutter = Shutter::Rolling;
+    const TRIGGER: TriggerInput = TriggerInput::Level;
     const PIXEL_BYTES: u16 = 1;
     const IDENTITY: &'static [Identity] =
         &[Identity { register: MODEL_ID_H, value: 0x01 }, Identity { register: MODEL_ID_L, value: 0xb0 }];

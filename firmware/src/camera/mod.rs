@@ -11,7 +11,7 @@
 //!                 run: free, or a frame per trigger
 //! any failure  -> reset pin held, else standby written, else HalfConfigured; nothing but `start` is taken after it
 //! CameraPair      both in one mode; exposure and gain of the left one given to both; one missing: the other is put to standby
-//! Trigger         one pulse for both
+//! Trigger         one pulse for both, or a level that is held until both frames have started
 //! StereoCamera    all of it at work: started again after a failure, a pulse per pair, exposed alike
 //! ```
 //! A model ([`Mt9v034`], [`Hm01b0`], [`Ov7670`]) is tables of registers; what is done with them, and what happens when it fails, is
@@ -35,7 +35,7 @@ pub use ov7670::Ov7670;
 pub use pair::{CameraPair, PairError, PairExposure};
 pub use registers::{Identity, Step, Wire};
 pub use stereo::{StereoCamera, StereoConfig};
-pub use trigger::Trigger;
+pub use trigger::{Trigger, TriggerInput};
 
 use core::fmt;
 use embedded_hal::digital::OutputPin;
@@ -85,7 +85,7 @@ impl Binning {
 pub enum FrameStart {
     /// The sensor: frames of two sensors start at different times, and drift.
     Free,
-    /// A pulse on the sensor's trigger pin.
+    /// The sensor's trigger pin ([`TriggerInput`]).
     Triggered,
 }
 
@@ -136,6 +136,8 @@ pub trait Model {
     const WIRE: Wire;
     /// How it exposes.
     const SHUTTER: Shutter;
+    /// What its trigger pin acts on.
+    const TRIGGER: TriggerInput;
     /// Bytes that it sends for a pixel; the first is the grey level.
     const PIXEL_BYTES: u16;
     /// What it answers when asked who it is.
@@ -147,7 +149,7 @@ pub trait Model {
     /// Exposure and gain choose themselves.
     const AUTO: &'static [Step];
 
-    /// Can it do that?
+    /// Has it images of that size? Trigger and exposure are looked at elsewhere ([`Model::TRIGGER`], [`Model::check_exposure`]).
     fn check(config: &Config) -> Result<(), Unsupported>;
 
     /// From the state after a reset to a mode that [`Model::check`] has allowed, still sending nothing.

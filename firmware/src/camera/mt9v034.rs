@@ -14,7 +14,7 @@
 //! `drivers/media/i2c/mt9v032.c` (names, addresses, chip version 0x1324, ranges, CHIP_CONTROL to start and stop); OpenMV `mt9v0xx.c`
 //! (snapshot mode, linear companding, row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted without binning).
 
-use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
+use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
 
 /// The sensor.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +68,7 @@ impl Model for Mt9v034 {
     const NAME: &'static str = "MT9V034";
     const WIRE: Wire = Wire::Short16;
     const SHUTTER: Shutter = Shutter::Global;
+    const TRIGGER: TriggerInput = TriggerInput::Pulse { us: 10 };
     const PIXEL_BYTES: u16 = 1;
     const IDENTITY: &'static [Identity] = &[Identity { register: CHIP_VERSION, value: 0x1324 }];
     const RESET: &'static [Step] = &[Step::command(RESET, 1).then_wait(100), Step::command(RESET, 0).then_wait(100)];

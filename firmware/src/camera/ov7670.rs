@@ -28,7 +28,7 @@
 //! Scaling, columns of QVGA and QQVGA: OmniVision's implementation guide 1.0 as public drivers quote it (Adafruit, Arduino); 784 x 510 and the
 //! order of YUYV are the guide's. The columns of the smaller sizes are by trial, not of the data sheet.
 
-use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, Unsupported, Wire};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
 use linestereo::Dims;
 
 /// The sensor.
@@ -87,6 +87,7 @@ impl Model for Ov7670 {
     const NAME: &'static str = "OV7670";
     const WIRE: Wire = Wire::Sccb;
     const SHUTTER: Shutter = Shutter::Rolling;
+    const TRIGGER: TriggerInput = TriggerInput::None;
     const PIXEL_BYTES: u16 = 2;
     const IDENTITY: &'static [Identity] =
         &[Identity { register: PID, value: 0x76 }, Identity { register: VER, value: 0x73 }];
@@ -96,9 +97,6 @@ impl Model for Ov7670 {
 
     fn check(config: &Config) -> Result<(), Unsupported> {
         let Dims { width, height } = config.dims;
-        if config.start == FrameStart::Triggered {
-            return Err(Unsupported::Trigger);
-        }
         let pixels = config.binning.pixels();
         if (width.saturating_mul(pixels), height.saturating_mul(pixels)) == (640, 480) {
             Ok(())

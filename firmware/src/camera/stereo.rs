@@ -1,13 +1,14 @@
 //! A pair of sensors at work: started when it has to be, triggered, exposed alike.
 //!
 //! ```text
-//! shoot    not running: start both; then a pulse for both, if they are triggered
+//! shoot    not running: start both; then a pulse for both, if they are triggered, or a level, which is lowered when both frames have started
 //! follow   the left one's choice to the right one; middle of the exposure = rows * time of a row, by the model's shutter
 //! failure  counted for the sensor that failed; unless both still run they are started again by the next `shoot`
 //! ```
 
 use super::{
     CameraPair, Chip, Condition, Config, Exposure, FrameStart, Model, PairError, PairExposure, ResetLine, Trigger,
+    TriggerInput,
 };
 use crate::capture::Cameras;
 use embedded_hal::delay::DelayNs;
@@ -105,13 +106,27 @@ where
         if !self.is_running && !self.start() {
             return false;
         }
-        match (&mut self.trigger, self.config.config.start) {
-            (Some(trigger), FrameStart::Triggered) => trigger.fire(&mut self.delay).is_ok(),
-            _ => true,
+        let Some(trigger) = self.trigger.as_mut().filter(|_| self.config.config.start == FrameStart::Triggered) else {
+            return true;
+        };
+        let done = match M::TRIGGER {
+            TriggerInput::None => Ok(()),
+            TriggerInput::Pulse { us } => trigger.fire(us, &mut self.delay),
+            TriggerInput::Level => trigger.raise(),
+        };
+        done.is_ok()
+    }
+
+    fn let_go(&mut self) {
+        if let Some(trigger) = &mut self.trigger {
+            let _ = trigger.lower(); // if the pin stays high, the next shot lowers it first
         }
     }
 
     fn follow(&mut self) -> Option<[i32; 2]> {
+        if !self.is_running {
+            return None; // started again before the next frame, with a choice of its own
+        }
         let followed = self.pair.follow(&mut self.delay);
         let Exposure { rows, .. } = self.note(followed)??;
         let exposure_us = u64::from(rows) * u64::from(self.config.row_ns) / 1000;

@@ -260,6 +260,10 @@ impl<C: Cameras, S: Stream, W: Switch> Cameras for CamerasInTurn<'_, C, S, W> {
         self.cameras.shoot() && self.connected.borrow_mut().shoot(Eye::Left)
     }
 
+    fn let_go(&mut self) {
+        self.cameras.let_go();
+    }
+
     fn follow(&mut self) -> Option<[i32; 2]> {
         self.cameras.follow()
     }

@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! shoot   a trigger for both, or nothing where they run free; a sensor that failed is started again first
+//! let go  when both frames have started, or will not: a trigger that is held is lowered
 //! turn    rows to the rectifiers as they come, or to the frames as they are, until both frames are whole; sleep in between
-//! follow  what the left sensor chose is given to the right one; when the middle of the next exposure will be
+//! follow  what the left sensor chose is given to the right one; when the middle of the next exposure will be. Without a pair as well: frames of
+//!         triggered sensors start after their exposure, and if these differ by too much there is no pair before they are alike
 //! ```
 
 use super::{Capture, Fault, FrameRows, Losses, MemoryRows, Report, RowRing, RowSink};
@@ -16,7 +18,10 @@ pub trait Cameras {
     /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
     fn shoot(&mut self) -> bool;
 
-    /// After a pair: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
+    /// Frames of both have started, or are not waited for any more: lowers a trigger that is held.
+    fn let_go(&mut self) {}
+
+    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
     /// when it is not known any more.
     fn follow(&mut self) -> Option<[i32; 2]>;
 
@@ -71,31 +76,42 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        let [left, _] = &self.rings;
-        let now_us = left.now_us();
-        let until_us = now_us.saturating_add(self.patience_us.into());
-        self.capture.ask(now_us);
+        self.capture.ask(self.now_us());
         let is_shot = self.cameras.shoot();
+        self.capture.shot(self.now_us());
+        let pair = self.wait(is_shot, rows);
+        self.cameras.let_go();
+        if is_shot && let Some(middle_us) = self.cameras.follow() {
+            self.capture.set_middle_us(middle_us);
+        }
+        pair
+    }
+
+    fn wait(&mut self, is_shot: bool, rows: &mut impl RowSink) -> Option<CapturedPair> {
+        let until_us = self.now_us().saturating_add(self.patience_us.into());
         loop {
             match self.capture.turn(&mut self.rings, rows) {
-                Some(Report::Pair(pair)) if is_shot => {
-                    if let Some(middle_us) = self.cameras.follow() {
-                        self.capture.set_middle_us(middle_us);
-                    }
-                    return Some(pair);
+                Some(Report::Pair(pair)) if is_shot => return Some(pair),
+                Some(Report::Started) => self.cameras.let_go(),
+                Some(Report::Fault(_, Fault::Stopped)) => {
+                    self.cameras.let_go();
+                    self.cameras.stopped();
                 }
-                Some(Report::Fault(_, Fault::Stopped)) => self.cameras.stopped(),
                 Some(_) => {}
                 None => {
                     let [left, _] = &self.rings;
                     left.rest();
                 }
             }
-            let [left, _] = &self.rings;
-            if left.now_us() > until_us {
+            if self.now_us() > until_us {
                 return None;
             }
         }
+    }
+
+    fn now_us(&self) -> u64 {
+        let [left, _] = &self.rings;
+        left.now_us()
     }
 }
 
