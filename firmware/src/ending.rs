@@ -19,7 +19,7 @@ mod by_semihosting {
     use super::Exit;
     use crate::semihosting;
 
-    pub(crate) use semihosting::{report, report_hex};
+    pub(crate) use semihosting::{report, report_decimal, report_hex};
 
     /// Ends the program; the place where it could not go on has been reported.
     pub(crate) fn end(exit: Exit, _place: u32) -> ! {
@@ -27,7 +27,7 @@ mod by_semihosting {
     }
 }
 #[cfg(feature = "emulated")]
-pub(crate) use by_semihosting::{end, report, report_hex};
+pub(crate) use by_semihosting::{end, report, report_decimal, report_hex};
 
 #[cfg(feature = "hardware")]
 mod by_reset {
@@ -49,6 +49,10 @@ mod by_reset {
 
     pub(crate) fn report_hex(number: u32) {
         crate::error!("{=u32:#010x}", number);
+    }
+
+    pub(crate) fn report_decimal(number: u32) {
+        crate::error!("{=u32}", number);
     }
 
     /// Ends the program at this place, if it is known.
@@ -82,4 +86,4 @@ mod by_reset {
 #[cfg(feature = "hardware")]
 pub use by_reset::last_words;
 #[cfg(feature = "hardware")]
-pub(crate) use by_reset::{end, report, report_hex};
+pub(crate) use by_reset::{end, report, report_decimal, report_hex};

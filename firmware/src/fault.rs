@@ -2,7 +2,7 @@
 //!
 //! The processor's part, which finds out what it was, is in [`arch`](crate::arch).
 
-use crate::ending::{end, report, report_number};
+use crate::ending::{end, report, report_decimal, report_number};
 use crate::exit::Exit;
 use core::panic::PanicInfo;
 
@@ -20,17 +20,6 @@ pub(crate) fn refused(overflow: bool, pc: Option<u32>, registers: &[(&str, u32)]
     }
     report("\n");
     end(if overflow { Exit::StackOverflow } else { Exit::Fault }, pc.unwrap_or(0))
-}
-
-fn report_decimal(number: u32) {
-    let mut place = 1;
-    while number / place >= 10 {
-        place *= 10;
-    }
-    while place > 0 {
-        report(["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][(number / place % 10) as usize]);
-        place /= 10;
-    }
 }
 
 /// Where, in every build; why, in builds with logs.

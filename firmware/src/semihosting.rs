@@ -155,6 +155,21 @@ pub fn report_hex(number: u32) {
     report(core::str::from_utf8(&digits).unwrap_or("?"));
 }
 
+/// The same in decimal.
+pub fn report_decimal(number: u32) {
+    let mut digits = [b'0'; 10];
+    let mut rest = number;
+    let mut first = digits.len() - 1;
+    for (index, place) in digits.iter_mut().enumerate().rev() {
+        *place += (rest % 10) as u8;
+        if rest > 0 {
+            first = index;
+        }
+        rest /= 10;
+    }
+    report(digits.get(first..).and_then(|digits| core::str::from_utf8(digits).ok()).unwrap_or("?"));
+}
+
 /// Ends the program with this exit code.
 pub fn exit(code: u32) -> ! {
     /// `ADP_Stopped_ApplicationExit`: the second word is an exit code.
