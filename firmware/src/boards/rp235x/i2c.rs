@@ -73,7 +73,7 @@ impl<T: Registers, C: SclPin<T>, D: SdaPin<T>> Block for BoardBlock<T, C, D> {
 
     fn state(&self) -> State {
         let (status, interrupts) = (T::REGISTERS.ic_status().read(), T::REGISTERS.ic_raw_intr_stat().read());
-        // Read after the stop, which follows it.
+        // Looked at after the interrupts: whoever sees the stop of an abort sees the abort too.
         let abort = T::REGISTERS.ic_tx_abrt_source().read().0 & 0x1_ffff;
         State {
             is_on: T::REGISTERS.ic_enable_status().read().ic_en(),
