@@ -3,8 +3,7 @@
 //! A trace is what a driver says to a fake sensor that answers as the datasheet has it; it is compared with the file in `traces/`, read by
 //! people against the datasheet. Then each of its transactions fails in turn, on a bus that accepts nothing but what is expected.
 
-mod support;
-
+use crate::support::sensor::Fake;
 use core::cell::Cell;
 use core::fmt::Write as _;
 use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource, Operation};
@@ -14,7 +13,6 @@ use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::{Dims, Eye};
 use linestereo_firmware::camera::*;
 use std::rc::Rc;
-use support::sensor::Fake;
 
 /// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
 fn text(said: &[Transaction]) -> String {

@@ -3,8 +3,7 @@
 //! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte of a row says from which camera, frame
 //! and row it is, so that a row of another frame cannot go unnoticed. What is injected is counted where it is injected.
 
-mod support;
-
+use crate::support::random::Random;
 use core::cell::RefCell;
 use linestereo::{Dims, Eye, HealthFlags, RowError};
 use linestereo_firmware::boards::mps2_an386::Workspace;
@@ -15,7 +14,6 @@ use linestereo_firmware::ports::{CapturedPair, PairSource};
 use linestereo_firmware::watch::Watch;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
-use support::random::Random;
 
 const ROWS: u32 = 12;
 const WIDTH: u16 = 16;

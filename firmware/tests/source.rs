@@ -1,7 +1,6 @@
 //! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows come; and what happens when they fail.
 
-mod support;
-
+use crate::support::sensor::Fake;
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
@@ -17,7 +16,6 @@ use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::PairSource;
 use std::collections::VecDeque;
 use std::rc::Rc;
-use support::sensor::Fake;
 
 const DIMS: Dims = Dims { width: 64, height: 48 };
 const LIMITS: Limits = Limits { rows: 48, row_bytes: 64, row_gap_us: 200, silence_us: 20_000, pair_us: 500 };

@@ -1,7 +1,6 @@
 //! A pair of sensors at work, from the first start to failures in the middle of a flight; and what the host is told of losses.
 
-mod support;
-
+use crate::support::sensor::Fake;
 use core::cell::RefCell;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
@@ -15,7 +14,6 @@ use linestereo_firmware::programs::live::{Live, Painter, Turn};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
 use std::rc::Rc;
-use support::sensor::Fake;
 
 const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
 const AGC_GAIN_OUTPUT: u16 = 0xba;

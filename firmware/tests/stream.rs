@@ -3,8 +3,7 @@
 //! The fake moves bytes, not rows: its DMA knows only a place in a ring, its interrupts are flags that stay set until somebody looks, however
 //! late. Every byte says from which camera, frame and row it is.
 
-mod support;
-
+use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
 use linestereo::{Dims, Eye, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
@@ -15,7 +14,6 @@ use linestereo_firmware::ports::PairSource;
 use linestereo_firmware::watch::Watch;
 use std::collections::VecDeque;
 use std::rc::Rc;
-use support::random::Random;
 
 const ROWS: u32 = 24;
 const WIDTH: u16 = 16;

@@ -5,6 +5,7 @@ use linestereo::{
     Output, ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words,
     row_bytes,
 };
+pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};
 
 /// Most segments listed per frame on a PC.
@@ -15,22 +16,6 @@ pub const MAX_POINTS: usize = 131_072;
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 
 type PcScratch = Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, MAX_MATCHES, MAX_MATCHES>;
-
-/// An owned 8-bit grey image without padding.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GrayImage {
-    /// Width and height.
-    pub dims: Dims,
-    /// Row-major pixels.
-    pub pixels: Vec<u8>,
-}
-
-impl GrayImage {
-    /// The core's view of it; the core's limits of size apply.
-    pub fn view(&self) -> Result<Gray<'_>, linestereo::ViewError> {
-        Gray::new(&self.pixels, self.dims, usize::from(self.dims.width))
-    }
-}
 
 /// Result of one pair, owned.
 #[derive(Clone, Debug)]
@@ -48,6 +33,12 @@ pub struct FrameResult {
 }
 
 impl FrameResult {
+    /// Points of another method, without segments: what the scores of the core are computed from.
+    #[must_use]
+    pub fn of_points(points: Vec<PointClaim>) -> Self {
+        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
+    }
+
     /// The same; without its points if asked. The counts stay.
     #[must_use]
     pub fn without_points(&self, without: bool) -> Self {

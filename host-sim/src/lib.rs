@@ -1,6 +1,5 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
 
-pub mod baselines;
 pub mod board;
 pub mod calibration;
 pub mod commands;

@@ -1,11 +1,9 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
-mod support;
-
+use crate::support::{linestereo, stderr};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use support::{linestereo, stderr};
 
 fn calibrate(folder: &Path, args: &[&str]) -> Output {
     linestereo(folder, &[&["calibrate"], args].concat())

@@ -1,14 +1,12 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
 
-mod support;
-
+use crate::support::{linestereo, stderr, stdout};
 use linestereo::Dims;
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use support::{linestereo, stderr, stdout};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 

@@ -1,11 +1,9 @@
 //! `linestereo compare` as a user calls it.
 
-mod support;
-
+use crate::support::{refused, succeed};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use support::{refused, succeed};
 
 /// Two scenes with truth.
 fn scenes(folder: &Path) {

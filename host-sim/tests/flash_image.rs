@@ -1,11 +1,9 @@
 //! `linestereo flash-image` as a user types it.
 
-mod support;
-
+use crate::support::{refused, succeed};
 use linestereo::{Dims, View};
 use linestereo_wire::RigImage;
 use std::fs;
-use support::{refused, succeed};
 use tempfile::TempDir;
 
 const RIG: &str = "\

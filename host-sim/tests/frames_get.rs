@@ -1,13 +1,10 @@
 //! `frames get` where packages cannot be brought: what it says, and what works without a network.
-#![cfg(unix)]
 
-mod support;
-
+use crate::support::{refused, stderr};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
-use support::{refused, stderr};
 use tempfile::TempDir;
 
 /// `frames get` on a machine that has these programs alone.

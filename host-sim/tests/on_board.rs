@@ -1,11 +1,9 @@
 //! `run --on` and `eval --on`, as a user types them.
 
-mod support;
-
+use crate::support::{linestereo, stdout};
 use linestereo_sim::board::{Board, qemu, toolchain::Toolchain};
 use std::io::Write;
 use std::process::Output;
-use support::{linestereo, stdout};
 use tempfile::TempDir;
 
 fn refused(output: &Output) -> String {

@@ -1,13 +1,11 @@
 //! `linestereo photograph` as a user types it, with boards behind a connection.
 
-mod support;
-
+use crate::support::{linestereo, refused};
 use linestereo_wire::*;
 use std::fs;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread::{self, JoinHandle};
-use support::{linestereo, refused};
 use tempfile::TempDir;
 
 const SIZE: [u16; 2] = [40, 30];

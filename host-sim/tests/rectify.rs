@@ -1,10 +1,8 @@
 //! `linestereo rectify` and `run --rig` as a user types them.
 
-mod support;
-
+use crate::support::{refused, succeed};
 use std::fs;
 use std::path::Path;
-use support::{refused, succeed};
 use tempfile::TempDir;
 
 /// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6 px.

@@ -1,10 +1,8 @@
 //! `linestereo convert-rig` and `plan-rig` as a user types them.
 
-mod support;
-
+use crate::support::{refused, succeed};
 use serde_json::Value;
 use std::fs;
-use support::{refused, succeed};
 use tempfile::TempDir;
 
 const RIG: &str = "\

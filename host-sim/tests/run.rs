@@ -1,10 +1,8 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
-mod support;
-
+use crate::support::{linestereo, succeed};
 use serde_json::Value;
 use std::fs;
-use support::{linestereo, succeed};
 use tempfile::TempDir;
 
 /// A folder with the scene `cards` in it.

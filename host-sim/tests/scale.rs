@@ -1,9 +1,7 @@
 //! Evaluation in parts and on several threads: the same bytes as at once, and clear words where parts do not fit.
 
-mod support;
-
+use crate::support::{linestereo, refused, stdout, succeed};
 use std::fs;
-use support::{linestereo, refused, stdout, succeed};
 use tempfile::TempDir;
 
 /// Five scenes in two folders, and a pair without truth.

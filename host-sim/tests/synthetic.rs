@@ -1,9 +1,7 @@
 //! The commands around synthetic scenes, as a user types them.
 
-mod support;
-
+use crate::support::{linestereo, stdout};
 use std::fs;
-use support::{linestereo, stdout};
 use tempfile::TempDir;
 
 /// Fails with exit code 2 and one line on stderr, and leaves nothing behind.

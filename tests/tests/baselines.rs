@@ -1,12 +1,12 @@
 //! The classic methods: every cost against an oracle, sliding sums against plain ones, methods and after-steps on drawn pairs.
 
 use linestereo::Dims;
-use linestereo_sim::baselines::{
+use linestereo_baselines::{
     Acceptance, AfterStep, BlockMatcher, CostKind, DisparityMap, Fraction, Method, Minimum, PushbroomMatcher,
     ScanLineMatcher, Search, Shape, SparseBlockMatcher, StereoBm, StereoBmError, Window, descend, fill_from_neighbours,
     fill_surfaces, for_each_row, median, remove_speckles,
 };
-use linestereo_sim::engine::GrayImage;
+use linestereo_sim::engine::{FrameResult, GrayImage};
 use linestereo_sim::evaluate::{FrameScore, Summary};
 use linestereo_sim::frames::Truth;
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -461,7 +461,7 @@ fn maps_are_scored_like_the_core() {
     let truth = &Truth::new(dims, pair.disparity.clone(), pair.visible.clone());
     let range = scene::search_range(&pair);
     let map = Method::named("sgm8").unwrap().run(&pair.left, &pair.right, range);
-    let summary = Summary::pool([&FrameScore::new("boxes", truth, &map.to_result())]);
+    let summary = Summary::pool([&FrameScore::new("boxes", truth, &FrameResult::of_points(map.points()))]);
     assert_eq!(summary.all.points_per_frame, map.count() as f64);
     assert!(summary.all.errors.vis_bad1.unwrap() < 10.0, "{:?}", summary.all);
 }

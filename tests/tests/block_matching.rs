@@ -1,10 +1,10 @@
 //! The board's block matchers: OpenCV's numbers, naive windows, and kernels of every length.
 
 use linestereo::Dims;
+use linestereo_baselines::{DisparityMap, Search, StereoBm};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
-use linestereo_sim::baselines::{DisparityMap, Search, StereoBm};
 use linestereo_sim::compare::{MethodScore, comparison_table, summarise};
-use linestereo_sim::engine::GrayImage;
+use linestereo_sim::engine::{FrameResult, GrayImage};
 use linestereo_sim::evaluate::FrameScore;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;
@@ -179,7 +179,8 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
         let of = |&(name, run, settings): &(&str, Run, Settings)| {
             let values = run(&pair, &settings);
             let known = |d: i16| if d == NO_DISPARITY { f32::NAN } else { f32::from(d) / 16.0 };
-            let result = DisparityMap::of_values(pair.0.dims, values.into_iter().map(known)).to_result();
+            let result =
+                FrameResult::of_points(DisparityMap::of_values(pair.0.dims, values.into_iter().map(known)).points());
             let score = FrameScore::new(&scene.name, &truth, &result);
             MethodScore { method: name.to_owned(), score, objects: Vec::new(), result: None }
         };

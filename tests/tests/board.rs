@@ -49,9 +49,10 @@ fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
         let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
         let elf = firmware::build(&toolchain, &board, "selftest", Logs::Semihosting).unwrap();
         let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
-        let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
+        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
+        let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
-        assert_eq!(ended.log.len(), Case::all(&board).count(), "{:?}", ended.log);
+        assert_eq!(log.len(), Case::all(&board).count(), "{log:?}");
     }
 }
 
@@ -89,15 +90,17 @@ fn every_kernel_equals_the_portable_one_between_fences() {
         let elf = firmware::build(&toolchain, &board, "kernels", Logs::Semihosting).unwrap();
         let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
         let Some(ended) = run(&[]) else { return };
-        let different: Vec<_> = ended.log.iter().filter(|line| line.level != "INFO").collect();
+        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
+        let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
-        assert_eq!(ended.log.len(), Kernels::COUNT, "{:?}", ended.log);
+        assert_eq!(log.len(), Kernels::COUNT, "{log:?}");
 
         // Controls: kernels that give other bits are all found; one that reads a byte too far is stopped.
         let Some(ended) = run(&["wrong"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
-        let found = ended.log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
-        assert_eq!(found.count(), Kernels::COUNT, "{:?}", ended.log);
+        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
+        let found = log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
+        assert_eq!(found.count(), Kernels::COUNT, "{log:?}");
         let Some(ended) = run(&["beyond"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
         assert!(ended.errors.contains("fault: pc ") && ended.errors.contains(" address "), "{}", ended.errors);

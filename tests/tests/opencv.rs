@@ -3,7 +3,7 @@
 //! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else `python3`).
 
 use linestereo::Dims;
-use linestereo_sim::baselines::{Search, StereoBm};
+use linestereo_baselines::{Search, StereoBm};
 use linestereo_sim::compare::OpenCv;
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};

@@ -1,9 +1,7 @@
 //! Damaged records: every one is named and counted, none becomes another record, and the next good one is received.
 
-mod support;
-
+use crate::support::*;
 use linestereo_wire::*;
-use support::*;
 
 /// A packet of three segments, another, and what the decoder must not take them for.
 fn example() -> (Message, Message, Vec<u8>, Vec<u8>) {

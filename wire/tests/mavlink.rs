@@ -1,7 +1,6 @@
 //! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how many of them a serial line carries.
 
-mod support;
-
+use crate::support::Random;
 use linestereo::{Dims, HealthFlags, ObstacleParams, ObstaclePlan, Obstacles, Params, Rig};
 use linestereo_wire::mavlink::{
     AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace, Policy,
@@ -9,7 +8,6 @@ use linestereo_wire::mavlink::{
 };
 use mavlink::dialects::common as theirs;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _, MessageData};
-use support::Random;
 
 /// One of our frames.
 fn ours<M: Mavlink>(sender: Sender, message: &M) -> Vec<u8> {

@@ -1,10 +1,8 @@
 //! Undamaged records: what is sent is what arrives, in packets of the promised size and these very bytes.
 
-mod support;
-
+use crate::support::*;
 use linestereo::{Dims, HealthFlags, Margin, Params, Rejection, Rig};
 use linestereo_wire::*;
-use support::*;
 
 #[test]
 fn every_record_comes_back() {

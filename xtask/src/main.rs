@@ -20,6 +20,7 @@ use linestereo_sim::board::{self, Board};
 use linestereo_sim::report::browser::Browser;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 
 /// Longest run of one program.
 const LIMIT: Duration = Duration::from_secs(300);
@@ -90,7 +91,11 @@ enum Command {
         #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
         features: Vec<String>,
     },
-    /// Have clippy read the firmware as each board builds it, with logs and without; warnings are errors.
+    /// Build what tests, measure and footprint run or read: a call of cargo for each board, with logs and without.
+    ///
+    /// They build it by themselves where it is missing, a program at a time.
+    Images(Boards),
+    /// Have clippy read the firmware as each board builds it, with logs, and one board without; warnings are errors.
     Lint(Boards),
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
     ///
@@ -172,6 +177,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Setup => setup(),
         Command::Build { boards, program, no_logs, features } => build(&boards, program.as_deref(), no_logs, &features),
+        Command::Images(boards) => boards.all()?.iter().try_for_each(images),
         Command::Lint(boards) => lint(&boards.all()?),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
@@ -195,6 +201,14 @@ fn execute(command: Command) -> Result<()> {
 
 fn setup() -> Result<()> {
     let top = board::top()?;
+    let mut targets = Board::ALL.map(|board| board.target).to_vec();
+    targets.sort_unstable();
+    targets.dedup();
+    // Side by side: each is mostly the work of one core.
+    std::thread::scope(|scope| {
+        let made: Vec<_> = targets.iter().map(|target| scope.spawn(|| Toolchain::for_target(target))).collect();
+        made.into_iter().try_for_each(|made| made.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?.map(drop))
+    })?;
     for board in Board::ALL {
         let toolchain = Toolchain::for_board(&board)?;
         println!("{}: compiler for {}, by {}: {}", board.name, board.target, toolchain.way, toolchain.version(&top)?);
@@ -215,10 +229,10 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
     let boards = if boards.board.is_some() { boards.all()? } else { boards.list()? };
     for board in boards {
         let programs = program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
+        let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
         let toolchain = Toolchain::for_board(&board)?;
-        for program in &programs {
-            let logs = if no_logs { Logs::None } else { Logs::of(&board) };
-            let elf = firmware::build_with(&toolchain, &board, program, logs, features)?;
+        let logs = if no_logs { Logs::None } else { Logs::of(&board) };
+        for elf in firmware::build_all(&toolchain, &board, &programs, logs, features)? {
             let found = sizes::read(&elf)?;
             let ram = found.static_ram() + found.stack;
             println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
@@ -227,13 +241,29 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
     Ok(())
 }
 
+/// Builds the programs of a board that tests, `measure` and `footprint` use.
+fn images(board: &Board) -> Result<()> {
+    let toolchain = Toolchain::for_board(board)?;
+    let build = |programs: &[&str], logs| {
+        let started = Instant::now();
+        firmware::build_all(&toolchain, board, programs, logs, &[])?;
+        println!("{:14} {:4.0} s  {}", board.name, started.elapsed().as_secs_f64(), programs.join(" "));
+        Ok(())
+    };
+    if !board.is_emulated() {
+        return build(&["live"], Logs::None);
+    }
+    build(&["kernels", "selftest"], Logs::Semihosting)?;
+    let measured: &[&str] = if Board::MEASURED.contains(board) { &["pixels", "rectify"] } else { &[] };
+    build(&[&["bench", "faults", "live", "replay"], measured].concat(), Logs::None)
+}
+
 fn lint(boards: &[Board]) -> Result<()> {
-    for board in boards {
-        println!("clippy: {}", board.name);
-        let (toolchain, programs) = (Toolchain::for_board(board)?, programs(board)?);
-        for logs in [Logs::None, Logs::of(board)] {
-            firmware::lint(&toolchain, board, &programs, logs)?;
-        }
+    // With and without logs differ in two macros alone, which use their values either way: one board without them stands for all.
+    let without = boards.iter().take(1).map(|board| (board, Logs::None));
+    for (board, logs) in boards.iter().map(|board| (board, Logs::of(board))).chain(without) {
+        println!("clippy: {}{}", board.name, if logs == Logs::None { " without logs" } else { "" });
+        firmware::lint(&Toolchain::for_board(board)?, board, &programs(board)?, logs)?;
     }
     Ok(())
 }
@@ -261,7 +291,7 @@ fn run_program(board: &Board, program: &str, arguments: &[&str]) -> Result<Ended
     let toolchain = Toolchain::for_board(board)?;
     let elf = firmware::build(&toolchain, board, program, Logs::Semihosting)?;
     let ended = qemu::run(board, &elf, arguments, &std::env::current_dir()?, LIMIT)?;
-    for line in &ended.log {
+    for line in linestereo_firmware_log::decode(&elf, &ended.log)? {
         println!("{:5} {}", line.level, line.text);
     }
     eprint!("{}", ended.errors);

@@ -6,7 +6,7 @@
 //!                                    lib/rustlib/<target>/lib        core and alloc, one such folder per target
 //! ```
 //!
-//! Each part is made beside it and renamed into place, under a lock: what is there is whole.
+//! Each part is made beside it and renamed into place, under a lock of its own: what is there is whole, and targets are made side by side.
 
 use super::toolchain::{Toolchain, sysroot};
 use super::{packages, process};
@@ -43,7 +43,7 @@ pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
     let cache = cache()?;
     fs::create_dir_all(&cache).with_context(|| format!("cannot make {}", cache.display()))?;
     let folder = cache.join(format!("rustc-{version}"));
-    // Tests run side by side: one builds, the others wait for it.
+    // Tests run side by side: one makes a part, the others wait for it.
     let lock = fs::File::create(cache.join("lock"))?;
     lock.lock()?;
     if !folder.is_dir() {
@@ -51,7 +51,10 @@ pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
         assemble(unfinished.path(), &folder, &linker)?;
         fs::rename(unfinished.keep(), &folder)?;
     }
+    drop(lock);
     let libraries = folder.join("lib/rustlib").join(target);
+    let lock = fs::File::create(cache.join(format!("lock-{target}")))?;
+    lock.lock()?;
     if !libraries.is_dir() {
         eprintln!("building core for {target} once, about a minute, into {}", libraries.display());
         let unfinished = tempfile::tempdir_in(&cache)?;

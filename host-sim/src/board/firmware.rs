@@ -4,11 +4,15 @@ use super::toolchain::Toolchain;
 use super::{Board, process, top};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 const LIMIT: Duration = Duration::from_secs(900);
+/// Of boards alone, in the workspace's `Cargo.toml`.
+const PROFILE: &str = "board";
 
 /// Where a program's logs go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,40 +33,50 @@ impl Logs {
     }
 }
 
-/// Builds a program for a board in release and returns the path of its ELF file.
-///
-/// Side by side calls wait for each other: a build leaves its file at one place for all boards, from where it is copied.
+/// Builds a program for a board as it is flashed and returns the path of its ELF file.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
-    build_with(toolchain, board, program, logs, &[])
+    let mut built = build_all(toolchain, board, &[program], logs, &[])?;
+    built.pop().with_context(|| format!("{program} was not built"))
 }
 
-/// The same with more features of the firmware.
-pub fn build_with(
+/// The same of several programs in one call of cargo, with more features of the firmware; their paths are in the order of their names.
+///
+/// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo leaves a
+/// program's file at one place for all boards, from where it is copied. What this process has built before is not looked at again.
+pub fn build_all(
     toolchain: &Toolchain,
     board: &Board,
-    program: &str,
+    programs: &[&str],
     logs: Logs,
     features: &[String],
-) -> Result<PathBuf> {
+) -> Result<Vec<PathBuf>> {
+    static BUILT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let target = target_folder(toolchain)?;
     let kind = if logs == Logs::None { "no-logs" } else { "logs" };
     let kind = [&[kind.to_owned()], features].concat().join("-");
     let folder = target.join(board.name).join(kind);
+    let elfs: Vec<PathBuf> = programs.iter().map(|program| folder.join(program)).collect();
+    if elfs.iter().all(|elf| built.contains(elf)) {
+        return Ok(elfs);
+    }
     fs::create_dir_all(&folder)?;
     let lock = fs::File::create(target.join("lock"))?;
     lock.lock()?;
     let mut command = toolchain.cargo();
     command.arg("build");
     finish(&mut command, &target, board, logs, features)?;
-    command.args(["--bin", program]);
-    run(&mut command, &format!("cannot build {program} for {}", board.name))?;
-    let elf = folder.join(program);
-    // Renamed into place: another call may be running the one before it.
-    let copy = tempfile::NamedTempFile::new_in(&folder)?;
-    fs::copy(target.join(board.target).join("release").join(program), copy.path())
-        .with_context(|| format!("cannot write {}", elf.display()))?;
-    copy.persist(&elf)?;
-    Ok(elf)
+    command.args(programs.iter().flat_map(|program| ["--bin", program]));
+    run(&mut command, &format!("cannot build {} for {}", programs.join(", "), board.name))?;
+    for (program, elf) in programs.iter().zip(&elfs) {
+        // Renamed into place: another process may be running the one before it.
+        let copy = tempfile::NamedTempFile::new_in(&folder)?;
+        fs::copy(target.join(board.target).join(PROFILE).join(program), copy.path())
+            .with_context(|| format!("cannot write {}", elf.display()))?;
+        copy.persist(elf)?;
+        built.insert(elf.clone());
+    }
+    Ok(elfs)
 }
 
 /// Has clippy read the library and these programs as a board builds them: much of both is for boards only, and nothing on a PC sees it.
@@ -96,7 +110,7 @@ fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs, featu
         [board.name].into_iter().chain(logs.iter().copied()).chain(features.iter().map(String::as_str)).collect();
     command
         .current_dir(top()?)
-        .args(["--quiet", "--release", "--locked", "-p", "linestereo-firmware", "--no-default-features"])
+        .args(["--quiet", "--profile", PROFILE, "--locked", "-p", "linestereo-firmware", "--no-default-features"])
         .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
         .arg(target)
         .env("DEFMT_LOG", "info"); // at build time, or nothing is logged

@@ -3,14 +3,12 @@
 //! ```text
 //! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian, packages)
 //! firmware    a program of the firmware package as an ELF file
-//! qemu        a run of it: files in a folder, log lines, exit code
-//! log         defmt frames -> text
+//! qemu        a run of it: files in a folder, log, exit code
 //! pairs       pairs to the program replay, results back
 //! ```
 
 mod debian;
 pub mod firmware;
-pub mod log;
 pub(crate) mod packages;
 mod pairs;
 pub(crate) mod process;

@@ -2,7 +2,7 @@
 //!
 //! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and every run is the same.
 
-use super::{Board, log, packages, process};
+use super::{Board, packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo_firmware::boards::Device;
@@ -20,8 +20,8 @@ fn package(program: &str) -> &str {
 pub struct Ended {
     /// The way, `None` for an exit code that no program gives.
     pub exit: Option<Exit>,
-    /// Its log lines.
-    pub log: Vec<log::Line>,
+    /// What it wrote to its log: `defmt` frames, which `linestereo-firmware-log` decodes.
+    pub log: Vec<u8>,
     /// What it or QEMU wrote to the error output: reports of faults.
     pub errors: String,
 }
@@ -78,7 +78,7 @@ pub fn run(board: &Board, elf: &Path, arguments: &[&str], folder: &Path, limit: 
     let code = outcome.status.code().and_then(|code| u32::try_from(code).ok());
     Ok(Ended {
         exit: Exit::ALL.into_iter().find(|&exit| Some(exit as u32) == code),
-        log: log::decode(elf, &outcome.stdout)?,
+        log: outcome.stdout,
         errors: outcome.stderr,
     })
 }

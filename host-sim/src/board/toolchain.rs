@@ -32,7 +32,12 @@ pub struct Toolchain {
 impl Toolchain {
     /// Finds or makes one that builds for this board.
     pub fn for_board(board: &Board) -> Result<Self> {
-        Self::find(&top()?, board.target)
+        Self::for_target(board.target)
+    }
+
+    /// Finds or makes one that builds for this target.
+    pub fn for_target(target: &str) -> Result<Self> {
+        Self::find(&top()?, target)
     }
 
     /// Finds or makes one that builds for this target. `top` is the top of the repository, whose `rust-toolchain.toml` counts.

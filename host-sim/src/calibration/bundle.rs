@@ -18,8 +18,7 @@
 
 use super::model::{FY, Intrinsics, NUMBERS, Pose};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Vector3};
-use nalgebra_solver as solver;
+use nalgebra::{DMatrix, DVector, Dyn, U1, VecStorage, Vector3};
 
 /// Numbers of a pose.
 const POSE: usize = 6;
@@ -261,27 +260,25 @@ impl Problem {
     }
 }
 
-impl LeastSquaresProblem<f64, solver::Dyn, solver::Dyn> for Problem {
-    type ResidualStorage = solver::VecStorage<f64, solver::Dyn, solver::U1>;
-    type JacobianStorage = solver::VecStorage<f64, solver::Dyn, solver::Dyn>;
-    type ParameterStorage = solver::VecStorage<f64, solver::Dyn, solver::U1>;
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
+    type ResidualStorage = VecStorage<f64, Dyn, U1>;
+    type JacobianStorage = VecStorage<f64, Dyn, Dyn>;
+    type ParameterStorage = VecStorage<f64, Dyn, U1>;
 
-    fn set_params(&mut self, numbers: &solver::DVector<f64>) {
+    fn set_params(&mut self, numbers: &DVector<f64>) {
         self.bundle.set_numbers(numbers.as_slice());
         self.rows = self.bundle.linearised();
     }
 
-    fn params(&self) -> solver::DVector<f64> {
-        solver::DVector::from_vec(self.bundle.numbers())
+    fn params(&self) -> DVector<f64> {
+        DVector::from_vec(self.bundle.numbers())
     }
 
-    fn residuals(&self) -> Option<solver::DVector<f64>> {
-        let error = &self.rows.error;
-        error.iter().all(|e| e.is_finite()).then(|| solver::DVector::from_column_slice(error.as_slice()))
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.rows.error.iter().all(|e| e.is_finite()).then(|| self.rows.error.clone())
     }
 
-    fn jacobian(&self) -> Option<solver::DMatrix<f64>> {
-        let jacobian = &self.rows.jacobian;
-        Some(solver::DMatrix::from_column_slice(jacobian.nrows(), jacobian.ncols(), jacobian.as_slice()))
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        Some(self.rows.jacobian.clone())
     }
 }

@@ -3,7 +3,6 @@
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
 use super::{engine_with, print};
-use crate::baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
 use crate::compare::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, compare_scene, comparison_table, object_comparison, summarise,
     time_scene,
@@ -14,6 +13,7 @@ use crate::evaluate::{ShardFile, ShardHead, for_each_pair, progress_bar};
 use crate::frames::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
+use linestereo_baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -12,7 +12,6 @@ mod table;
 pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE};
 pub use table::{comparison_table, object_comparison};
 
-use crate::baselines::{DisparityMap, Method, Search};
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases, score_objects,
@@ -22,6 +21,7 @@ use crate::outline::Mask;
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::{Disparity, NoDepth, ObjectDepth};
+use linestereo_baselines::{DisparityMap, Method, Search};
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.
@@ -118,7 +118,8 @@ pub fn compare_scene(
         let score = FrameScore::new(&scene.name, &truth, &result);
         MethodScore { method: method.to_owned(), score, objects, result: Some(result) }
     };
-    let of_map = |name: &str, map: &DisparityMap| score(name, map.to_result(), objects_of(map, &cases));
+    let of_map =
+        |name: &str, map: &DisparityMap| score(name, FrameResult::of_points(map.points()), objects_of(map, &cases));
     let mut scores = Vec::new();
     for contender in contenders {
         scores.push(match contender {

@@ -1,8 +1,8 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
 
-use crate::baselines::{DisparityMap, Search};
 use crate::engine::GrayImage;
 use core::fmt;
+use linestereo_baselines::{DisparityMap, Search};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -16,12 +16,12 @@
 //!
 //! # Source
 //! PFM: Debevec's Portable FloatMap as the Middlebury benchmark uses it (`vision.middlebury.edu/stereo/submit3/upload-format.html`: only the
-//! sign of the scale counts, rows from below, infinity = unknown). NPY: NumPy enhancement proposal 1, by the crate `npyz`.
+//! sign of the scale counts, rows from below, infinity = unknown). NPY and NPZ: [`numpy`](super::numpy).
 
 use super::FrameError;
+use super::numpy::array;
 use core::fmt;
 use linestereo::Dims;
-use npyz::{DType, NpyFile, Order, TypeChar};
 use std::fs;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -35,8 +35,6 @@ const ARRAY_NAMES: [&str; 4] = ["disp", "disparity", "gt", "arr_0"];
 const PLAUSIBLE_PX: core::ops::Range<f32> = 1e-4..1e5;
 /// Larger arrays are no images.
 const MAX_ARRAY_BYTES: u64 = 1 << 30;
-/// Longer headers are no plain array's; NumPy itself reads no longer ones.
-const MAX_HEADER_BYTES: usize = 10_000;
 
 /// What is wrong with a file of disparities.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -190,82 +188,6 @@ fn zipped(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let mut array_bytes = Vec::new();
     member.by_ref().take(MAX_ARRAY_BYTES).read_to_end(&mut array_bytes).map_err(|error| broken(&error))?;
     array(&array_bytes)
-}
-
-fn array(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
-    let broken = |error: std::io::Error| DisparityFault::Array(error.to_string());
-    check_header(bytes)?;
-    let file = NpyFile::new(bytes).map_err(broken)?;
-    let shape = || DisparityFault::Shape(file.shape().to_vec());
-    let sides: Vec<u64> = match file.shape() {
-        [_, _] => file.shape().to_vec(),
-        [_, _, _] => file.shape().iter().copied().filter(|&side| side != 1).collect(),
-        _ => return Err(shape()),
-    };
-    let side = |side: u64| u16::try_from(side).ok().filter(|&side| side > 0);
-    let [Some(height), Some(width)] = <[u64; 2]>::try_from(sides).map_err(|_| shape())?.map(side) else {
-        return Err(shape());
-    };
-    let by_columns = file.order() == Order::Fortran;
-    let values = elements(file, bytes.len() as u64)?;
-    let (width_px, height_px) = (usize::from(width), usize::from(height));
-    let values = if by_columns {
-        (0..width_px * height_px).map(|i| values[i % width_px * height_px + i / width_px]).collect()
-    } else {
-        values
-    };
-    Ok((Dims { width, height }, values))
-}
-
-/// Refuses headers that a library may take memory for, or compute with, before it knows that the file is too short for them.
-fn check_header(bytes: &[u8]) -> Result<(), DisparityFault> {
-    // Version 1 has two bytes for the length of its header, the others four.
-    let length = match bytes.get(6..12) {
-        Some([1, _, low, high, ..]) => usize::from(u16::from_le_bytes([*low, *high])),
-        Some([_, _, length @ ..]) => length.iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
-        _ => return Err(DisparityFault::Array("its header is cut off".to_owned())),
-    };
-    if length > MAX_HEADER_BYTES {
-        return Err(DisparityFault::Array(format!("its header has {length} bytes")));
-    }
-    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(12 + length)]);
-    let list = text.split_once("shape").and_then(|(_, rest)| rest.split_once(['(', '['])?.1.split([')', ']']).next());
-    let numbers = list.into_iter().flat_map(|list| list.split(',')).map(str::trim).filter(|number| !number.is_empty());
-    let sides: Vec<u64> = numbers.map(|number| number.parse().unwrap_or(u64::MAX)).collect();
-    if sides.len() > 3 || sides.iter().any(|&side| side > u64::from(u16::MAX)) {
-        return Err(DisparityFault::Shape(sides));
-    }
-    Ok(())
-}
-
-/// Every number of an array as a float, if a file of so many bytes can hold them.
-fn elements(file: NpyFile<&[u8]>, file_bytes: u64) -> Result<Vec<f32>, DisparityFault> {
-    let DType::Plain(kind) = file.dtype() else { return Err(DisparityFault::ElementType(file.dtype().descr())) };
-    let size = kind.size_field();
-    let needed = file.len().saturating_mul(size);
-    if needed > file_bytes {
-        return Err(DisparityFault::Truncated { needed, found: file_bytes });
-    }
-    macro_rules! read {
-        ($number:ty) => {
-            file.into_vec::<$number>().map(|values| values.into_iter().map(|value| value as f32).collect())
-        };
-    }
-    let found = match (kind.type_char(), size) {
-        (TypeChar::Float, 4) => read!(f32),
-        (TypeChar::Float, 8) => read!(f64),
-        (TypeChar::Uint, 1) => read!(u8),
-        (TypeChar::Uint, 2) => read!(u16),
-        (TypeChar::Uint, 4) => read!(u32),
-        (TypeChar::Int, 2) => read!(i16),
-        (TypeChar::Int, 4) => read!(i32),
-        (TypeChar::Int, 8) => read!(i64),
-        _ => return Err(DisparityFault::ElementType(kind.to_string())),
-    };
-    found.map_err(|error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::UnexpectedEof => DisparityFault::Truncated { needed, found: file_bytes },
-        _ => DisparityFault::Array(error.to_string()),
-    })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod decode;
 mod disparity_file;
 mod layouts;
+mod numpy;
 mod perturb;
 pub mod registry;
 mod resample;

@@ -1,5 +1,4 @@
 //! The program as a user calls it, for every test of the command line.
-#![allow(dead_code, reason = "each test of the command line uses some of it")]
 
 use std::path::Path;
 use std::process::{Command, Output};

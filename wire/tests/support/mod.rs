@@ -1,5 +1,4 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
-#![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its part")]
 
 use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, Match, Owner, Point, Position, Techniques};
 use linestereo_wire::*;

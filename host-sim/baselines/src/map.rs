@@ -1,8 +1,6 @@
 //! What every baseline gives: a disparity and a confidence per pixel, or none.
 
-use crate::engine::FrameResult;
 use linestereo::{Confidence, Dims, Disparity, PointClaim};
-use linestereo_wire::{Counts, Health};
 
 /// Disparities of the left image's pixels.
 #[derive(Clone, Debug)]
@@ -89,9 +87,9 @@ impl DisparityMap {
         self.occluded[index] = true;
     }
 
-    /// The map as a result of the core: a point per pixel, no segments. Disparities are rounded to 1/64 px.
+    /// The map as points of the core, one per known pixel. Disparities are rounded to 1/64 px.
     #[must_use]
-    pub fn to_result(&self) -> FrameResult {
+    pub fn points(&self) -> Vec<PointClaim> {
         let width = usize::from(self.dims.width);
         let known = self.disparity.iter().enumerate().filter(|(_, d)| d.is_finite());
         let points = known.map(|(index, &disparity)| PointClaim {
@@ -101,13 +99,7 @@ impl DisparityMap {
             confidence: Confidence::saturating_from_num(self.confidence[index]),
             source: None,
         });
-        FrameResult {
-            matches: Vec::new(),
-            points: points.collect(),
-            counts: Counts::default(),
-            health: Health::GOOD,
-            pair: None,
-        }
+        points.collect()
     }
 
     fn index(&self, x: usize, y: usize) -> usize {

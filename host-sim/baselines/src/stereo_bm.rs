@@ -23,7 +23,7 @@
 use super::map::DisparityMap;
 use super::sums::Search;
 use super::window::Window;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 use core::fmt;
 
 /// Largest sum of a window.

@@ -20,7 +20,7 @@ mod transform;
 
 use super::sums::Search;
 use super::window::Window;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 use correlation::{Correlation, NormalisedAbsolute};
 use transform::{census_codes, gradients, ranks};
 

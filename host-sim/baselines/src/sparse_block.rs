@@ -20,7 +20,7 @@
 use super::curve::{Fraction, Minimum};
 use super::map::DisparityMap;
 use super::sums::Search;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 
 /// Half the side of the window.
 const HALF: usize = 2;

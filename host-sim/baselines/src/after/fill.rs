@@ -1,7 +1,7 @@
 //! Gaps: values for pixels that matching has left without one. They are guesses, and have confidence 0.
 
 use super::speckle::neighbours;
-use crate::baselines::map::DisparityMap;
+use crate::map::DisparityMap;
 
 /// Each gap of a row takes the farther (smaller) of the disparities at its two ends: what is hidden belongs to the surface behind.
 /// A gap at the border of the image takes the one end that there is; a row without any disparity stays empty.

@@ -5,7 +5,7 @@ use super::curve::Acceptance;
 use super::map::DisparityMap;
 use super::sums::{Search, for_each_row};
 use super::window::Window;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 
 /// Every pixel by the lowest cost of the window around it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,9 +7,9 @@
 //! `n sum LR` stays below 2^53 for windows of less than 2^37 / 2^16 pixels: it is exact in double precision.
 
 use super::{Cost, mirrored};
-use crate::baselines::sums::Search;
-use crate::baselines::window::{Part, Window};
-use crate::engine::GrayImage;
+use crate::GrayImage;
+use crate::sums::Search;
+use crate::window::{Part, Window};
 
 /// Cost of `1 - NCC = 1`.
 const ONE: f64 = 32_768.0;

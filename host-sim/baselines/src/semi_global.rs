@@ -23,7 +23,7 @@ use super::curve::Acceptance;
 use super::map::DisparityMap;
 use super::sums::{CurveRow, Search, for_each_row};
 use super::window::Window;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 use linestereo::Dims;
 
 /// A window's cost never counts more.

@@ -17,7 +17,7 @@
 //! horizontal lines moves the block in the same way.
 
 use super::map::DisparityMap;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 
 /// The matcher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

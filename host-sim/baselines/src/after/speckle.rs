@@ -1,6 +1,6 @@
 //! Speckles: small patches of disparities that agree with nothing around them.
 
-use crate::baselines::map::DisparityMap;
+use crate::map::DisparityMap;
 
 /// Takes away every patch of at most `largest` px; a patch goes on where neighbours along the axes differ by at most `difference` px.
 pub fn remove_speckles(map: &mut DisparityMap, largest: usize, difference: f32) {

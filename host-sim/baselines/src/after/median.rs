@@ -1,6 +1,6 @@
 //! The median of a square: single wrong values go, edges stay.
 
-use crate::baselines::map::DisparityMap;
+use crate::map::DisparityMap;
 
 /// Every disparity becomes the median of those known within `half` px along both axes. Gaps stay gaps.
 pub fn median(map: &mut DisparityMap, half: usize) {

@@ -25,7 +25,7 @@ use super::curve::{Fraction, Minimum};
 use super::map::DisparityMap;
 use super::sums::{CurveRow, Search, for_each_row};
 use super::window::Window;
-use crate::engine::GrayImage;
+use crate::GrayImage;
 
 /// Costs of windows are scaled so that this is their mean over a row; penalties are in the same unit.
 const MEAN_COST: f32 = 256.0;

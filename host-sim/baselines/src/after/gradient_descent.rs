@@ -10,8 +10,8 @@
 //! # Source
 //! Lucas and Kanade, "An iterative image registration technique with an application to stereo vision" (1981).
 
-use crate::baselines::map::DisparityMap;
-use crate::engine::GrayImage;
+use crate::GrayImage;
+use crate::map::DisparityMap;
 
 /// Most steps of a pixel.
 const STEPS: usize = 6;

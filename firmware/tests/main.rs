@@ -1,0 +1,12 @@
+//! The firmware's parts on a PC, with fakes in place of boards, a module a topic: `cargo test -p linestereo-firmware TOPIC`.
+
+mod camera;
+mod capture;
+mod host_lines;
+mod i2c;
+mod pio;
+mod programs;
+mod source;
+mod stereo;
+mod stream;
+mod support;

@@ -1,0 +1,35 @@
+//! End-to-end and oracle tests, a module a topic, linked once: `cargo test -p linestereo-tests TOPIC`.
+
+mod baselines;
+mod block_matching;
+mod board;
+mod board_objects;
+mod calibration;
+mod determinism;
+mod edges;
+mod extremes;
+mod focus;
+mod frames;
+mod hardware;
+mod health;
+mod interchange;
+mod kernels;
+mod layouts;
+mod lines;
+mod no_panic;
+mod objects;
+mod obstacles;
+mod opencv;
+mod pitfalls;
+mod plan_rig;
+mod query;
+mod rectify;
+mod region_files;
+mod registry;
+mod report_page;
+mod rig;
+mod rig_image;
+mod scene;
+mod units;
+mod usable;
+mod view;
