@@ -26,6 +26,16 @@ pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
     }
 }
 
+/// Runs a test on every emulated board, side by side: each QEMU takes one core.
+pub fn on_every_board(test: impl Fn(Board) + Sync) {
+    let test = &test;
+    std::thread::scope(|scope| {
+        for board in Board::emulated() {
+            scope.spawn(move || test(board));
+        }
+    });
+}
+
 /// A board's program `replay`, or none where boards cannot be built.
 #[must_use]
 pub fn machine(board: Board) -> Option<Machine> {

@@ -15,7 +15,7 @@ use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::listing::{self, Answers};
 use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::board::{Twin, machine, or_skip};
+use linestereo_tests::board::{Twin, machine, on_every_board, or_skip};
 use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
@@ -45,7 +45,7 @@ fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, 
 
 #[test]
 fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
-    for board in Board::emulated() {
+    on_every_board(|board| {
         let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
         let elf = firmware::build(&toolchain, &board, "selftest", Logs::Semihosting).unwrap();
         let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
@@ -53,7 +53,7 @@ fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
         let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
         assert_eq!(log.len(), Case::all(&board).count(), "{log:?}");
-    }
+    });
 }
 
 /// The most instructions of one pixel, and of the mean of a pair's: what `Plan::depth_at` promises for 64 disparities.
@@ -83,9 +83,10 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     }
 }
 
+/// Takes some two minutes: every length and alignment of every kernel on five processors, and once more with kernels that are wrong.
 #[test]
 fn every_kernel_equals_the_portable_one_between_fences() {
-    for board in Board::emulated() {
+    on_every_board(|board| {
         let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
         let elf = firmware::build(&toolchain, &board, "kernels", Logs::Semihosting).unwrap();
         let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
@@ -104,7 +105,7 @@ fn every_kernel_equals_the_portable_one_between_fences() {
         let Some(ended) = run(&["beyond"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
         assert!(ended.errors.contains("fault: pc ") && ended.errors.contains(" address "), "{}", ended.errors);
-    }
+    });
 }
 
 #[test]
@@ -179,7 +180,7 @@ fn paint(case: &Case) -> (GrayImage, GrayImage) {
 
 #[test]
 fn faults_end_in_exit_codes() {
-    for board in Board::emulated() {
+    on_every_board(|board| {
         let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
         let elf = firmware::build(&toolchain, &board, "faults", Logs::None).unwrap();
         for (fault, exit, report) in [
@@ -200,7 +201,7 @@ fn faults_end_in_exit_codes() {
             assert!(ended.errors.contains(report), "{fault} on {}: {}", board.name, ended.errors);
             assert!(fault != "handler" || !ended.errors.contains(" pc "), "{}: {}", board.name, ended.errors);
         }
-    }
+    });
 }
 
 /// A command that sends a pair, and its pixels.

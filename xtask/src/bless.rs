@@ -1,6 +1,6 @@
 //! `cargo xtask bless`: the digests that the boards are compared with, computed on this machine.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use core::fmt::Write;
 use linestereo_firmware::boards::{Board, capacities, mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
@@ -8,8 +8,8 @@ use linestereo_firmware::memory::Memory;
 use linestereo_firmware::programs::selftest;
 use std::path::Path;
 
-/// Writes `firmware/src/programs/expected.rs`.
-pub(crate) fn run(top: &Path) -> Result<()> {
+/// Writes `firmware/src/programs/expected.rs`, or compares with it.
+pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
         "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
          use crate::boards::Board;\nuse linestereo::Stage;\n\n\
@@ -20,6 +20,16 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(capacities::qqvga::Workspace::new()))?;
     let path = top.join("firmware/src/programs/expected.rs");
     let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
+    if check {
+        if !same {
+            bail!(
+                "{} is not what this machine computes; if the output was meant to change: cargo xtask bless",
+                path.display()
+            );
+        }
+        println!("{}: every digest is what this build computes", path.display());
+        return Ok(());
+    }
     std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
     println!("{}: {}", path.display(), if same { "unchanged" } else { "blessed; commit it" });
     Ok(())

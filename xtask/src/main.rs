@@ -158,7 +158,11 @@ enum Command {
         check: bool,
     },
     /// Compute the digests that the boards are compared with.
-    Bless,
+    Bless {
+        /// Compare with those that are there instead of writing them.
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 /// A failure is one line on stderr and exit code 2.
@@ -195,7 +199,7 @@ fn execute(command: Command) -> Result<()> {
             Ok(())
         }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
-        Command::Bless => bless::run(&top),
+        Command::Bless { check } => bless::run(&top, check),
     }
 }
 
