@@ -83,7 +83,7 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     }
 }
 
-/// Takes some two minutes: every length and alignment of every kernel on five processors, and once more with kernels that are wrong.
+/// Takes a minute or two: every length and alignment of every kernel on five processors.
 #[test]
 fn every_kernel_equals_the_portable_one_between_fences() {
     on_every_board(|board| {
@@ -96,12 +96,15 @@ fn every_kernel_equals_the_portable_one_between_fences() {
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
         assert_eq!(log.len(), Kernels::COUNT, "{log:?}");
 
-        // Controls: kernels that give other bits are all found; one that reads a byte too far is stopped.
-        let Some(ended) = run(&["wrong"]) else { return };
-        assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
-        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
-        let found = log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
-        assert_eq!(found.count(), Kernels::COUNT, "{log:?}");
+        // Controls: kernels that give other bits are all found, by a comparison that is the same on every board and so tried on one (on all:
+        // LINESTEREO_LONG=1); one that reads a byte too far is stopped.
+        if board == Board::MEASURED[0] || std::env::var_os("LINESTEREO_LONG").is_some() {
+            let Some(ended) = run(&["wrong"]) else { return };
+            assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
+            let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
+            let found = log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
+            assert_eq!(found.count(), Kernels::COUNT, "{log:?}");
+        }
         let Some(ended) = run(&["beyond"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
         assert!(ended.errors.contains("fault: pc ") && ended.errors.contains(" address "), "{}", ended.errors);
