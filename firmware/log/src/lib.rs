@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use defmt_decoder::{DecodeError, Table};
 use std::path::Path;
 
-/// What a program logged.
+/// One line of a program's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
     /// The level in capitals, empty when the line has none.

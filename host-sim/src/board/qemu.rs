@@ -20,7 +20,7 @@ fn package(program: &str) -> &str {
 pub struct Ended {
     /// The way, `None` for an exit code that no program gives.
     pub exit: Option<Exit>,
-    /// What it wrote to its log: `defmt` frames, which `linestereo-firmware-log` decodes.
+    /// Its log: bytes of `defmt` frames, which `linestereo-firmware-log` decodes.
     pub log: Vec<u8>,
     /// What it or QEMU wrote to the error output: reports of faults.
     pub errors: String,

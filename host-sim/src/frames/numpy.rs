@@ -62,7 +62,7 @@ fn split(bytes: &[u8]) -> Result<(String, &[u8]), DisparityFault> {
     Ok((String::from_utf8_lossy(header).into_owned(), data))
 }
 
-/// What follows a key.
+/// Text after a key and its colon; `None` where the header has no such key.
 fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let after = header.split_once(key)?.1.strip_prefix(['\'', '"'])?;
     Some(after.trim_start().strip_prefix(':')?.trim_start())
@@ -129,7 +129,7 @@ fn floats<const SIZE: usize>(
     count: usize,
     convert: impl Fn([u8; SIZE]) -> f32,
 ) -> Result<Vec<f32>, usize> {
-    let needed = count * SIZE;
+    let needed = count.saturating_mul(SIZE);
     let (values, _) = data.get(..needed).ok_or(needed)?.as_chunks();
     Ok(values.iter().map(|&bytes| convert(bytes)).collect())
 }
