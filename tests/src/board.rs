@@ -4,10 +4,11 @@ use core::any::Any;
 use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
 use linestereo_firmware::watch::Watch;
-use linestereo_sim::board::Machine;
+use linestereo_sim::board::{Machine, firmware};
 use linestereo_sim::engine::{FrameResult, GrayImage};
 use linestereo_wire::Health;
 use std::io::Write;
+use std::path::PathBuf;
 
 /// What `made` holds. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
 ///
@@ -26,19 +27,32 @@ pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
     }
 }
 
-/// Runs a test on every emulated board, side by side: each QEMU takes one core.
+/// Whether everything is tested on every board (`LINESTEREO_LONG` is set, as in CI), or on some of each kind.
+#[must_use]
+pub fn on_all() -> bool {
+    std::env::var_os("LINESTEREO_LONG").is_some()
+}
+
+/// Runs a test on every emulated board, side by side: each QEMU takes one core. Without [`on_all`], on those that are measured.
 pub fn on_every_board(test: impl Fn(Board) + Sync) {
     let test = &test;
     std::thread::scope(|scope| {
-        for board in Board::emulated() {
+        for board in Board::emulated().filter(|board| on_all() || Board::MEASURED.contains(board)) {
             scope.spawn(move || test(board));
         }
     });
 }
 
+/// The ELF file of a program that boards are tested with, or none where boards cannot be built.
+#[must_use]
+pub fn image(board: &Board, program: &str) -> Option<PathBuf> {
+    or_skip(firmware::image(board, program))
+}
+
 /// A board's program `replay`, or none where boards cannot be built.
 #[must_use]
 pub fn machine(board: Board) -> Option<Machine> {
+    image(&board, "replay")?;
     or_skip(Machine::new(board))
 }
 

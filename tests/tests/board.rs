@@ -8,14 +8,13 @@ use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::programs::pixels;
 use linestereo_firmware::startup::Exit;
-use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::listing::{self, Answers};
 use linestereo_sim::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::board::{Twin, machine, on_every_board, or_skip};
+use linestereo_tests::board::{Twin, image, machine, on_every_board, or_skip};
 use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
@@ -46,8 +45,7 @@ fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, 
 #[test]
 fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
     on_every_board(|board| {
-        let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-        let elf = firmware::build(&toolchain, &board, "selftest", Logs::Semihosting).unwrap();
+        let Some(elf) = image(&board, "selftest") else { return };
         let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
         let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
         let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
@@ -63,8 +61,7 @@ const MEAN_PIXEL: u64 = 56_000;
 #[test]
 fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     let board = mps2_an500::BOARD;
-    let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-    let elf = firmware::build(&toolchain, &board, "pixels", Logs::None).unwrap();
+    let Some(elf) = image(&board, "pixels") else { return };
     let folder = tempfile::tempdir().unwrap();
     let Some(ended) = or_skip(qemu::run(&board, &elf, &["table"], folder.path(), LIMIT)) else { return };
     ended.success("pixels", &board).unwrap();
@@ -87,8 +84,7 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
 #[test]
 fn every_kernel_equals_the_portable_one_between_fences() {
     on_every_board(|board| {
-        let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-        let elf = firmware::build(&toolchain, &board, "kernels", Logs::Semihosting).unwrap();
+        let Some(elf) = image(&board, "kernels") else { return };
         let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
         let Some(ended) = run(&[]) else { return };
         let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
@@ -96,9 +92,9 @@ fn every_kernel_equals_the_portable_one_between_fences() {
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
         assert_eq!(log.len(), Kernels::COUNT, "{log:?}");
 
-        // Controls: kernels that give other bits are all found, by a comparison that is the same on every board and so tried on one (on all:
-        // LINESTEREO_LONG=1); one that reads a byte too far is stopped.
-        if board == Board::MEASURED[0] || std::env::var_os("LINESTEREO_LONG").is_some() {
+        // Controls: kernels that give other bits are all found, by a comparison that is the same on every board and so tried on one; one that
+        // reads a byte too far is stopped.
+        if board == Board::MEASURED[0] {
             let Some(ended) = run(&["wrong"]) else { return };
             assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
             let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
@@ -184,8 +180,7 @@ fn paint(case: &Case) -> (GrayImage, GrayImage) {
 #[test]
 fn faults_end_in_exit_codes() {
     on_every_board(|board| {
-        let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-        let elf = firmware::build(&toolchain, &board, "faults", Logs::None).unwrap();
+        let Some(elf) = image(&board, "faults") else { return };
         for (fault, exit, report) in [
             ("panic", Exit::Panic, "panic: firmware/src/bin/faults.rs:"),
             ("stack", Exit::StackOverflow, "stack overflow:"),
@@ -390,8 +385,7 @@ fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
 #[test]
 fn a_live_board_answers_on_its_port() {
     let board = Board::MEASURED[1];
-    let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-    let elf = firmware::build(&toolchain, &board, "live", Logs::None).unwrap();
+    let Some(elf) = image(&board, "live") else { return };
     let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
     let child = qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut running = Running::new(child);
@@ -528,10 +522,10 @@ fn the_core_for_boards_links_without_a_panic_handler() {
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
     for board in Board::MEASURED {
-        let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
         // The last one does panic, on purpose: what is searched for is there to be found.
         for (program, panics) in [("live", false), ("replay", false), ("bench", false), ("faults", true)] {
-            let elf = std::fs::read(firmware::build(&toolchain, &board, program, Logs::None).unwrap()).unwrap();
+            let Some(elf) = image(&board, program) else { return };
+            let elf = std::fs::read(elf).unwrap();
             let file = object::File::parse(&*elf).unwrap();
             let mut names = file.symbols().filter_map(|symbol| symbol.name().ok());
             let found = names.any(|name| name.contains("rust_begin_unwind"));

@@ -248,18 +248,12 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
 /// Builds the programs of a board that tests, `measure` and `footprint` use.
 fn images(board: &Board) -> Result<()> {
     let toolchain = Toolchain::for_board(board)?;
-    let build = |programs: &[&str], logs| {
+    for (programs, logs) in firmware::images(board) {
         let started = Instant::now();
         firmware::build_all(&toolchain, board, programs, logs, &[])?;
         println!("{:14} {:4.0} s  {}", board.name, started.elapsed().as_secs_f64(), programs.join(" "));
-        Ok(())
-    };
-    if !board.is_emulated() {
-        return build(&["live"], Logs::None);
     }
-    build(&["kernels", "selftest"], Logs::Semihosting)?;
-    let measured: &[&str] = if Board::MEASURED.contains(board) { &["pixels", "rectify"] } else { &[] };
-    build(&[&["bench", "faults", "live", "replay"], measured].concat(), Logs::None)
+    Ok(())
 }
 
 fn lint(boards: &[Board]) -> Result<()> {

@@ -39,6 +39,32 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
     built.pop().with_context(|| format!("{program} was not built"))
 }
 
+/// The programs of a board that tests and `cargo xtask measure` run, with where their logs go. Emulated boards report by log what they check
+/// themselves; the rest is measured, and so without logs.
+#[must_use]
+pub fn images(board: &Board) -> Vec<(&'static [&'static str], Logs)> {
+    if !board.is_emulated() {
+        return vec![(&["live"], Logs::None)];
+    }
+    let measured: &[&str] = if Board::MEASURED.contains(board) {
+        &["bench", "faults", "live", "pixels", "rectify", "replay"]
+    } else {
+        &["bench", "faults", "live"]
+    };
+    vec![(&["kernels", "selftest"], Logs::Semihosting), (measured, Logs::None)]
+}
+
+/// One of [`images`], built in one call of cargo with all that stand beside it there.
+pub fn image(board: &Board, program: &str) -> Result<PathBuf> {
+    let toolchain = Toolchain::for_board(board)?;
+    for (programs, logs) in images(board) {
+        if let Some(place) = programs.iter().position(|&one| one == program) {
+            return Ok(build_all(&toolchain, board, programs, logs, &[])?.swap_remove(place));
+        }
+    }
+    bail!("{program} is no image of {}", board.name)
+}
+
 /// The same of several programs in one call of cargo, with more features of the firmware; their paths are in the order of their names.
 ///
 /// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo leaves a
