@@ -36,7 +36,7 @@ impl<'a> Views<'a> {
     }
 
     /// May the left pixel claim this disparity? Both it and its match have to be usable.
-    fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
+    pub(crate) fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
         let right_q6 = (x << 6) - d_q6;
         let usable = |spans: &[Span], x: i32| {
             let span = usize::try_from(y).ok().and_then(|y| spans.get(y));

@@ -6,7 +6,7 @@
 //! ```text
 //! matched   what can speak of an object in an area: a window's middle lies in it
 //! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every rival is known
-//! right     edges that start on the rows of those segments, to the left by the disparity range: every vote is known
+//! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: they tell the row offset
 //! rows      gradients and census codes in the columns that windows reach, searching there and back
 //! ```
 //!
@@ -66,6 +66,11 @@ impl Sought {
         Self { areas, dims }
     }
 
+    /// The areas; everywhere without.
+    pub(crate) fn areas(&self) -> Option<&[Area]> {
+        self.areas.as_deref()
+    }
+
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
         // The middle of what is matched lies within OBJECT_REACH of the area, and its rivals' middles in the same squares.
@@ -81,8 +86,8 @@ impl Sought {
     /// Where edges of the right image start that can be those of these left segments; everywhere without.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
-            let steep = left.iter().filter(|segment| !segment.near_horizontal && may_speak(segment, area));
-            let Area { left, top, right, bottom } = boxes(steep).grown(VOTES, self.dims);
+            let flat = left.iter().filter(|segment| segment.near_horizontal && may_speak(segment, area));
+            let Area { left, top, right, bottom } = boxes(flat).grown(VOTES, self.dims);
             let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
             Area { left: left.saturating_sub(params.max_disparity), top, right, bottom }
         })

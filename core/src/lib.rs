@@ -1,8 +1,8 @@
-//! Sparse stereo depth from line segments, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
+//! Sparse stereo depth from line segments and support points, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
 //!
-//! Dense stereo spends its work on pixels nobody asks for and is wrong at many of them. Line segments are few, prominent and credible: here
-//! they are found in both rectified images, matched by three techniques that have to agree, and reported with a probability each. What is
-//! not credible is not reported.
+//! Dense stereo spends its work on pixels nobody asks for and is wrong at many of them. Line segments are few, prominent and credible; a sparse
+//! grid of points, matched semi-globally, knows the surfaces between them and where a segment should look. Each segment is matched by three
+//! techniques that have to agree; everything is reported with a probability. What is not credible is not reported.
 //!
 //! ```text
 //! Params -> plan -> Plan            once: every check, every float
@@ -13,12 +13,12 @@
 //! left, right                       per pair
 //!   health      is the pair fit to be matched and believed?
 //!   focus       the whole frame, or around what a detector asks for
-//!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square
-//!   matching    row offset of the pair; per segment: window, census, search back, halves, votes of right segments,
-//!               ownership of each side; margin between the techniques (Eq. 13)
-//!   consistency what neighbours say of each other; one right position explains one left position
+//!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square; row offset of the pair
+//!   support     a grid of points: ranks, windows, three paths; what they say tells segments where to look
+//!   matching    per segment: window, census, halves, the edge in the right image where it must be, ownership of each side;
+//!               margin between the techniques (Eq. 13); what support points around it say, and it of them
 //!   confidence  evidence -> probability of being within 1 px
-//!   report      matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
+//!   report      one right position explains one left position; matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
 //! what a robot asks                 of the candidates of the last pair
 //!   objects     the depth of boxes and masks
 //!   query       the depth of one pixel
@@ -26,11 +26,18 @@
 //! ```
 //!
 //! ```
-//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, most_candidates, row_bytes};
+//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, most_candidates, most_support_points, row_bytes};
 //!
 //! const DIMS: Dims = Dims { width: 64, height: 48 };
 //! // In a static on a board.
-//! let mut scratch: Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, { most_candidates(DIMS, 16) }> = Scratch::new();
+//! type Memory = Scratch<
+//!     { row_bytes(DIMS.width) },
+//!     { mark_words(DIMS) },
+//!     64,
+//!     { most_candidates(DIMS, 16) },
+//!     { most_support_points(DIMS) },
+//! >;
+//! let mut scratch = Memory::new();
 //! let mut output: Output<64, 1024> = Output::new();
 //! let plan = Params { max_disparity: 32, ..Params::default() }.plan(DIMS)?;
 //!
@@ -74,6 +81,7 @@ mod report;
 mod result;
 mod rig;
 mod sort;
+mod support;
 mod units;
 
 pub use area::Area;
@@ -89,13 +97,15 @@ pub use matching::{Candidate, Side};
 pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-pub use params::{Margin, ParamError, Params};
+pub use params::{Margin, ParamError, Params, Parts};
 pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
 pub use query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
     RectifyError, RowError, View, fine_mesh_nodes, mesh_nodes,
 };
-pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Techniques};
+pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Source, Techniques};
 pub use rig::{Rig, RigError};
+pub use support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
+pub use support::{FITTED_SUPPORT, SUPPORT_PITCH, Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

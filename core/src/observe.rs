@@ -7,6 +7,8 @@ use crate::lines::Segment;
 use crate::matching::Candidate;
 use crate::matching::evidence::Evidence;
 use crate::result::{Match, PointClaim, Rejection};
+use crate::support::SupportPoint;
+use crate::support::evidence::SupportEvidence;
 use core::hash::{Hash, Hasher};
 
 /// What a stage gave. [`Step::Rows`] and [`Step::Segment`] come once per left segment, in turns; the others once per pair.
@@ -18,6 +20,10 @@ pub enum Step<'a> {
     LinesRight(&'a [Segment]),
     /// The row offset of the pair (1/32 px) and the prominent ones of the left segments.
     Selection(i32, &'a [Segment]),
+    /// A support point, by its place in the grid, and its evidence, neighbours left out.
+    SupportPoint(usize, &'a SupportEvidence),
+    /// All support points.
+    Support(&'a [SupportPoint]),
     /// Gradients and census of the rows that the next segment needs.
     Rows,
     /// One segment matched, with the evidence of its sides as far as it is known by now, or the test that it failed.
@@ -40,6 +46,8 @@ pub enum Stage {
     LinesRight,
     /// Row offset and the most prominent left segments.
     Selection,
+    /// Support points.
+    Support,
     /// Gradients and census of both images.
     Rows,
     /// Three matchings of each segment, ownership.
@@ -54,10 +62,11 @@ pub enum Stage {
 
 impl Stage {
     /// Every stage.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::LinesLeft,
         Self::LinesRight,
         Self::Selection,
+        Self::Support,
         Self::Rows,
         Self::Matching,
         Self::Consistency,
@@ -72,6 +81,7 @@ impl Stage {
             Self::LinesLeft => "lines_left",
             Self::LinesRight => "lines_right",
             Self::Selection => "selection",
+            Self::Support => "support",
             Self::Rows => "rows",
             Self::Matching => "matching",
             Self::Consistency => "consistency",
@@ -89,6 +99,7 @@ impl Step<'_> {
             Self::LinesLeft(_) => Stage::LinesLeft,
             Self::LinesRight(_) => Stage::LinesRight,
             Self::Selection(..) => Stage::Selection,
+            Self::SupportPoint(..) | Self::Support(_) => Stage::Support,
             Self::Rows => Stage::Rows,
             Self::Segment(_) => Stage::Matching,
             Self::Consistency(_) => Stage::Consistency,
@@ -145,6 +156,11 @@ impl Observer for StageDigests {
                 each(segments, &mut hash);
             }
             Step::Rows => {}
+            Step::SupportPoint(place, evidence) => {
+                hash.write_usize(place);
+                evidence.hash(&mut hash);
+            }
+            Step::Support(points) => each(points, &mut hash),
             Step::Segment(Ok((candidate, evidence))) => {
                 candidate.hash(&mut hash);
                 each(evidence, &mut hash);

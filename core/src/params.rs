@@ -23,6 +23,18 @@ pub enum Margin {
     },
 }
 
+/// What a pair is matched by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Parts {
+    /// Support points, and segments where these tell them to look.
+    #[default]
+    Both,
+    /// Support points alone: a third of the work, no edges.
+    Support,
+    /// Segments alone, sought at every disparity.
+    Segments,
+}
+
 /// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Params {
@@ -47,6 +59,8 @@ pub struct Params {
     pub min_confidence: Confidence,
     /// Pixels from the edge up to which a side's disparity is claimed; 1 ..= 6.
     pub reach: u16,
+    /// What pairs are matched by.
+    pub parts: Parts,
 }
 
 impl Params {
@@ -58,10 +72,11 @@ impl Params {
         anchor_gradient: 48,
         edge_gradient: 20,
         min_extent: 6,
-        cell: 16,
+        cell: 20,
         margin: Margin::Pixels(Disparity::ONE),
         min_confidence: Confidence::from_bits(0xe666),
         reach: 4,
+        parts: Parts::Both,
     };
 
     pub(crate) fn check(&self, dims: Dims) -> Result<(), ParamError> {

@@ -7,13 +7,15 @@ use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch, Segment};
 use crate::matching::band::{BAND_ROWS, Band, PLANES, row_bytes};
 use crate::matching::consistency::{self, Place};
-use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset};
+use crate::matching::{self, Candidate, MatchContext, Workspace, row_offset, surroundings};
 use crate::objects::{NoDepth, ObjectDepth, Region, Witnessed};
 use crate::observe::{Observer, Step};
-use crate::params::{ParamError, Params};
+use crate::params::{ParamError, Params, Parts};
 use crate::query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, Query};
 use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim, Rejection};
+use crate::support::evidence::SUPPORT_EVIDENCE;
+use crate::support::{self, FITTED_SUPPORT, Grid, Support, SupportPoint, most_support_points};
 use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
@@ -50,9 +52,15 @@ pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
 /// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.
 ///
 /// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
-/// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough.
+/// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.
 #[derive(Debug)]
-pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> {
+pub struct Scratch<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const SUPPORT: usize,
+> {
     marks: [u32; MARKS],
     chain: [u16; lines::MAX_POSITIONS],
     strengths: [u8; lines::MAX_POSITIONS],
@@ -62,13 +70,14 @@ pub struct Scratch<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, 
     candidates: Vec<Candidate, CANDIDATES>,
     places: [Place; CANDIDATES],
     order: Vec<Ranked, CANDIDATES>,
+    support: Vec<SupportPoint, SUPPORT>,
     work: Workspace,
     /// Row of the right image that matched row 0 of the left one in the last run.
     row_offset: i32,
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize>
-    Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
+    Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
@@ -87,6 +96,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             candidates: Vec::new(),
             places: [Place::EMPTY; CANDIDATES],
             order: Vec::new(),
+            support: Vec::new(),
             work: Workspace::EMPTY,
             row_offset: 0,
         }
@@ -98,13 +108,16 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
     }
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize> Default
-    for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize> Default
+    for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
     fn default() -> Self {
         Self::new()
     }
 }
+
+/// Columns between two scans for the near-horizontal edges of the right image, which are not needed one by one.
+const RIGHT_SCAN_STEP: i32 = 3 * lines::SCAN_STEP;
 
 /// What a run gives.
 #[derive(Debug)]
@@ -140,13 +153,14 @@ pub struct Plan {
     params: Params,
     models: &'static Models,
     pixel_model: &'static Model<PIXEL_EVIDENCE>,
+    support_model: &'static Model<SUPPORT_EVIDENCE>,
 }
 
 impl Params {
     /// Checks everything once, for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
-        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL })
+        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_model: &FITTED_SUPPORT })
     }
 }
 
@@ -161,6 +175,7 @@ struct Memory<'a> {
     candidates: &'a mut VecView<Candidate>,
     places: &'a mut [Place],
     order: &'a mut VecView<Ranked>,
+    support: &'a mut VecView<SupportPoint>,
     work: &'a mut Workspace,
     row_offset: &'a mut i32,
 }
@@ -192,15 +207,29 @@ impl Plan {
         Self { pixel_model, ..self }
     }
 
+    /// The same plan with another confidence model for support points.
+    #[must_use]
+    pub fn with_support_model(self, support_model: &'static Model<SUPPORT_EVIDENCE>) -> Self {
+        Self { support_model, ..self }
+    }
+
     /// Matches one rectified pair.
     ///
     /// The memory must be large enough for the planned size: see [`Scratch`]. A smaller one is refused by [`Plan::check_scratch`]; run with it
     /// all the same, it gives an empty result.
-    pub fn run<const R: usize, const M: usize, const S: usize, const C: usize, const OS: usize, const OP: usize>(
+    pub fn run<
+        const R: usize,
+        const M: usize,
+        const S: usize,
+        const C: usize,
+        const N: usize,
+        const OS: usize,
+        const OP: usize,
+    >(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
     ) -> Result<(), SizeMismatch> {
         self.run_observed(left, right, scratch, out, &mut ())
@@ -212,13 +241,14 @@ impl Plan {
         const M: usize,
         const S: usize,
         const C: usize,
+        const N: usize,
         const OS: usize,
         const OP: usize,
     >(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch> {
@@ -232,12 +262,20 @@ impl Plan {
     ///
     /// # Cost
     /// About in proportion to the areas, each grown by some 20 px, and in the right image by the disparity range as well.
-    pub fn run_on<const R: usize, const M: usize, const S: usize, const C: usize, const OS: usize, const OP: usize>(
+    pub fn run_on<
+        const R: usize,
+        const M: usize,
+        const S: usize,
+        const C: usize,
+        const N: usize,
+        const OS: usize,
+        const OP: usize,
+    >(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
         focus: &Focus<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
     ) -> Result<(), SizeMismatch> {
@@ -251,6 +289,7 @@ impl Plan {
             candidates: &mut scratch.candidates,
             places: &mut scratch.places,
             order: &mut scratch.order,
+            support: &mut scratch.support,
             work: &mut scratch.work,
             row_offset: &mut scratch.row_offset,
         };
@@ -268,10 +307,10 @@ impl Plan {
     ///
     /// # Cost
     /// As the list: some 40 instructions a point.
-    pub fn for_each_point<const R: usize, const M: usize, const S: usize, const C: usize>(
+    pub fn for_each_point<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,
         views: Views<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         mut claim: impl FnMut(PointClaim),
     ) {
         let mut report = Report {
@@ -281,6 +320,7 @@ impl Plan {
             candidates: &mut scratch.candidates,
             places: &scratch.places,
             order: &mut scratch.order,
+            support: Support::new(&self.params, self.dims, &scratch.support),
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
         };
         report.claim_points(|point| {
@@ -294,15 +334,16 @@ impl Plan {
     ///
     /// # Cost
     /// On a Cortex-M7 some 27 000 instructions for a box of a fifteenth of a QVGA image.
-    pub fn for_each_object<const R: usize, const M: usize, const S: usize, const C: usize>(
+    pub fn for_each_object<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         regions: &[Region<'_>],
         fit: bool,
         mut each: impl FnMut(ObjectDepth),
     ) {
         let mut witnessed = Witnessed {
             candidates: &scratch.candidates,
+            support: Support::new(&self.params, self.dims, &scratch.support),
             models: self.models,
             dims: self.dims,
             rig: self.params.rig,
@@ -323,12 +364,12 @@ impl Plan {
     /// known. What the run found is not changed.
     ///
     /// # Cost
-    /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 65 000 where segments are dense.
-    pub fn depth_at<const R: usize, const M: usize, const S: usize, const C: usize>(
+    /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 70 000 where segments are dense.
+    pub fn depth_at<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         (x, y): (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<PixelDepth, NotKnown> {
@@ -336,21 +377,21 @@ impl Plan {
     }
 
     /// The disparity that [`Plan::depth_at`] would answer (1/64 px) and its evidence, whatever its probability: what a model is fitted on.
-    pub fn evidence_at<const R: usize, const M: usize, const S: usize, const C: usize>(
+    pub fn evidence_at<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,
         left: Gray<'_>,
         right: Gray<'_>,
-        scratch: &mut Scratch<R, M, S, C>,
+        scratch: &mut Scratch<R, M, S, C, N>,
         (x, y): (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<(i32, PixelEvidence), NotKnown> {
         self.query([left, right], scratch).weigh_up(x, y, region)
     }
 
-    fn query<'a, const R: usize, const M: usize, const S: usize, const C: usize>(
+    fn query<'a, const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &'a self,
         images: [Gray<'a>; 2],
-        scratch: &'a mut Scratch<R, M, S, C>,
+        scratch: &'a mut Scratch<R, M, S, C, N>,
     ) -> Query<'a> {
         Query {
             params: &self.params,
@@ -364,10 +405,19 @@ impl Plan {
         }
     }
 
-    /// Says whether this scratch memory is large enough for the planned size.
-    pub fn check_scratch<const R: usize, const M: usize, const S: usize, const C: usize>(
+    /// The support points of the last run with this plan and memory.
+    #[must_use]
+    pub fn support<'s, const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,
-        _: &Scratch<R, M, S, C>,
+        scratch: &'s Scratch<R, M, S, C, N>,
+    ) -> Support<'s> {
+        Support::new(&self.params, self.dims, &scratch.support)
+    }
+
+    /// Says whether this scratch memory is large enough for the planned size.
+    pub fn check_scratch<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
+        &self,
+        _: &Scratch<R, M, S, C, N>,
     ) -> Result<(), ParamError> {
         let (row, marks) = (row_bytes(self.dims.width), mark_words(self.dims));
         if R < row {
@@ -375,6 +425,10 @@ impl Plan {
         }
         if M < marks {
             return Err(ParamError::ScratchTooSmall { name: "MARKS", needed: marks, given: M });
+        }
+        let support = most_support_points(self.dims);
+        if N < support {
+            return Err(ParamError::ScratchTooSmall { name: "SUPPORT", needed: support, given: N });
         }
         Ok(())
     }
@@ -397,36 +451,77 @@ impl Plan {
         out.points.clear();
         *out.counts = Counts::ZERO;
 
-        // Segments of both images; of the left ones, the prominent.
         let sought = Sought::new(focus, self.dims);
+        m.left.clear();
+        m.right.clear();
+        m.support.clear();
+        m.candidates.clear();
+        let mut m = m;
+        let row_offset_q5 = if self.params.parts == Parts::Support {
+            focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
+        } else {
+            self.find_segments([left, right], (focus, &sought), &mut m, out.counts, observer)
+        };
+        *out.row_offset_q5 = row_offset_q5;
+        *m.row_offset = (i32::from(row_offset_q5) + 16) >> 5;
+        if self.params.parts != Parts::Segments {
+            self.match_support([left, right], &sought, &mut m, observer);
+        }
+        if self.params.parts != Parts::Support {
+            self.match_segments([left, right], &sought, &mut m, out.counts, observer);
+        }
+
+        support::believe(m.support, Grid::new(&self.params, self.dims), self.support_model);
+        observer.ended(Step::Support(m.support));
+        let report = Report {
+            params: &self.params,
+            models: self.models,
+            views: Views::of(left, right),
+            candidates: m.candidates,
+            places: m.places,
+            order: m.order,
+            support: Support::new(&self.params, self.dims, m.support),
+            marks: m.marks,
+        };
+        report.run(out.matches, out.points, out.counts);
+        observer.ended(Step::Report(out.matches, out.points));
+        Ok(())
+    }
+
+    /// Segments of both images; of the left ones, the prominent. Gives the row offset, 1/32 px.
+    fn find_segments(
+        &self,
+        [left, right]: [Gray<'_>; 2],
+        (focus, sought): (&Focus<'_>, &Sought),
+        m: &mut Memory<'_>,
+        counts: &mut Counts,
+        observer: &mut impl Observer,
+    ) -> i16 {
         let lines = LineParams {
             anchor: self.params.anchor_gradient.into(),
             edge: self.params.edge_gradient.into(),
             min_extent: self.params.min_extent.into(),
+            row_scan: Some(lines::SCAN_STEP),
             column_scan: Some(lines::SCAN_STEP),
         };
-        // Near-horizontal segments of the right image only tell the row offset.
-        let right_lines =
-            LineParams { column_scan: focus.row_offset_q5.is_none().then_some(3 * lines::SCAN_STEP), ..lines };
+        // Near-horizontal segments of the right image tell the row offset; nothing else is asked of its segments.
+        let right_lines = LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        out.counts.segments_left_dropped =
+        counts.segments_left_dropped =
             lines::detect(left, sought.left(self.params.cell).as_deref(), &lines, scratch, m.left);
         observer.ended(Step::LinesLeft(m.left));
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        out.counts.segments_right_dropped =
-            lines::detect(right, sought.right(m.left, &self.params).as_deref(), &right_lines, scratch, m.right);
-        lines::sort_by_top(m.right);
+        if focus.row_offset_q5.is_none() {
+            let sought = sought.right(m.left, &self.params);
+            counts.segments_right_dropped = lines::detect(right, sought.as_deref(), &right_lines, scratch, m.right);
+            lines::sort_by_top(m.right);
+        }
         observer.ended(Step::LinesRight(m.right));
-        out.counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let disparities = (self.params.min_disparity.into(), self.params.max_disparity.into());
+        counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 = match focus.row_offset_q5 {
             Some(known) => known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5),
-            None => row_offset::estimate(m.left, m.right, disparities),
+            None => row_offset::estimate(m.left, m.right, self.disparities()),
         };
-        *out.row_offset_q5 = row_offset_q5;
-        let row_offset_q5 = i32::from(row_offset_q5);
-        // The line of a near-horizontal segment says nothing about disparity: no votes.
-        m.right.retain(|segment| !segment.near_horizontal);
         let lost = lines::keep_prominent(
             m.left,
             (self.params.cell.into(), m.candidates.capacity()),
@@ -435,45 +530,57 @@ impl Plan {
         );
         m.left.retain(|segment| sought.is_wanted(segment));
         lines::sort_by_top(m.left);
-        out.counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
-        out.counts.reject_many(Rejection::LessProminent, lost);
-        observer.ended(Step::Selection(row_offset_q5, m.left));
+        counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
+        counts.reject_many(Rejection::LessProminent, lost);
+        observer.ended(Step::Selection(row_offset_q5.into(), m.left));
+        row_offset_q5
+    }
 
-        // Three matchings of each, aggregation, ownership.
-        m.candidates.clear();
-        let context = MatchContext::new(&self.params, self.models, self.dims, m.right, row_offset_q5);
-        *m.row_offset = (row_offset_q5 + 16) >> 5;
-        let reached = sought.reached(m.left, disparities);
-        let Some(mut band) = Band::new([left, right], *m.row_offset, reached.as_deref(), m.rows) else { return Ok(()) };
+    /// The surfaces between edges.
+    fn match_support(&self, images: [Gray<'_>; 2], sought: &Sought, m: &mut Memory<'_>, observer: &mut impl Observer) {
+        let grid = Grid::new(&self.params, self.dims);
+        let matching = support::Matching { images, grid, row_offset: *m.row_offset, model: self.support_model };
+        matching.run(sought.areas(), m.rows, m.support, |place, evidence| {
+            observer.ended(Step::SupportPoint(place, evidence));
+        });
+    }
+
+    /// Three matchings of each left segment, aggregation, ownership; then what the claims and the support points say of each other.
+    fn match_segments(
+        &self,
+        images: [Gray<'_>; 2],
+        sought: &Sought,
+        m: &mut Memory<'_>,
+        counts: &mut Counts,
+        observer: &mut impl Observer,
+    ) {
+        let support = Support::new(&self.params, self.dims, m.support);
+        let context = MatchContext::new(&self.params, self.models, self.dims, support);
+        let reached = sought.reached(m.left, self.disparities());
+        let Some(mut band) = Band::new(images, *m.row_offset, reached.as_deref(), m.rows) else { return };
         for segment in m.left.iter() {
             band.advance_for(segment);
             observer.ended(Step::Rows);
-            match matching::match_segment(segment, &context, &band, m.work) {
+            let matched = matching::match_segment(segment, &context, &band, m.work);
+            counts.searched_fully += u16::from(!matched.directed);
+            match matched.outcome {
                 Ok(candidate) => {
                     observer.ended(Step::Segment(Ok((&candidate, &m.work.evidence))));
                     let _ = m.candidates.push(candidate); // as many places as segments were kept
                 }
                 Err(reason) => {
                     observer.ended(Step::Segment(Err(reason)));
-                    out.counts.reject(reason);
+                    counts.reject(reason);
                 }
             }
         }
-
-        // What the claims say of each other, probability, lists.
-        consistency::weigh_neighbours(m.candidates, m.places);
+        consistency::place(m.candidates, m.places);
+        surroundings::ask(m.candidates, Grid::new(&self.params, self.dims), m.support);
         observer.ended(Step::Consistency(m.candidates));
-        let report = Report {
-            params: &self.params,
-            models: self.models,
-            views: Views::of(left, right),
-            candidates: m.candidates,
-            places: m.places,
-            order: m.order,
-            marks: m.marks,
-        };
-        report.run(out.matches, out.points, out.counts);
-        observer.ended(Step::Report(out.matches, out.points));
-        Ok(())
+    }
+
+    /// First disparity, and the one after the last, px.
+    fn disparities(&self) -> (i32, i32) {
+        (self.params.min_disparity.into(), self.params.max_disparity.into())
     }
 }

@@ -13,8 +13,9 @@ use crate::matching::consistency::{Place, for_each_contradiction};
 use crate::matching::evidence::Kind;
 use crate::matching::{Candidate, Side, narrow};
 use crate::params::Params;
-use crate::result::{Counts, Match, Owner, PointClaim, Rejection, Techniques};
+use crate::result::{Counts, Match, Owner, PointClaim, Rejection, Source, Techniques};
 use crate::sort::sort_by_key;
+use crate::support::Support;
 use crate::units::{Confidence, Disparity};
 use heapless::vec::VecView;
 
@@ -36,6 +37,7 @@ pub(crate) struct Report<'a> {
     pub(crate) candidates: &'a mut [Candidate],
     pub(crate) places: &'a [Place],
     pub(crate) order: &'a mut VecView<Ranked>,
+    pub(crate) support: Support<'a>,
     pub(crate) marks: &'a mut [u32],
 }
 
@@ -128,7 +130,7 @@ impl Report<'_> {
         sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
         self.marks.fill(0);
         let (mut wanted, mut left_out) = (true, 0_u32);
-        let least = self.least();
+        let (least, support) = (self.least(), self.support);
         for ranked in self.order.iter() {
             let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else { continue };
             let (model, _) = self.models.of(candidate.segment.near_horizontal);
@@ -136,19 +138,24 @@ impl Report<'_> {
                 let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
                 for distance in 1..=self.params.reach {
                     let further = i32::from(distance) - 1;
-                    let score = side.rated_q8(model) + model.coefficient_q8(Kind::Distance) * further;
+                    let next_to_edge = distance == 1 && !candidate.is_one_surface();
+                    let score = side.rated_q8(model)
+                        + model.coefficient_q8(Kind::Distance) * further
+                        + if next_to_edge { model.coefficient_q8(Kind::NextToEdge) } else { 0 };
                     let probability = model.probability_q16(score);
                     if probability < least {
-                        break;
+                        continue;
                     }
                     if !wanted {
                         left_out = left_out.saturating_add(candidate.segment.pixels().into());
                         continue;
                     }
-                    let (confidence, source) = (Confidence::from_bits(probability), candidate.listed);
+                    let source = candidate.listed.map_or(Source::Side, Source::Segment);
+                    let confidence = Confidence::from_bits(probability);
                     let marks = &mut *self.marks;
                     candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
-                        if !take(marks, self.views.dims(), x, y) {
+                        let is_beaten = support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
+                        if is_beaten || !take(marks, self.views.dims(), x, y) {
                             return;
                         }
                         if wanted {
@@ -159,6 +166,19 @@ impl Report<'_> {
                         }
                     });
                 }
+            }
+        }
+        for ((x, y), point) in support.iter().filter(|(_, point)| point.probability_q16 >= least) {
+            let (disparity, confidence) = (point.disparity(), point.confidence());
+            if !self.views.allow(x.into(), y.into(), point.disparity_q6.into())
+                || !take(self.marks, self.views.dims(), x, y)
+            {
+                continue;
+            }
+            if wanted {
+                wanted = put(PointClaim { x, y, disparity, confidence, source: Source::Support });
+            } else {
+                left_out = left_out.saturating_add(1);
             }
         }
         left_out
@@ -185,15 +205,15 @@ fn rate(candidate: &mut Candidate, models: &Models) {
 }
 
 impl Side {
-    /// Log-odds of its first pixel, neighbours included.
+    /// Log-odds of its first pixel, what others say included.
     fn rated_q8(&self, model: &Model) -> i32 {
-        let score = model.with_neighbours_q8(self.score_q8, self.support_q8, self.conflict_q8);
+        let score = model.with_heard_q8(self.score_q8, self.heard_q8);
         narrow(score + model.coefficient_q8(Kind::Distance)).into()
     }
 
-    /// Log-odds of the edge itself, neighbours included.
+    /// Log-odds of the edge itself, what others say included.
     fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
-        narrow(edge_model.with_neighbours_q8(self.edge_score_q8, self.support_q8, self.conflict_q8)).into()
+        narrow(edge_model.with_heard_q8(self.edge_score_q8, self.heard_q8)).into()
     }
 }
 

@@ -25,7 +25,7 @@ pub enum Owner {
 /// What each of the three techniques says, at the segment's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Techniques {
-    /// Fitted line of a right segment that is structurally the same; `None` when there is none.
+    /// The edge in the right image with the same properties; `None` when there is none.
     pub feature: Option<Disparity>,
     /// Window shaped by the segment.
     pub window: Disparity,
@@ -65,8 +65,19 @@ pub struct PointClaim {
     pub disparity: Disparity,
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
-    /// Position of its segment in the list of matches; `None` when only a side of it is credible.
-    pub source: Option<u16>,
+    /// What claims it.
+    pub source: Source,
+}
+
+/// What claims the disparity of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Source {
+    /// A segment, at this position in the list of matches.
+    Segment(u16),
+    /// A segment of which only one side is credible: it is not in the list of matches.
+    Side,
+    /// A support point.
+    Support,
 }
 
 /// Why a left segment (or one piece of it) has no disparity.
@@ -82,8 +93,6 @@ pub enum Rejection {
     CensusNotUnique,
     /// The techniques lie further apart than the margin (Eq. 13).
     TechniquesDisagree,
-    /// Searching back from the right image does not return to the segment.
-    LeftRight,
     /// The two halves' disparities are too far apart to be one straight edge.
     Slant,
     /// Neither side's own window carries the disparity.
@@ -98,13 +107,12 @@ pub enum Rejection {
 
 impl Rejection {
     /// Every reason, in the order in which a segment meets them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::LessProminent,
         Self::NearBorder,
         Self::WindowNotUnique,
         Self::CensusNotUnique,
         Self::TechniquesDisagree,
-        Self::LeftRight,
         Self::Slant,
         Self::NoOwner,
         Self::NotExclusive,
@@ -121,7 +129,6 @@ impl Rejection {
             Self::WindowNotUnique => "window_not_unique",
             Self::CensusNotUnique => "census_not_unique",
             Self::TechniquesDisagree => "techniques_disagree",
-            Self::LeftRight => "left_right",
             Self::Slant => "slant",
             Self::NoOwner => "no_owner",
             Self::NotExclusive => "not_exclusive",
@@ -136,12 +143,14 @@ impl Rejection {
 pub struct Counts {
     /// Segments detected in the left image (long ones count once per piece that is matched on its own).
     pub segments_left: u16,
-    /// Segments detected in the right image: votes for feature matching.
+    /// Near-horizontal segments detected in the right image: they tell the row offset.
     pub segments_right: u16,
     /// Left segments beyond the detector's capacity, shortest first.
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
+    /// Left segments that were sought at every disparity, because no support point told where to look.
+    pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
     /// Matches beyond the list's capacity, least confident first.
@@ -165,6 +174,7 @@ impl Counts {
         segments_right: 0,
         segments_left_dropped: 0,
         segments_right_dropped: 0,
+        searched_fully: 0,
         matched: 0,
         matches_dropped: 0,
         points: 0,

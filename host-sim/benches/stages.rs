@@ -51,7 +51,7 @@ fn stages(name: &str, left: &GrayImage, right: &GrayImage, max_disparity: u16) {
     let mut chain = vec![0; width.max(height)];
     let mut strengths = [0; 640];
     let mut segments = heapless::Vec::<Segment, 4096>::new();
-    let params = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: Some(6) };
+    let params = LineParams { anchor: 40, edge: 24, min_extent: 6, row_scan: Some(6), column_scan: Some(6) };
     let lines = time(|| {
         let scratch = LineScratch { marks: &mut marks, chain: &mut chain, strengths: &mut strengths };
         black_box(detect(left.view().unwrap(), None, &params, scratch, &mut segments));

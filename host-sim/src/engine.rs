@@ -1,9 +1,10 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
+use crate::fitting::FittedModels;
 use linestereo::{
-    Area, Candidate, Dims, Focus, Gray, HealthLimits, HealthMonitor, Match, Models, NotKnown, ObjectDepth, Observer,
-    Output, ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, mark_words,
-    row_bytes,
+    Area, Candidate, Dims, Focus, Gray, HealthLimits, HealthMonitor, Match, NotKnown, ObjectDepth, Observer, Output,
+    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, Support,
+    mark_words, most_support_points, row_bytes,
 };
 pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};
@@ -15,7 +16,13 @@ pub const MAX_POINTS: usize = 131_072;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 
-type PcScratch = Scratch<{ row_bytes(LARGEST.width) }, { mark_words(LARGEST) }, MAX_MATCHES, MAX_MATCHES>;
+type PcScratch = Scratch<
+    { row_bytes(LARGEST.width) },
+    { mark_words(LARGEST) },
+    MAX_MATCHES,
+    MAX_MATCHES,
+    { most_support_points(LARGEST) },
+>;
 
 /// Result of one pair, owned.
 #[derive(Clone, Debug)]
@@ -68,8 +75,21 @@ impl Engine {
 
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     #[must_use]
-    pub fn with_models(self, models: Models) -> Self {
-        Self { plan: self.plan.with_models(Box::leak(Box::new(models))), ..self }
+    pub fn with_models(self, FittedModels { segments, support }: FittedModels) -> Self {
+        let plan = self.plan.with_models(Box::leak(Box::new(segments)));
+        Self { plan: plan.with_support_model(Box::leak(Box::new(support))), ..self }
+    }
+
+    /// Size of the pairs.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.plan.dims()
+    }
+
+    /// The support points of the last run.
+    #[must_use]
+    pub fn support(&self) -> Support<'_> {
+        self.plan.support(&self.scratch)
     }
 
     /// From now on pairs are matched in and just around these areas alone; `None` is the whole frame.

@@ -269,6 +269,7 @@ pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
     list.extend([
         ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
         ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
+        ("searched_fully", u32::from(counts.searched_fully)),
         ("matches_dropped", u32::from(counts.matches_dropped)),
         ("points", counts.points),
         ("points_dropped", counts.points_dropped),
@@ -344,8 +345,13 @@ mod tests {
                 census: Disparity::from_num(10.5),
             },
         };
-        let point =
-            PointClaim { x: 7, y: 9, disparity: Disparity::from_num(10), confidence: Confidence::MAX, source: Some(0) };
+        let point = PointClaim {
+            x: 7,
+            y: 9,
+            disparity: Disparity::from_num(10),
+            confidence: Confidence::MAX,
+            source: linestereo::Source::Segment(0),
+        };
         FrameResult {
             matches: vec![matched],
             points: vec![point],

@@ -21,8 +21,8 @@ fn scores_a_table_a_picture_and_json() {
     let text = succeed(at, &[&methods[..], &["--picture", "maps.png", "--json", "scores.json"]].concat());
     assert!(text.starts_with("2 pairs\n"), "{text}");
     for method in ["linestereo", "bm", "census", "sgm4"] {
-        // One for points, one for objects.
-        assert_eq!(text.lines().filter(|line| line.split_whitespace().next() == Some(method)).count(), 2, "{text}");
+        // One for points, one for cells, one for objects.
+        assert_eq!(text.lines().filter(|line| line.split_whitespace().next() == Some(method)).count(), 3, "{text}");
     }
     let json: Value = serde_json::from_slice(&fs::read(at.join("scores.json")).unwrap()).unwrap();
     assert_eq!((json["frames"].as_u64(), json["scenes"].as_array().map(Vec::len)), (Some(2), Some(2)));

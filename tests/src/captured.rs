@@ -1,7 +1,11 @@
 //! Captured frames with ground truth, which are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside it.
 
+use linestereo::Params;
+use linestereo_sim::engine::Engine;
+use linestereo_sim::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, scene_samples};
 use linestereo_sim::frames::{Scene, find_scenes, load_scene};
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 /// A folder of captured frames; without them the test that asks says so and passes.
 #[must_use]
@@ -25,4 +29,34 @@ pub fn qvga() -> Option<Vec<Scene>> {
     let load = |folder: &PathBuf| load_scene(folder, None).unwrap_or_else(|error| panic!("{error}"));
     let folders = find_scenes(&folder("qvga")?).unwrap_or_else(|error| panic!("{error}"));
     Some(folders.iter().map(load).collect())
+}
+
+/// The core with default parameters, as these scenes are scored.
+///
+/// # Panics
+/// When a scene cannot be matched.
+#[must_use]
+pub fn engine(scene: &Scene) -> Engine {
+    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
+    Engine::new(&params, scene.left.dims).unwrap()
+}
+
+/// Models for each of the scenes of [`qvga`], fitted on the others; made once.
+///
+/// # Panics
+/// When a scene cannot be matched.
+pub fn models_left_out(scenes: &[Scene]) -> &'static [FittedModels] {
+    static MODELS: OnceLock<Vec<FittedModels>> = OnceLock::new();
+    MODELS.get_or_init(|| {
+        let sample = |scene: &Scene| {
+            let (mut engine, mut log) = (engine(scene), EvidenceLog::default());
+            engine.run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log).unwrap();
+            scene_samples(&scene.name, &engine, &log, scene.truth.as_ref().unwrap())
+        };
+        let samples: Vec<SceneSamples> = scenes.iter().map(sample).collect();
+        let others = |scene: &Scene| -> Vec<&SceneSamples> {
+            samples.iter().filter(|samples| !samples.shows(&scene.name)).collect()
+        };
+        scenes.iter().map(|scene| fit(&others(scene))).collect()
+    })
 }

@@ -2,7 +2,7 @@
 
 use linestereo::{
     Confidence, Depth, Dims, Disparity, Gray, Margin, Output, ParamError, Params, Rejection, Rig, Scratch,
-    SizeMismatch, mark_words, row_bytes,
+    SizeMismatch, mark_words, most_support_points, row_bytes,
 };
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -90,7 +90,10 @@ fn full_lists_keep_the_most_confident_and_count_the_rest() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
-    let mut memory = Box::new(Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512>::new());
+    let mut memory =
+        Box::new(
+            Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>::new(),
+        );
     let (mut all, mut few) = (Box::new(Output::<512, 16384>::new()), Box::new(Output::<5, 100>::new()));
     plan.run(left, right, &mut memory, &mut all).unwrap();
     plan.run(left, right, &mut memory, &mut few).unwrap();
@@ -165,7 +168,10 @@ fn wrong_sizes_are_refused_and_too_little_memory_is_no_crash() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let plan = Params::default().plan(DIMS).unwrap();
-    let mut memory = Box::new(Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, 64>::new());
+    let mut memory =
+        Box::new(
+            Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, 64, { most_support_points(DIMS) }>::new(),
+        );
     let mut output = Box::new(Output::<64, 1024>::new());
     assert_eq!(plan.check_scratch(&memory), Ok(()));
     let other = Dims { width: 160, height: 119 };
@@ -175,7 +181,7 @@ fn wrong_sizes_are_refused_and_too_little_memory_is_no_crash() {
     assert_eq!(plan.run(left, small, &mut memory, &mut output), refused);
     assert_eq!(plan.run(left, right, &mut memory, &mut output), Ok(()));
 
-    let mut tiny = Box::new(Scratch::<64, 16, 4, 4>::new());
+    let mut tiny = Box::new(Scratch::<64, 16, 4, 4, 4>::new());
     assert!(matches!(plan.check_scratch(&tiny), Err(ParamError::ScratchTooSmall { name: "ROW", .. })));
     assert_eq!(plan.run(left, right, &mut tiny, &mut output), Ok(()));
     assert!(output.matches.is_empty());

@@ -5,7 +5,7 @@ use linestereo::{Dims, Gray, mark_words};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
-const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6, column_scan: Some(6) };
+const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6, row_scan: Some(6), column_scan: Some(6) };
 
 fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     let mut marks = vec![fill; mark_words(image.dims())];

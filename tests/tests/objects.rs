@@ -5,7 +5,7 @@ use linestereo::{
 };
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
-use linestereo_sim::fitting::{EvidenceLog, fit, scene_samples};
+use linestereo_sim::fitting::FittedModels;
 use linestereo_sim::frames::Scene;
 use linestereo_sim::outline::{Mask, RefinedOutline, refine};
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
@@ -15,28 +15,12 @@ const DIMS: Dims = Dims { width: 320, height: 240 };
 
 /// Every object of every scene, by models that have not seen the scene.
 fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
-    let engine = |scene: &Scene| {
-        let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
-        Engine::new(&params, scene.left.dims).unwrap()
-    };
-    let run = |engine: &mut Engine, scene: &Scene| {
-        let mut log = EvidenceLog::default();
-        engine.run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log).unwrap();
-        log
-    };
-    let sample = |scene: &Scene| {
-        let mut engine = engine(scene);
-        let log = run(&mut engine, scene);
-        scene_samples(engine.candidates(), &log, scene.truth.as_ref().unwrap(), scene.left.dims)
-    };
-    let samples: Vec<_> = scenes.iter().map(sample).collect();
-    let score = |(held, scene): (usize, &Scene)| {
-        let others: Vec<_> = samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, s)| s).collect();
-        let mut engine = engine(scene).with_models(fit(&others));
-        run(&mut engine, scene);
+    let score = |(scene, models): (&Scene, &FittedModels)| {
+        let mut engine = captured::engine(scene).with_models(*models);
+        engine.run_in_place(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
         score_objects(&mut engine, &object_cases(scene).unwrap())
     };
-    scenes.iter().enumerate().flat_map(score).collect()
+    scenes.iter().zip(captured::models_left_out(scenes)).flat_map(score).collect()
 }
 
 #[test]
@@ -88,12 +72,16 @@ fn pair() -> Pair {
 
 /// Cards, the nearest first, before a wall of disparity 6.
 fn drawn(cards: Vec<Surface>, wall: Texture) -> (Engine, Rendering) {
+    drawn_with(Params::default(), cards, wall)
+}
+
+fn drawn_with(params: Params, cards: Vec<Surface>, wall: Texture) -> (Engine, Rendering) {
     let pair = pair();
     let mut surfaces = cards;
     surfaces.push(card(&pair, [-200.0, -200.0, 520.0, 440.0], [6.0; 2], wall, 9));
     let scene = scene::Scene { pair, surfaces, objects: vec!["object"; 9] };
     let drawn = scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed: 3, ..Sensor::default() });
-    let params = Params { max_disparity: 48, rig: Some(pair.rig().unwrap()), ..Params::default() };
+    let params = Params { max_disparity: 48, rig: Some(pair.rig().unwrap()), ..params };
     let mut engine = Engine::new(&params, DIMS).unwrap();
     engine.run_in_place(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
     (engine, drawn)
@@ -263,7 +251,13 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
 #[test]
 fn objects_leave_the_points_of_the_run_as_they_are() {
     use linestereo::{Output, Scratch, Views, most_candidates};
-    type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 1024, { most_candidates(DIMS, 16) }>;
+    type Memory = Scratch<
+        { row_bytes(DIMS.width) },
+        { mark_words(DIMS) },
+        1024,
+        { most_candidates(DIMS, 16) },
+        { linestereo::most_support_points(DIMS) },
+    >;
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
     let (_, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
@@ -291,7 +285,9 @@ fn objects_leave_the_points_of_the_run_as_they_are() {
 fn outlines_move_to_the_edges_that_the_object_owns() {
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
-    let (mut engine, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
+    // Outlines move to segments: many of them.
+    let dense = Params { cell: 16, ..Params::default() };
+    let (mut engine, drawn) = drawn_with(dense, vec![object], mosaic(&pair, 6.0, 8));
     let exact = mask_of(&drawn, &[1]);
     for mask in [exact.grown(2), exact.grown(3), exact.eroded(2), exact.eroded(3)] {
         let runs = mask.runs(1);

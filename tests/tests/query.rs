@@ -182,7 +182,15 @@ fn a_hidden_strip_has_no_wrong_depth() {
 
 /// The core with memory for a small pair.
 struct Small {
-    scratch: Box<Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, { most_candidates(DIMS, 16) }>>,
+    scratch: Box<
+        Scratch<
+            { row_bytes(DIMS.width) },
+            { mark_words(DIMS) },
+            512,
+            { most_candidates(DIMS, 16) },
+            { linestereo::most_support_points(DIMS) },
+        >,
+    >,
     output: Box<Output<512, 4096>>,
 }
 

@@ -2,14 +2,14 @@
 
 use linestereo::{
     Confidence, Dims, Gray, MARGIN, Match, Output, Params, PointClaim, Scratch, Span, ViewError, Views, mark_words,
-    row_bytes, shrink_to_usable,
+    most_support_points, row_bytes, shrink_to_usable,
 };
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::Random;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512>;
+type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>;
 type Lists = Output<512, 16384>;
 type Spans = [Span; DIMS.height as usize];
 

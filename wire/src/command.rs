@@ -8,7 +8,7 @@ use crate::rig_fault::RigFault;
 use crate::rig_image::RigImage;
 use core::fmt;
 use heapless::String;
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Plan, Rig, RigError, Skewed};
+use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError, Skewed};
 use serde::{Deserialize, Serialize};
 
 /// The name of a parameter in a refusal.
@@ -89,6 +89,39 @@ pub struct ParamUpdate {
     pub reach: Option<u16>,
     /// [`Params::rig`].
     pub rig: Option<RigUpdate>,
+    /// [`Params::parts`].
+    pub parts: Option<PartsUpdate>,
+}
+
+/// A [`Parts`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PartsUpdate {
+    /// [`Parts::Both`].
+    Both,
+    /// [`Parts::Support`].
+    Support,
+    /// [`Parts::Segments`].
+    Segments,
+}
+
+impl From<Parts> for PartsUpdate {
+    fn from(parts: Parts) -> Self {
+        match parts {
+            Parts::Both => Self::Both,
+            Parts::Support => Self::Support,
+            Parts::Segments => Self::Segments,
+        }
+    }
+}
+
+impl From<PartsUpdate> for Parts {
+    fn from(parts: PartsUpdate) -> Self {
+        match parts {
+            PartsUpdate::Both => Self::Both,
+            PartsUpdate::Support => Self::Support,
+            PartsUpdate::Segments => Self::Segments,
+        }
+    }
 }
 
 /// A [`Margin`] in plain numbers.
@@ -141,6 +174,7 @@ impl ParamUpdate {
             margin,
             min_confidence: self.min_confidence_q16.map_or(params.min_confidence, Confidence::from_bits),
             reach: self.reach.unwrap_or(params.reach),
+            parts: self.parts.map_or(params.parts, Parts::from),
         })
     }
 

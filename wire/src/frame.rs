@@ -7,7 +7,8 @@ use crate::health::{Health, PairReport};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Match, Owner, PairHealth, Point, PointClaim, Position, Rejection, Techniques,
+    Confidence, Depth, Dims, Disparity, Match, Owner, PairHealth, Point, PointClaim, Position, Rejection, Source,
+    Techniques,
 };
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +61,8 @@ pub struct Counts {
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
+    /// See [`linestereo::Counts`].
+    pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
     /// Matches beyond the list's capacity.
@@ -87,6 +90,7 @@ impl From<&linestereo::Counts> for Counts {
             segments_right: counts.segments_right,
             segments_left_dropped: counts.segments_left_dropped,
             segments_right_dropped: counts.segments_right_dropped,
+            searched_fully: counts.searched_fully,
             matched: counts.matched,
             matches_dropped: counts.matches_dropped,
             points: counts.points,
@@ -129,14 +133,45 @@ pub struct PointRecord {
     pub disparity_q6: i16,
     /// Probability that the disparity is within 1 px, 1/65536.
     pub confidence_q16: u16,
-    /// Position of its segment in the frame's list.
-    pub source: Option<u16>,
+    /// What claims it.
+    pub source: PointSource,
+}
+
+/// A [`Source`]; the first two are encoded as the `Option` of a position that stood here before there were support points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PointSource {
+    /// A segment that is not in the frame's list.
+    Side,
+    /// A segment at this position of the frame's list.
+    Segment(u16),
+    /// A support point.
+    Support,
+}
+
+impl From<Source> for PointSource {
+    fn from(source: Source) -> Self {
+        match source {
+            Source::Side => Self::Side,
+            Source::Segment(position) => Self::Segment(position),
+            Source::Support => Self::Support,
+        }
+    }
+}
+
+impl From<PointSource> for Source {
+    fn from(source: PointSource) -> Self {
+        match source {
+            PointSource::Side => Self::Side,
+            PointSource::Segment(position) => Self::Segment(position),
+            PointSource::Support => Self::Support,
+        }
+    }
 }
 
 impl From<&PointClaim> for PointRecord {
     fn from(claim: &PointClaim) -> Self {
         let PointClaim { x, y, disparity, confidence, source } = *claim;
-        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source }
+        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source: source.into() }
     }
 }
 
@@ -147,7 +182,7 @@ impl From<&PointRecord> for PointClaim {
             y: record.y,
             disparity: Disparity::from_bits(record.disparity_q6),
             confidence: Confidence::from_bits(record.confidence_q16),
-            source: record.source,
+            source: record.source.into(),
         }
     }
 }

@@ -57,8 +57,10 @@ mod rig_image;
 mod send;
 
 pub use board_state::{CaptureReport, Reset, ResetCause};
-pub use command::{Command, MarginUpdate, Name, PairHead, ParamUpdate, Refusal, Request, RigBytes, RigUpdate};
-pub use frame::{Counts, FrameHead, PointRecord, Points, Segment, SegmentOwner, Segments};
+pub use command::{
+    Command, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes, RigUpdate,
+};
+pub use frame::{Counts, FrameHead, PointRecord, PointSource, Points, Segment, SegmentOwner, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};

@@ -21,7 +21,7 @@ mod fitted;
 
 pub use fitted::FITTED;
 
-use crate::matching::evidence::{EVIDENCE, Kind};
+use crate::matching::evidence::{EVIDENCE, HEARD, Kind};
 
 /// Nodes of the tables: scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
@@ -88,14 +88,14 @@ impl<const N: usize> Model<N> {
 }
 
 impl Model {
-    /// The log-odds with what the neighbours say added, Q8.
-    pub(crate) fn with_neighbours_q8(&self, score_q8: i16, support_q8: i16, conflict_q8: i16) -> i32 {
+    /// The log-odds with what others say added, Q8.
+    pub(crate) fn with_heard_q8(&self, score_q8: i16, heard_q8: [i16; 2]) -> i32 {
         let product = |kind: Kind, value: i16| {
             let coefficient = self.coefficients_q12.get(kind as usize).copied().unwrap_or(0);
             i64::from(coefficient) * i64::from(value)
         };
-        let neighbours = product(Kind::Support, support_q8) + product(Kind::Conflict, conflict_q8);
-        i32::from(score_q8) + i32::try_from(neighbours >> 12).unwrap_or(0)
+        let heard: i64 = HEARD.into_iter().zip(heard_q8).map(|(kind, value)| product(kind, value)).sum();
+        i32::from(score_q8) + i32::try_from(heard >> 12).unwrap_or(0)
     }
 
     /// Log-odds per unit of one kind of evidence, Q8.

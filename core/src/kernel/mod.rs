@@ -6,7 +6,7 @@
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
 //! thumbv8m.main (Cortex-M33 and above)    dsp       where it is compiled for such a processor, as .cargo/config.toml does
-//! x86_64                                  sse2      sad_curve; the others are portable
+//! x86_64                                  sse2      sad_curve, rank_costs, path_step; the others are portable
 //! any other, such as RISC-V               portable
 //! ```
 //!
@@ -22,20 +22,23 @@ mod dsp;
 mod sse2;
 
 pub use portable::{
-    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CELL, Crossing, FLAT, Knot, LANES, LargestStep, RANK_FLAT, RANK_ROWS, Ring, Run, STRIP, Strip, X_ROUNDING,
+    bilinear, columns,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
     bilinear_cells, bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
-    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sad_curve, sum_curve, weigh_knots,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, rank_costs, rank_row,
+    reverse_row, sad_curve, sum_curve, weigh_knots,
 };
-#[cfg(not(any(dsp, target_arch = "x86_64")))]
-pub use portable::sad_curve;
 #[cfg(not(dsp))]
 pub use portable::{
     bilinear_cells, bilinear_runs, census_code, census_row, crossing_of_columns, crossing_of_rows, gradient_row,
-    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, reverse_row, sum_curve, weigh_knots,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, rank_row, reverse_row, sum_curve,
+    weigh_knots,
 };
+#[cfg(not(any(dsp, target_arch = "x86_64")))]
+pub use portable::{path_step, rank_costs, sad_curve};
 #[cfg(target_arch = "x86_64")]
-pub use sse2::sad_curve;
+pub use sse2::{path_step, rank_costs, sad_curve};

@@ -68,6 +68,109 @@ pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8;
     code
 }
 
+/// Rank of a pixel whose neighbours are not known, and half of the largest.
+pub const RANK_FLAT: u8 = 2;
+/// Rows of a window of ranks.
+pub const RANK_ROWS: usize = 4;
+/// Steps of a path: by one disparity, by more.
+pub const STEP_PENALTY: u8 = 3;
+/// See [`STEP_PENALTY`].
+pub const JUMP_PENALTY: u8 = 10;
+
+/// Rank of the middle one of three rows, each two below the one before: how many of the four neighbours at distance 2 (left, right, above,
+/// below) are darker, 0 ..= 4. The first and last two pixels are [`RANK_FLAT`], and so is what `out` is longer than the row.
+pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
+    out.fill(RANK_FLAT);
+    let [above, row, below] = rows;
+    let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
+    let (Some(above), Some(centre), Some(below), Some(right)) =
+        (above.get(2..), row.get(2..), below.get(2..), row.get(4..))
+    else {
+        return;
+    };
+    let columns = row.iter().zip(right).zip(centre).zip(above.iter().zip(below));
+    for ((((left, right), centre), (above, below)), rank) in columns.zip(inner) {
+        *rank =
+            u8::from(left < centre) + u8::from(right < centre) + u8::from(above < centre) + u8::from(below < centre);
+    }
+}
+
+/// Half the sum of absolute differences between a window of ranks and the rows in which it is sought: entry i meets `rows[k][i..i + 8]`.
+/// Entries that a row is too short for stay.
+pub fn rank_costs(window: &[[u8; STRIP]; RANK_ROWS], rows: &[&[u8]; RANK_ROWS], costs: &mut [u8]) {
+    let long = rows.iter().map(|row| (row.len() + 1).saturating_sub(STRIP)).min().unwrap_or(0);
+    let Some(costs) = costs.get_mut(..long.min(costs.len())) else { return };
+    let start = 0;
+    for (block, costs) in costs.chunks_mut(LANES).enumerate() {
+        let start = start + block * LANES;
+        let mut sums = [0_u8; LANES];
+        for (window, row) in window.iter().zip(rows) {
+            let mut others = [0; LANES + STRIP - 1];
+            let there = row.get(start..).unwrap_or(&[]);
+            if let Some(whole) = there.first_chunk::<{ LANES + STRIP - 1 }>() {
+                others = *whole;
+            } else {
+                others.iter_mut().zip(there).for_each(|(other, &there)| *other = there);
+            }
+            for (&ours, others) in window.iter().zip(others.windows(LANES)) {
+                for (sum, &other) in sums.iter_mut().zip(others) {
+                    *sum = sum.wrapping_add(ours.max(other) - ours.min(other));
+                }
+            }
+        }
+        for (cost, sum) in costs.iter_mut().zip(sums) {
+            *cost = sum >> 1;
+        }
+    }
+}
+
+/// Takes a path of semi-global matching one point on, in place: `path[d]` becomes `costs[d] + min(path[d], path[d - 1] + P1, path[d + 1] + P1,
+/// lowest + P2) - lowest`, saturating, where `lowest` is the lowest of `path`, and becomes `sums[d]` (`first`) or is added to it, saturating; as
+/// far as the shortest of the three goes. Gives the lowest of the new ones. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
+pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8], sums: &mut [u8], first: bool) -> u8 {
+    let jump = lowest.saturating_add(JUMP_PENALTY);
+    let length = path.len().min(costs.len()).min(sums.len());
+    let (Some(path), Some(sums)) = (path.get_mut(..length), sums.get_mut(..length)) else { return u8::MAX };
+    if first {
+        sums.fill(0);
+    }
+    let mut lows = [u8::MAX; LANES];
+    // The last entry of the block before, as it was.
+    let mut before = u8::MAX;
+    for ((start, costs), sums) in (0..).step_by(LANES).zip(costs.chunks(LANES)).zip(sums.chunks_mut(LANES)) {
+        let Some(rest) = path.get_mut(start..) else { break };
+        let mut padded = [u8::MAX; LANES + 2];
+        padded.iter_mut().skip(1).zip(&*rest).for_each(|(padded, &cost)| *padded = cost);
+        padded[0] = before;
+        before = padded[LANES];
+        let (left, same, right) = (lanes(&padded, 0), lanes(&padded, 1), lanes(&padded, 2));
+        let mut new = [0; LANES];
+        for ((new, &same), (&left, &right)) in new.iter_mut().zip(&same).zip(left.iter().zip(&right)) {
+            let step = left.min(right).saturating_add(STEP_PENALTY);
+            *new = step.min(same).min(jump).wrapping_sub(lowest);
+        }
+        let block = rest.iter_mut().zip(new).zip(costs).zip(sums).zip(&mut lows);
+        for ((((path, new), &cost), sum), low) in block {
+            *path = new.saturating_add(cost);
+            *sum = sum.saturating_add(*path);
+            *low = (*low).min(*path);
+        }
+    }
+    lowest_byte(&lows)
+}
+
+/// Sixteen neighbouring bytes.
+#[inline(always)]
+fn lanes(bytes: &[u8; LANES + 2], first: usize) -> [u8; LANES] {
+    bytes.get(first..).and_then(|bytes| bytes.first_chunk()).copied().unwrap_or([u8::MAX; LANES])
+}
+
+/// The lowest byte; [`u8::MAX`] of none.
+#[must_use]
+pub fn lowest_byte(costs: &[u8]) -> u8 {
+    costs.iter().fold(u8::MAX, |lowest, &cost| lowest.min(cost))
+}
+
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every
 /// strip's `other` holds `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {

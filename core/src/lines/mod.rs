@@ -106,6 +106,8 @@ pub struct LineParams {
     pub edge: i32,
     /// Least extent of a segment, rows or columns.
     pub min_extent: i32,
+    /// Rows between two scans for edges that run down the rows, even; `None` draws no such edges.
+    pub row_scan: Option<i32>,
     /// Columns between two scans for edges along the columns, even; `None` draws no such edges.
     pub column_scan: Option<i32>,
 }
@@ -144,8 +146,10 @@ pub fn detect(
     };
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
-    Edges::<true>::new(image, areas, params, marks)
-        .for_each_chain(SCAN_STEP, &mut room, |chain| runs(chain, Direction::Down));
+    if let Some(scan) = params.row_scan {
+        Edges::<true>::new(image, areas, params, marks)
+            .for_each_chain(scan, &mut room, |chain| runs(chain, Direction::Down));
+    }
     if let Some(scan) = params.column_scan {
         Edges::<false>::new(image, areas, params, marks)
             .for_each_chain(scan, &mut room, |chain| runs(chain, Direction::Along));

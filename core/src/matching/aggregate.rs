@@ -30,6 +30,7 @@ pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart:
 }
 
 /// The margin within which techniques have to agree.
+#[derive(Clone, Copy)]
 pub(crate) struct Agreement {
     margin: Margin,
     rig: Option<Rig>,

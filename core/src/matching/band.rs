@@ -2,8 +2,7 @@
 //!
 //! In: the two images. Out: padded rows of both, computed once per frame, held for [`BAND_ROWS`] rows.
 //!
-//! Rows of the right image are stored mirrored, so that for a fixed left pixel the candidates at rising disparity lie at rising
-//! addresses, in both directions of search: one kernel serves both.
+//! Rows of the right image are stored mirrored, so that for a fixed left pixel the candidates at rising disparity lie at rising addresses.
 //!
 //! # Cost
 //! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
@@ -36,15 +35,6 @@ const WINDOW_REACH: i32 = 6;
 
 /// Columns that a window reaches beside its segment (10), and two that end its rows.
 const WINDOW_COLUMNS: i32 = 12;
-
-/// Which image the reference pixels come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Search {
-    /// Left reference, sought in the right image.
-    Forward,
-    /// Right reference, sought back in the left image.
-    Back,
-}
 
 /// One quantity of both images.
 struct Planes<'a> {
@@ -140,13 +130,6 @@ impl<'a> Band<'a> {
         !right.usable().is_empty()
     }
 
-    /// Usable columns of the left image.
-    pub(crate) fn left_columns(&self, y: i32) -> (i32, i32) {
-        let [left, _] = self.images;
-        let Span { start, end } = left.usable_columns(y);
-        (start.into(), end.into())
-    }
-
     /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before.
     pub(crate) fn advance_for(&mut self, segment: &Segment) {
         let (_, y0, _, y1) = segment.ends_q5();
@@ -205,23 +188,17 @@ impl<'a> Band<'a> {
     }
 
     /// Eight gradients at `x..x + 8` of row `y` of the reference image, and the row they are sought in from disparity `first` on.
-    pub(crate) fn strip(&self, search: Search, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
-        let [strip] = self.strips(search, [x], y, first)?;
+    pub(crate) fn strip(&self, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
+        let [strip] = self.strips([x], y, first)?;
         Some(strip)
     }
 
     /// Several strips of the same row.
-    pub(crate) fn strips<const N: usize>(
-        &self,
-        search: Search,
-        columns: [i32; N],
-        y: i32,
-        first: i32,
-    ) -> Option<[Strip<'_>; N]> {
-        let (reference, other) = self.rows(&self.gradient, search, y)?;
+    pub(crate) fn strips<const N: usize>(&self, columns: [i32; N], y: i32, first: i32) -> Option<[Strip<'_>; N]> {
+        let (reference, other) = self.rows(&self.gradient, y)?;
         let mut strips = [const { Strip { reference: [0; STRIP], other: &[] } }; N];
         for (strip, x) in strips.iter_mut().zip(columns) {
-            let (at, sought) = self.places(search, x, STRIP as i32, first)?;
+            let (at, sought) = self.places(x, STRIP as i32, first)?;
             let mut pixels = *reference.get(at..)?.first_chunk::<STRIP>()?;
             pixels.reverse();
             *strip = Strip { reference: pixels, other: other.get(sought..)? };
@@ -235,7 +212,7 @@ impl<'a> Band<'a> {
             return None;
         }
         let other = Self::row(self.census, self.stride, y)?;
-        let (_, sought) = self.places(Search::Forward, x, 1, first)?;
+        let (_, sought) = self.places(x, 1, first)?;
         let [left, _] = self.images;
         let has_code = x >= 2 && x + 2 < self.width as i32 && left.usable_columns(y).contains(x);
         let code = if has_code { self.left_code(x, y) } else { 0 };
@@ -262,28 +239,20 @@ impl<'a> Band<'a> {
         y >= (self.next_row - BAND_ROWS as i32 * ROW_STEP).max(self.first_row) && y < self.next_row
     }
 
-    fn rows<'s>(&'s self, planes: &'s Planes<'_>, search: Search, y: i32) -> Option<(&'s [u8], &'s [u8])> {
+    fn rows<'s>(&'s self, planes: &'s Planes<'_>, y: i32) -> Option<(&'s [u8], &'s [u8])> {
         if !self.holds(y) {
             return None;
         }
         let left = Self::row(planes.left, self.stride, y)?;
         let right = Self::row(planes.right_mirrored, self.stride, y)?;
-        Some(match search {
-            Search::Forward => (left, right),
-            Search::Back => (right, left),
-        })
+        Some((left, right))
     }
 
-    /// Where `length` pixels from column `x` on lie in the reference row, and where the first candidate lies in the other. The mirror
-    /// makes both directions alike: the reference is read backwards, candidates at rising disparity lie at rising addresses.
-    fn places(&self, search: Search, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
-        let plain = PAD as i32 + x;
+    /// Where `length` pixels from column `x` on lie in the left row, and where the first candidate lies in the mirrored right one. The
+    /// reference is read backwards, so that candidates at rising disparity lie at rising addresses.
+    fn places(&self, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
         let mirrored = PAD as i32 + self.width as i32 - length - x;
-        let (at, sought) = match search {
-            Search::Forward => (plain, mirrored),
-            Search::Back => (mirrored, plain),
-        };
-        Some((usize::try_from(at).ok()?, usize::try_from(sought + first).ok()?))
+        Some((usize::try_from(PAD as i32 + x).ok()?, usize::try_from(mirrored + first).ok()?))
     }
 }
 

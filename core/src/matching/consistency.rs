@@ -1,26 +1,13 @@
-//! What the claims say of each other.
+//! Which claims contradict each other: at most one of two that want the same place in the right image is right.
 //!
-//! In: every claim's place, disparity and weight. Out: evidence of agreement and conflict for each, and the pairs that want the same place
-//! in the right image.
-//!
-//! ```text
-//! support  = log2(1 + sum of weight * nearness over the neighbours that agree)
-//! conflict = conflicting / (agreeing + conflicting + 0.2)
-//! ```
-//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much.
-//!
-//! # Bounds
-//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at hand.
+//! In: every claim's place and disparity. Out: the pairs that want the same place with different disparities.
 //!
 //! # Cost
-//! Quadratic in the claims of 2 * [`REACH`] rows.
+//! Quadratic in the claims of some 20 rows.
 
-use super::evidence::log2_mean_q8;
-use super::{Candidate, Side, about_length, narrow};
+use super::{Candidate, Side, narrow};
 use crate::lines::MAX_ROWS;
 
-/// Distance at which a neighbour's word counts nothing, px.
-const REACH: i32 = 40;
 /// Distance of a claim's centre from its edge, px.
 const OFF_EDGE: i32 = 4;
 /// Largest difference of rows and of right columns at which two claims explain the same place, px.
@@ -46,9 +33,8 @@ pub(crate) struct Claim {
     pub(crate) d_q6: i16,
     /// 0 = no claim.
     pub(crate) weight_q8: u16,
-    /// Sums of weight times nearness, in 1/320 of a neighbour at hand with full weight; 200 of those fit.
+    /// Weight when a surface is sought: that of an object's claim falls to the border of a box.
     pub(crate) agreeing: u16,
-    conflicting: u16,
 }
 
 impl Place {
@@ -67,17 +53,10 @@ impl Place {
         }
     }
 
-    /// Lets the claims of two segments speak of each other.
-    fn weigh(&mut self, other: &mut Self) {
-        let distance = about_length(i32::from(other.x - self.x), i32::from(other.y - self.y));
-        if distance >= REACH {
-            return;
-        }
-        for own in &mut self.claims {
-            for theirs in &mut other.claims {
-                own.weigh(theirs, distance);
-            }
-        }
+    /// Of a support point.
+    pub(crate) fn of_point(x: i32, y: i32, d_q6: i16, weight_q8: u16) -> Self {
+        let claims = [Claim { d_q6, weight_q8, ..Claim::EMPTY }, Claim::EMPTY];
+        Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, claims }
     }
 
     /// Column in the right image that one side's claim wants, 1/64 px.
@@ -94,64 +73,19 @@ impl Place {
 }
 
 impl Claim {
-    const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0, conflicting: 0 };
+    const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0 };
 
     fn new(side: &Side) -> Self {
         Self { d_q6: narrow(side.sum_q6() >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
     }
-
-    fn weigh(&mut self, other: &mut Self, distance: i32) {
-        if self.weight_q8 == 0 || other.weight_q8 == 0 {
-            return;
-        }
-        let nearness = (REACH - distance) as u32; // of REACH
-        let word = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
-        let (to_self, to_other) = (word(other.weight_q8), word(self.weight_q8));
-        // 0.06 px per px is 4/64.
-        if (i32::from(other.d_q6) - i32::from(self.d_q6)).abs() <= 64 + 4 * distance {
-            self.agreeing = self.agreeing.saturating_add(to_self);
-            other.agreeing = other.agreeing.saturating_add(to_other);
-        } else {
-            self.conflicting = self.conflicting.saturating_add(to_self);
-            other.conflicting = other.conflicting.saturating_add(to_other);
-        }
-    }
 }
 
-/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one on top.
-const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
-
-/// Fills `places` (one per candidate; candidates in the order of their tops) and sets every claim's support and conflict.
-pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place]) {
+/// Fills `places`, one per candidate.
+pub(crate) fn place(candidates: &[Candidate], places: &mut [Place]) {
     for (candidate, place) in candidates.iter().zip(places.iter_mut()) {
         *place = Place::new(candidate);
     }
-    let places = places.get_mut(..candidates.len()).unwrap_or(&mut []);
-    for i in 0..places.len() {
-        let Some((place, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
-        for neighbour in after {
-            if i32::from(neighbour.top - place.top) > TOPS_REACH {
-                break;
-            }
-            place.weigh(neighbour);
-        }
-    }
-    for (candidate, place) in candidates.iter_mut().zip(places.iter()) {
-        for (side, claim) in candidate.sides.iter_mut().zip(&place.claims) {
-            if let Some(side) = side {
-                side.support_q8 = narrow(log2_mean_q8(claim.agreeing.into(), FULL));
-                let (agreeing, conflicting) = (u32::from(claim.agreeing), u32::from(claim.conflicting));
-                let share = (conflicting << 8).checked_div(agreeing + conflicting + LITTLE).unwrap_or(0);
-                side.conflict_q8 = narrow(share as i32);
-            }
-        }
-    }
 }
-
-/// What a neighbour at hand with full weight says.
-const FULL: i32 = (256 * REACH) >> 5;
-/// A fifth of that: so much may contradict without saying anything.
-const LITTLE: u32 = FULL as u32 / 5;
 
 /// Rows between the tops of two segments beyond which their claims cannot contradict each other.
 const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;

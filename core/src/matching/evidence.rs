@@ -24,10 +24,6 @@ pub enum Kind {
     CensusSideRatio,
     /// |window - census|, px.
     CensusGap,
-    /// |searched back - window|, px.
-    BackGap,
-    /// Searching back: best cost / best elsewhere.
-    BackRatio,
     /// |difference of the halves' disparities| per row or column.
     Slant,
     /// log2(1 + rows or columns).
@@ -38,10 +34,10 @@ pub enum Kind {
     OtherDiffers,
     /// 1 if this side alone prefers another disparity.
     SideDiffers,
-    /// 1 if a right segment's line agrees.
-    RightAgrees,
-    /// 1 if no right segment is compatible.
-    NoRight,
+    /// 1 if the right image has no such edge there.
+    NoFeature,
+    /// |the edge in the right image - halves|, px, at most 2.
+    FeatureGap,
     /// -1 left of or above the edge, +1 right or below.
     WhichSide,
     /// Slope against its direction, px per px.
@@ -50,14 +46,16 @@ pub enum Kind {
     Range,
     /// log2(1 + grey step).
     Contrast,
-    /// log2(1 + neighbours that agree).
-    Support,
-    /// Share of neighbours that contradict.
-    Conflict,
+    /// log2(1 + support points nearby that agree).
+    SupportAgreeing,
+    /// Share of those that contradict.
+    SupportConflicting,
     /// The edge itself: cost at the disparity / best elsewhere.
     EdgeRatio,
     /// Distance of the pixel from the edge, px.
     Distance,
+    /// 1 for the pixels next to an edge whose two sides are not known to be one surface.
+    NextToEdge,
 }
 
 impl Kind {
@@ -72,28 +70,30 @@ impl Kind {
         "log2(1 + its cost per point)",
         "this side's census: cost at the disparity / best elsewhere",
         "|window - census|, px",
-        "|searched back - window|, px",
-        "searching back: best cost / best elsewhere",
         "|difference of the halves' disparities| per row or column",
         "log2(1 + rows or columns)",
         "the other side's window ratio",
         "1 if the other side prefers another disparity",
         "1 if this side alone prefers another disparity",
-        "1 if a right segment's line agrees",
-        "1 if no right segment is compatible",
+        "1 if the right image has no such edge there",
+        "|the edge in the right image - halves|, px",
         "-1 left of or above the edge, +1 right or below",
         "slope against its direction, px per px",
         "log2(1 + disparities compared)",
         "log2(1 + grey step)",
-        "log2(1 + neighbours that agree)",
-        "share of neighbours that contradict",
+        "log2(1 + support points nearby that agree)",
+        "share of those that contradict",
         "the edge itself: cost at the disparity / best elsewhere",
         "distance of the pixel from the edge, px",
+        "1 for the pixels next to an edge whose two sides are not known to be one surface",
     ];
 }
 
+/// What others say, known when all segments are matched.
+pub(crate) const HEARD: [Kind; 2] = [Kind::SupportAgreeing, Kind::SupportConflicting];
+
 /// Number of entries.
-pub const EVIDENCE: usize = Kind::Distance as usize + 1;
+pub const EVIDENCE: usize = Kind::NextToEdge as usize + 1;
 
 /// One number per [`Kind`], Q8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -108,6 +108,15 @@ impl Evidence {
         if let Some(slot) = self.0.get_mut(kind as usize) {
             *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
         }
+    }
+
+    /// The same evidence with what others say.
+    #[must_use]
+    pub fn with_heard(mut self, heard_q8: [i16; 2]) -> Self {
+        for (kind, value) in HEARD.into_iter().zip(heard_q8) {
+            self.set(kind, value.into());
+        }
+        self
     }
 
     /// The same evidence with one entry changed.

@@ -1,10 +1,11 @@
-//! Feature matching: right segments that are structurally the same as a left one vote for a disparity.
+//! Feature matching, directed: is there an edge with the same properties in the right image where it must be?
 //!
-//! In: a left segment, the right segments sorted by their top row. Out: the disparity at the middle row by the line of each compatible one.
-//! A vote, not a requirement: only about 72 % of visible left segments have their partner among the right segments.
+//! In: the line of a left segment, the disparity of its window, the band of rows. Out: the disparity by the edge itself, to a fraction of a
+//! pixel. Evidence, not a requirement: an edge between two surfaces may look different from the right.
 
-use super::MatchContext;
-use crate::lines::{MAX_ROWS, Segment};
+use super::band::{Band, SampledRows};
+use crate::kernel::FLAT;
+use crate::lines::Segment;
 use crate::units::quotient;
 
 /// A line x(y) in 1/32 px with its row range.
@@ -47,45 +48,45 @@ impl SteepLine {
     }
 }
 
-/// Calls `vote` with the disparity (1/64 px, at row `middle_q5`) of every right segment that could be the same edge.
-pub(crate) fn for_each_partner(
-    segment: &Segment,
-    context: &MatchContext<'_>,
-    middle_q5: i32,
-    mut vote: impl FnMut(i32),
-) {
-    let line = SteepLine::new(segment);
-    let right = context.right;
-    let first = right.partition_point(|s| top(s) < line.y0 - ((MAX_ROWS + 2) << 5));
-    for other in right.get(first..).unwrap_or(&[]) {
-        if top(other) > line.y1 {
-            break;
+/// Rows of the band that are looked at.
+const FEATURE_ROWS: i32 = 4;
+/// Columns on both sides of where the edge should be at which it is looked for.
+const FEATURE_REACH: usize = 2;
+
+/// Disparity (1/64 px, mean of the rows) of the edge in the right image that is the same as the left one: near `disparity`, where it
+/// must be, with the same sign and at least half of the gradient, in at least half of the rows. `None` where there is none.
+pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'_>) -> Option<i32> {
+    let rows = SampledRows::new(line.rows(), FEATURE_ROWS);
+    let sign = |gradient: u8| {
+        let gradient = i32::from(gradient) - i32::from(FLAT);
+        if rising { gradient } else { -gradient }
+    };
+    let (mut sum_q6, mut found) = (0, 0);
+    for y in rows {
+        // The middle of the strip is the edge; the other row begins so that its edge lies in the middle of what is looked at.
+        let x = line.column(y);
+        let Some(strip) = band.strip(x - 4, y, disparity - FEATURE_REACH as i32) else { continue };
+        let [_, _, _, ours, ..] = strip.reference;
+        let Some(near) = strip.other.get(2..).and_then(|other| other.first_chunk::<7>()) else { continue };
+        let near = near.map(sign);
+        let mut best = (0, 0, 0);
+        for (window, place) in near.windows(3).zip(0..) {
+            if let &[before, here, after] = window
+                && here > best.0
+            {
+                // A parabola through three gradients.
+                let shift_q6 = quotient((after - before) << 5, 2 * here - before - after).clamp(-32, 32);
+                best = (here, place, shift_q6);
+            }
         }
-        if other.rising != segment.rising
-            || other.contrast > segment.contrast.saturating_mul(2).saturating_add(8)
-            || segment.contrast > other.contrast.saturating_mul(2).saturating_add(8)
-        {
-            continue;
-        }
-        let mut partner = SteepLine::new(other);
-        partner.y0 -= context.row_offset_q5;
-        partner.y1 -= context.row_offset_q5;
-        let (from, to) = (line.y0.max(partner.y0), line.y1.min(partner.y1));
-        let shorter = (line.y1 - line.y0).min(partner.y1 - partner.y0);
-        if to - from < (shorter / 2).max(3 << 5) {
-            continue;
-        }
-        let d = |y: i32| (line.x_q5(y) - partner.x_q5(y)) << 1;
-        let (a, b) = (d(from), d(to));
-        let (low, high) = (a.min(b), a.max(b));
-        let same_slope = high - low <= (to - from) / 2 + 64;
-        if same_slope && context.in_range(low, high) {
-            vote(d(middle_q5));
+        let (gradient, place, shift_q6) = best;
+        if gradient > 2 && 2 * gradient >= sign(ours) {
+            let off_q6 = ((place - FEATURE_REACH as i32) << 6) + shift_q6;
+            // What the line of the left edge is off its column.
+            let own_q6 = (line.x_q5(y << 5) << 1) - (x << 6);
+            sum_q6 += own_q6 + off_q6;
+            found += 1;
         }
     }
-}
-
-fn top(segment: &Segment) -> i32 {
-    let (_, y0, _, y1) = segment.ends_q5();
-    y0.min(y1)
+    (2 * found >= rows.count() && found > 0).then(|| (disparity << 6) + quotient(sum_q6, found))
 }

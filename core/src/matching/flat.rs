@@ -6,7 +6,6 @@
 //! ```text
 //! for each side: window:  rows beside the edge, over every disparity; unique?
 //!                census:  Hamming distances beside the edge; unique? within the margin of the window?
-//!                back:    from the place found in the right image to within 1 px?
 //!                halves:  a disparity for each half gives the line of disparity along the segment
 //! sides that agree are one surface
 //! ```
@@ -15,7 +14,7 @@
 //! At most 4 blocks of 2 rows of 8 pixels, 62 each: 3968. Census: at most 9 points a row, 2 rows, 8 bits each.
 
 use super::aggregate::join_sides;
-use super::band::{Band, Search, on_band};
+use super::band::{Band, on_band};
 use super::curve::{Curve, Minimum, ratio_q8};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Workspace};
@@ -103,16 +102,13 @@ pub(crate) fn match_flat(
 
     let [above_rows, below_rows] = side_rows(&line);
     let [above_points, below_points] = CENSUS_ROWS;
-    let [a, b, c, d, e, f, census, back, ..] = &mut work.curves;
+    let [a, b, c, d, e, f, census, ..] = &mut work.curves;
     let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
     let below = SideWindows::new([d, e, f], &line, columns, below_rows, range, band);
-    let mut place = |own: (&SideWindows<'_>, [i32; 2], [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
-        place(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, [census, back])
+    let mut place = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
+        place(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, census)
     };
-    let placed = [
-        place((&above, above_rows, above_points), &below, -256),
-        place((&below, below_rows, below_points), &above, 256),
-    ];
+    let placed = [place((&above, above_points), &below, -256), place((&below, below_points), &above, 256)];
     let (window_q6, census_q6) = match &placed {
         [Ok(a), Ok(b)] if b.evidence.get(Kind::SideRatio) < a.evidence.get(Kind::SideRatio) => b.techniques(),
         [Ok(a), _] => a.techniques(),
@@ -150,7 +146,7 @@ impl<'w> SideWindows<'w> {
         let mut pixels = 0;
         for (curve, columns) in [&mut *a, &mut *b].into_iter().zip([(first, middle), (middle + 1, last)]) {
             curve.fill(range, |costs| {
-                pixels += add_blocks(line, columns, rows, (Search::Forward, range.0, 0), band, costs);
+                pixels += add_blocks(line, columns, rows, range.0, band, costs);
             });
         }
         whole.set_sum(a, b);
@@ -160,13 +156,13 @@ impl<'w> SideWindows<'w> {
     }
 }
 
-/// Adds the cost of one side over `columns`, in blocks of eight that follow the line, moved left by `shift`, from disparity `first` on;
+/// Adds the cost of one side over `columns`, in blocks of eight that follow the line, from disparity `first` on;
 /// returns the pixels compared.
 fn add_blocks(
     line: &FlatLine,
     (from, to): (i32, i32),
     rows: [i32; 2],
-    (search, first, shift): (Search, i32, i32),
+    first: i32,
     band: &Band<'_>,
     costs: &mut [u16],
 ) -> i32 {
@@ -180,7 +176,7 @@ fn add_blocks(
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
         let y = line.row_q5((start << 5) + 112);
         for row in rows {
-            if let Some(strip) = band.strip(search, start - shift, on_band(y + row), first) {
+            if let Some(strip) = band.strip(start, on_band(y + row), first) {
                 let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
             }
         }
@@ -233,12 +229,12 @@ impl Placed {
 /// Places one side by its window, census and the search back.
 fn place(
     line: &FlatLine,
-    (own, window_rows, census_rows): (&SideWindows<'_>, [i32; 2], [i32; 2]),
+    (own, census_rows): (&SideWindows<'_>, [i32; 2]),
     other: &SideWindows<'_>,
     shared: Evidence,
     context: &MatchContext<'_>,
     band: &Band<'_>,
-    [census, back]: [&mut Curve; 2],
+    census: &mut Curve,
 ) -> Result<Placed, Rejection> {
     let at = own.best.at;
     if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 {
@@ -259,16 +255,6 @@ fn place(
     }
     let census_q6 = census.subpixel_q6(census_near.at);
 
-    let range = context.range_after(columns.1 - at, band.left_columns(row));
-    back.fill(range, |costs| {
-        add_blocks(line, columns, window_rows, (Search::Back, range.0, at), band, costs);
-    });
-    let back_best = back.minimum();
-    let back_gap = (back_best.at - at).abs();
-    if back_gap > 1 {
-        return Err(Rejection::LeftRight);
-    }
-
     let [first_q6, last_q6] =
         own.halves.each_ref().map(|curve| curve.subpixel_q6(curve.minimum_near(at, HALF_REACH).at));
     let slant_q6 = last_q6 - first_q6;
@@ -279,8 +265,6 @@ fn place(
     evidence.set(Kind::CensusRatio, census_ratio_q8);
     evidence.set(Kind::CensusCost, log2_mean_q8(census_near.cost.into(), points));
     evidence.set(Kind::CensusGap, (window_q6 - census_q6).abs() << 2);
-    evidence.set(Kind::BackGap, back_gap << 8);
-    evidence.set(Kind::BackRatio, ratio_q8(back_best.cost, back.rival(back_best.at)));
     evidence.set(Kind::Slant, quotient(slant_q6.abs() << 3, columns.1 - columns.0 + 1));
     evidence.set(Kind::OtherRatio, other.ratio_q8);
     evidence.set(Kind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);

@@ -1,7 +1,7 @@
 //! Left segments -> candidates: disparities with the evidence for and against them.
 //!
-//! In: the prominent segments of the left image, those of the right one as votes, a moving band of rows of both images. Out: per segment a
-//! [`Candidate`], or the name of the test it failed.
+//! In: the prominent segments of the left image, support points, a moving band of rows of both images. Out: per segment a [`Candidate`], or the
+//! name of the test it failed.
 //!
 //! A segment that runs down the rows is placed as a whole (`steep`), a near-horizontal one by what lies above and below it (`flat`); both
 //! use the same curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
@@ -16,12 +16,15 @@ pub(crate) mod feature;
 pub(crate) mod flat;
 pub(crate) mod row_offset;
 pub(crate) mod steep;
+pub(crate) mod surroundings;
 
 use crate::confidence::{Model, Models};
 use crate::image::Dims;
+use crate::kernel::LANES;
 use crate::lines::Segment;
 use crate::params::Params;
 use crate::result::Rejection;
+use crate::support::Support;
 use crate::units::Confidence;
 use aggregate::Agreement;
 use band::Band;
@@ -32,12 +35,16 @@ use evidence::{Evidence, Kind};
 
 /// Least disparities that a search must compare: with fewer there is no rival to be better than.
 pub(crate) const MIN_RANGE: i32 = 8;
+/// Disparities on both sides of what support points name at which a segment is sought as well.
+const AROUND: i32 = 3;
 /// Largest best/rival ratio of the segment's window.
 const MAX_WINDOW_RATIO_Q8: i32 = 230;
 /// Largest best/rival ratio of census.
 const MAX_CENSUS_RATIO_Q8: i32 = 240;
 /// Largest best/rival ratio of a side's own window.
 const MAX_SIDE_RATIO_Q8: i32 = 230;
+/// Two sides whose disparities, summed over both ends, lie closer than this are one surface, 1/64 px.
+const ONE_SURFACE_Q6: i32 = 2 * 64;
 /// Largest difference between the end disparities.
 const MAX_SLANT_Q6: i32 = 6 << 6;
 
@@ -48,11 +55,11 @@ pub struct Candidate {
     pub segment: Segment,
     /// The sides that carry a disparity: left and right of it, or above and below.
     pub sides: [Option<Side>; 2],
-    /// Disparity by window, census and (if any) right segment at the middle, 1/64 px.
+    /// Disparity by window, census and (if it is there) the edge in the right image, at the middle, 1/64 px.
     pub window_q6: i16,
     /// By census.
     pub census_q6: i16,
-    /// By the line of a right segment.
+    /// By the edge in the right image.
     pub feature_q6: Option<i16>,
     /// True when a more probable claim explains the same place in the right image.
     pub(crate) beaten: bool,
@@ -87,6 +94,12 @@ impl Candidate {
         Some((a.sum_q6() - b.sum_q6()).abs())
     }
 
+    /// Are both sides known to be one surface?
+    #[must_use]
+    pub fn is_one_surface(&self) -> bool {
+        self.sides_apart_q6().is_some_and(|apart| apart <= ONE_SURFACE_Q6)
+    }
+
     /// Do the ends of every side's line lie at usable columns of the right image?
     fn ends_where_usable(&self, band: &Band<'_>) -> bool {
         let (x0, y0, x1, y1) = self.segment.ends_q5();
@@ -119,10 +132,8 @@ pub struct Side {
     pub disparity_q6: [i16; 2],
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
     pub across_q10: i16,
-    /// Agreeing neighbours and share of contradicting ones: [`Kind::Support`], [`Kind::Conflict`].
-    pub support_q8: i16,
-    /// See `support_q8`.
-    pub conflict_q8: i16,
+    /// What others say: [`Kind::SupportAgreeing`], [`Kind::SupportConflicting`].
+    pub heard_q8: [i16; 2],
     /// What the neighbours make of its word: 1 ..= 256.
     pub(crate) weight_q8: u16,
     /// Log-odds of the side and of the edge, neighbours left out.
@@ -141,8 +152,7 @@ impl Side {
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
-            support_q8: 0,
-            conflict_q8: 0,
+            heard_q8: [0; 2],
             weight_q8: weight.clamp(1, 256) as u16,
             score_q8: narrow(model.score_q8(&evidence.0)),
             edge_score_q8: narrow(edge_model.score_q8(&evidence.0)),
@@ -195,34 +205,39 @@ impl Workspace {
     }
 }
 
-/// What is the same for every segment of a frame.
+/// What is the same for every segment of a frame; of one segment, with the disparities that it is sought at.
+#[derive(Clone, Copy)]
 pub(crate) struct MatchContext<'a> {
     width: i32,
     min_disparity: i32,
     max_disparity: i32,
-    pub(crate) right: &'a [Segment],
-    pub(crate) row_offset_q5: i32,
+    support: Support<'a>,
     pub(crate) agreement: Agreement,
     pub(crate) models: &'a Models,
 }
 
 impl<'a> MatchContext<'a> {
-    pub(crate) fn new(
-        params: &Params,
-        models: &'a Models,
-        dims: Dims,
-        right: &'a [Segment],
-        row_offset_q5: i32,
-    ) -> Self {
+    pub(crate) fn new(params: &Params, models: &'a Models, dims: Dims, support: Support<'a>) -> Self {
         Self {
             width: dims.width.into(),
             min_disparity: params.min_disparity.into(),
             max_disparity: params.max_disparity.into(),
-            right,
-            row_offset_q5,
+            support,
             agreement: Agreement::new(params),
             models,
         }
+    }
+
+    /// The same with the disparities at which a segment is sought: those that the support points around it name, and [`AROUND`] more on both
+    /// sides. `None` without a point to go by.
+    fn directed(&self, segment: &Segment) -> Option<Self> {
+        let (low, high) = self.support.named_around(segment.area())?;
+        let (low, high) = (low - AROUND, high + 1 + AROUND);
+        // Whole blocks are compared at the price of one.
+        let more = LANES as i32 - 1 - ((high - low - 1) & (LANES as i32 - 1));
+        let (low, high) = (low - more / 2, high + more - more / 2);
+        let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
+        (end - first >= MIN_RANGE).then_some(Self { min_disparity: first, max_disparity: end, ..*self })
     }
 
     /// First disparity and number of disparities that a left window at this column can have: the match lies at usable columns
@@ -232,16 +247,12 @@ impl<'a> MatchContext<'a> {
         let len = self.max_disparity.min(column + 1 - from) - first;
         if len < MIN_RANGE { Err(Rejection::NearBorder) } else { Ok((first, len)) }
     }
+}
 
-    /// The same for a right window whose match is sought in the left image, where columns before `to` are usable.
-    pub(crate) fn range_after(&self, column: i32, (_, to): (i32, i32)) -> (i32, i32) {
-        (self.min_disparity, self.max_disparity.min(to - column) - self.min_disparity)
-    }
-
-    /// May a pair of lines have this disparity (1/64 px)?
-    pub(crate) fn in_range(&self, low_q6: i32, high_q6: i32) -> bool {
-        low_q6 >= (self.min_disparity << 6) - 32 && high_q6 < self.max_disparity << 6
-    }
+/// A candidate or the test that it failed; whether support points told where to look.
+pub(crate) struct Matched {
+    pub(crate) outcome: Result<Candidate, Rejection>,
+    pub(crate) directed: bool,
 }
 
 /// Matches one segment in a band that reaches as far as it does, or names the test it fails.
@@ -250,11 +261,16 @@ pub(crate) fn match_segment(
     context: &MatchContext<'_>,
     band: &Band<'_>,
     work: &mut Workspace,
-) -> Result<Candidate, Rejection> {
+) -> Matched {
+    let directed = context.directed(segment);
+    let context = directed.as_ref().unwrap_or(context);
     let candidate = if segment.near_horizontal {
         flat::match_flat(segment, context, band, work)
     } else {
         steep::match_steep(segment, context, band, work)
-    }?;
-    if candidate.ends_where_usable(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
+    };
+    let usable = |candidate: Candidate| {
+        if candidate.ends_where_usable(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
+    };
+    Matched { outcome: candidate.and_then(usable), directed: directed.is_some() }
 }

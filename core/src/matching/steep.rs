@@ -6,9 +6,8 @@
 //! ```text
 //! window:  lower of two one-sided windows (edge and left side, edge and right side), over every disparity; unique?
 //! census:  Hamming distances at points of interest beside the edge, lower side; unique? within the margin of the window?
-//! back:    the better window, from the place found in the right image, returns to the segment?
 //! halves:  a disparity for each half gives the line of disparity along the segment
-//! votes:   lines of right segments at that disparity
+//! feature: the edge in the right image, where it must be
 //! owners:  a side's own window, edge left out, must prefer this disparity to every other
 //! ```
 //!
@@ -17,10 +16,10 @@
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
 
 use super::aggregate::join_sides;
-use super::band::{Band, SampledRows, Search};
+use super::band::{Band, SampledRows};
 use super::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use super::evidence::{Evidence, Kind, log2_mean_q8};
-use super::feature::{SteepLine, for_each_partner};
+use super::feature::{self, SteepLine};
 use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Workspace,
 };
@@ -30,10 +29,9 @@ use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Most rows of the band that a half's window, the search back and a census column look at: neighbouring rows say nearly the same
+/// Most rows of the band that a half's window and a census column look at: neighbouring rows say nearly the same
 /// (leave one out: no change in any score against twice as many).
 const HALF_ROWS: i32 = 3;
-const BACK_ROWS: i32 = 3;
 const CENSUS_ROWS: i32 = 4;
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
@@ -41,10 +39,6 @@ const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
 const SIDES_APART: i32 = 11;
 /// Columns of the census points of each side, relative to the edge.
 const CENSUS_COLUMNS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
-/// Largest difference between the window's disparity and the one found searching back, 1/64 px.
-const MAX_BACK_GAP_Q6: i32 = 96;
-/// Largest distance of a right segment's disparity that is still a vote for this one, 1/64 px.
-const VOTE_REACH_Q6: i32 = 96;
 /// Disparities around the whole segment's in which a half is sought.
 const HALF_REACH: i32 = 4;
 
@@ -72,8 +66,6 @@ struct WindowMatch {
     best: Minimum,
     ratio_q8: i32,
     disparity_q6: i32,
-    /// First column of the side strip of the better window.
-    better_side: i32,
 }
 
 /// Where census matches.
@@ -109,10 +101,9 @@ pub(crate) fn match_steep(
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
-    let (back_gap_q6, back_ratio_q8) = search_back(&extent, &window, context, band, joint)?;
     let (upper_q6, lower_q6) = windows.place_halves(window.best.at)?;
     let (slant_q6, middle_q6) = (lower_q6 - upper_q6, (upper_q6 + lower_q6) / 2);
-    let (feature_q6, votes) = count_votes(segment, &extent, middle_q6, context);
+    let feature_q6 = feature::find(&extent.line, segment.rising, (middle_q6 + 32) >> 6, band);
 
     let count = extent.rows.1 - extent.rows.0 + 1;
     let mut shared = Evidence::new();
@@ -121,12 +112,10 @@ pub(crate) fn match_steep(
     shared.set(Kind::CensusRatio, census.ratio_q8);
     shared.set(Kind::CensusCost, log2_mean_q8(census.cost.into(), census.points));
     shared.set(Kind::CensusGap, (window.disparity_q6 - census.disparity_q6).abs() << 2);
-    shared.set(Kind::BackGap, back_gap_q6 << 2);
-    shared.set(Kind::BackRatio, back_ratio_q8);
     shared.set(Kind::Slant, quotient(slant_q6.abs() << 3, count));
     shared.set(Kind::Length, log2_mean_q8(count.unsigned_abs(), 1));
-    shared.set(Kind::RightAgrees, i32::from(feature_q6.is_some()) << 8);
-    shared.set(Kind::NoRight, i32::from(votes == 0) << 8);
+    shared.set(Kind::NoFeature, i32::from(feature_q6.is_none()) << 8);
+    shared.set(Kind::FeatureGap, feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2));
     shared.set(Kind::Lean, extent.line.slope_q12().abs() >> 4);
     shared.set(Kind::Range, log2_mean_q8(windows.range(), 1));
     shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
@@ -174,7 +163,7 @@ impl Windows<'_> {
             let rows = SampledRows::new(rows, HALF_ROWS);
             *centre = rows.centre_q1();
             let mut strips = [const { Vec::new() }; 3];
-            gather(&extent.line, rows, STRIP_COLUMNS, (Search::Forward, range.0), band, &mut strips);
+            gather(&extent.line, rows, STRIP_COLUMNS, range.0, band, &mut strips);
             for (curve, strips) in half.iter_mut().zip(&strips) {
                 curve.fill(range, |costs| sad_curve(strips, costs));
             }
@@ -202,9 +191,7 @@ impl Windows<'_> {
         if ratio_q8 > MAX_WINDOW_RATIO_Q8 {
             return Err(Rejection::WindowNotUnique);
         }
-        let [left_column, _, right_column] = STRIP_COLUMNS;
-        let better_side = if left.at(best.at) <= right.at(best.at) { left_column } else { right_column };
-        Ok(WindowMatch { best, ratio_q8, disparity_q6: joint.subpixel_q6(best.at), better_side })
+        Ok(WindowMatch { best, ratio_q8, disparity_q6: joint.subpixel_q6(best.at) })
     }
 
     /// The disparity of each half by its own windows, 1/64 px.
@@ -256,20 +243,20 @@ impl Windows<'_> {
 }
 
 /// Most strips of one column.
-const STRIPS: usize = if HALF_ROWS > BACK_ROWS { HALF_ROWS } else { BACK_ROWS } as usize;
+const STRIPS: usize = HALF_ROWS as usize;
 
 /// Strips of eight columns that follow the line over `rows`, each list `column` columns off it, sought from disparity `first` on.
 fn gather<'b, const N: usize>(
     line: &SteepLine,
     rows: SampledRows,
     columns: [i32; N],
-    (search, first): (Search, i32),
+    first: i32,
     band: &'b Band<'_>,
     lists: &mut [Vec<Strip<'b>, STRIPS>; N],
 ) {
     for y in rows {
         let edge = line.column(y);
-        if let Some(strips) = band.strips(search, columns.map(|column| edge + column), y, first) {
+        if let Some(strips) = band.strips(columns.map(|column| edge + column), y, first) {
             for (list, strip) in lists.iter_mut().zip(strips) {
                 let _ = list.push(strip); // at most so many rows are sampled
             }
@@ -311,43 +298,6 @@ fn place_by_census(
     }
     let points = i32::try_from(count).unwrap_or(0);
     Ok(CensusMatch { points, cost: best.cost, ratio_q8, disparity_q6: lower.subpixel_q6(best.at) })
-}
-
-/// From the place found in the right image back over the whole range: the gap to the segment (1/64 px) and the uniqueness.
-fn search_back(
-    extent: &Extent,
-    window: &WindowMatch,
-    context: &MatchContext<'_>,
-    band: &Band<'_>,
-    curve: &mut Curve,
-) -> Result<(i32, i32), Rejection> {
-    let range = context.range_after(extent.columns.1 - window.best.at, band.left_columns(extent.middle()));
-    let [_, edge_column, _] = STRIP_COLUMNS;
-    let rows = SampledRows::new(extent.rows, BACK_ROWS);
-    let columns = [window.better_side, edge_column].map(|column| column - window.best.at);
-    let mut strips = [const { Vec::new() }; 2];
-    gather(&extent.line, rows, columns, (Search::Back, range.0), band, &mut strips);
-    curve.fill(range, |costs| strips.iter().for_each(|strips| sad_curve(strips, costs)));
-    let best = curve.minimum();
-    let gap_q6 = ((best.at << 6) - window.disparity_q6).abs();
-    if gap_q6 > MAX_BACK_GAP_Q6 {
-        return Err(Rejection::LeftRight);
-    }
-    Ok((gap_q6, ratio_q8(best.cost, curve.rival(best.at))))
-}
-
-/// The nearest vote of a right segment (1/64 px), and how many right segments are compatible with any disparity.
-fn count_votes(segment: &Segment, extent: &Extent, middle_q6: i32, context: &MatchContext<'_>) -> (Option<i32>, u32) {
-    let (mut votes, mut feature_q6) = (0, None::<i32>);
-    let middle_row_q5 = (extent.rows.0 + extent.rows.1) << 4;
-    for_each_partner(segment, context, middle_row_q5, |d_q6| {
-        votes += 1;
-        let gap = (d_q6 - middle_q6).abs();
-        if gap < VOTE_REACH_Q6 && feature_q6.is_none_or(|nearest| gap < (nearest - middle_q6).abs()) {
-            feature_q6 = Some(d_q6);
-        }
-    });
-    (feature_q6, votes)
 }
 
 /// The evidence of one side's claim, if the side owns the disparity.

@@ -1,6 +1,6 @@
 //! Regions that a detector calls objects -> the depth of each, or why there is none.
 //!
-//! In: the candidates of the last run and regions. Out: an [`ObjectDepth`] each.
+//! In: the candidates and support points of the last run, and regions. Out: an [`ObjectDepth`] each.
 //!
 //! ```text
 //! cover:   the region's pixels, its centre
@@ -14,8 +14,8 @@
 //! Surfaces bend: away from its claims a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
 //! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region and on segments within [`witness::OBJECT_REACH`] of it alone: not on other regions, neighbours elsewhere, or the
-//! order and capacity of lists.
+//! The answer depends on the region, on segments within [`witness::OBJECT_REACH`] of it and on support points around these: not on other regions,
+//! or the order of lists.
 //!
 //! # Cost
 //! A box of a fifteenth of a QVGA image: 27 000 instructions on a Cortex-M7; at most 24 comparisons a claim.
@@ -32,6 +32,7 @@ use crate::matching::consistency::Place;
 use crate::matching::{Candidate, about_length};
 use crate::report::Ranked;
 use crate::rig::Rig;
+use crate::support::Support;
 use crate::units::{Confidence, Depth, Disparity, quotient};
 use core::fmt;
 use cover::Cover;
@@ -99,7 +100,7 @@ pub struct ObjectDepth {
     pub depth_sigma: Option<Depth>,
     /// Nearest credible depth of the object; `None` where depth is.
     pub nearest: Option<Depth>,
-    /// Segments that speak for the answer.
+    /// Claims that speak for the answer: segments and support points.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
     pub confidence: Confidence,
@@ -111,6 +112,7 @@ const LEAST_WEIGHT_Q8: i32 = 282;
 /// What a region is asked with: everything that the last run left and that may be overwritten.
 pub(crate) struct Witnessed<'a> {
     pub(crate) candidates: &'a [Candidate],
+    pub(crate) support: Support<'a>,
     pub(crate) models: &'a Models,
     pub(crate) dims: Dims,
     pub(crate) rig: Option<Rig>,
@@ -124,8 +126,13 @@ impl Witnessed<'_> {
     #[inline(never)]
     pub(crate) fn depth_of(&mut self, region: &Region<'_>) -> ObjectDepth {
         let cover = Cover::new(region, self.dims.width, self.marks);
-        let found = witness::gather(self.candidates, self.models, (&cover, region.area(), self.dims), self.places);
-        let places = self.places.get(..found.segments).unwrap_or(&[]);
+        let found = witness::gather(
+            (self.candidates, self.support),
+            self.models,
+            (&cover, region.area(), self.dims),
+            self.places,
+        );
+        let places = self.places.get(..found.claims).unwrap_or(&[]);
         let surface = surface::find(places, cover.centre, cover.is_box(), self.order).unwrap_or_default();
         match refusal(&surface, &cover, found.weight_q8, found.withheld_q8) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.segments),
@@ -276,7 +283,8 @@ mod tests {
     fn ask(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
         let (mut places, mut order, mut marks) = ([Place::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
         let (places, order, marks) = (&mut places[..], &mut order, &mut marks[..]);
-        Witnessed { candidates, models: &FITTED, dims: DIMS, rig: None, places, order, marks }.depth_of(region)
+        let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[]);
+        Witnessed { candidates, support, models: &FITTED, dims: DIMS, rig: None, places, order, marks }.depth_of(region)
     }
 
     /// A disc as runs.
@@ -328,7 +336,7 @@ mod tests {
                 candidate.beaten = true;
                 candidate.listed = Some(3);
                 for side in candidate.sides.iter_mut().flatten() {
-                    (side.support_q8, side.conflict_q8, side.weight_q8) = (700, 256, 1);
+                    side.weight_q8 = 1;
                     (side.probability_q16, side.edge_probability_q16, side.rejected) = (9, 9, true);
                 }
             }

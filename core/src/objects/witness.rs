@@ -1,27 +1,29 @@
-//! Who speaks of a region: the claims of segments in and just around it, each with a weight.
+//! The claims that speak of a region: support points in it, segments in and just around it, each with a weight.
 //!
 //! In: the candidates of a run, a region. Out: a [`Place`] per segment with at least one claim that counts, and what was withheld.
 //!
 //! ```text
 //! a side's claim is asked at three pixels in the middle of its own window (they are that far off the edge):
 //!     fewer than two of them in the region: the claim is about something else
-//! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence, without neighbours
+//! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence and the support points around it
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
 //!     blank, seems to have the disparity of whatever stands beside the region
+//! the other side lies outside, and no support point in the region agrees: a half
+//! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
 //! in a box, what is chosen is the surface near its centre: a second weight falls to 3/8 at the border
 //! ```
-//! Nothing here comes from candidates elsewhere: neither neighbours nor exclusion, nor what lists could hold.
 //!
 //! # Cost
 //! Some 20 instructions a candidate, 200 for each within [`OBJECT_REACH`].
 
 use super::cover::Cover;
 use crate::area::Area;
-use crate::confidence::Models;
+use crate::confidence::{Model, Models};
 use crate::image::Dims;
 use crate::lines::Segment;
-use crate::matching::Candidate;
 use crate::matching::consistency::Place;
+use crate::matching::{Candidate, Side};
+use crate::support::Support;
 
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
 pub(crate) const OBJECT_REACH: u16 = 6;
@@ -32,29 +34,37 @@ const LEAST_WEIGHT: u16 = 13;
 const LEAST_INSIDE: u16 = 2;
 /// Distance from the edge at which a claim is asked: the middle of its window. One more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
+/// Support points of a region that are heard.
+const MOST_POINTS: usize = 24;
+/// Support points less probable than this are not heard.
+const LEAST_PROBABILITY: u16 = 0xcccc;
+/// Half of the side of a support point's window, px, and one less.
+const WINDOW_HALF: i32 = 5;
 /// Disparities of both sides closer than this are one.
 const SAME_Q6: i32 = 64;
 
 /// All claims of a region.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Witnesses {
-    /// Segments listed.
-    pub(crate) segments: usize,
+    /// Support points and segments listed.
+    pub(crate) claims: usize,
     /// Sum of the weights of credible claims, 1/256.
     pub(crate) weight_q8: u32,
     /// Weight that outlines lost.
     pub(crate) withheld_q8: u32,
 }
 
-/// Lists the segments that say something of the region at the front of `places`.
+/// Lists what says something of the region at the front of `places`: support points in it, then segments.
 pub(crate) fn gather(
-    candidates: &[Candidate],
+    (candidates, support): (&[Candidate], Support<'_>),
     models: &Models,
     (cover, area, dims): (&Cover<'_>, Area, Dims),
     places: &mut [Place],
 ) -> Witnesses {
     let near = area.grown(OBJECT_REACH, dims);
     let mut found = Witnesses::default();
+    list_points(support, (cover, area), places, &mut found);
+    let points = found.claims;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
         let inside = pixels_inside(&candidate.segment, |x, y| cover.contains(x, y));
         let [a, b] = inside;
@@ -65,13 +75,20 @@ pub(crate) fn gather(
         let asked = candidate.sides.iter().zip(inside).zip(is_outline);
         for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(asked) {
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
-            let full = weigh(model.probability_q16(side.score_q8.into()), inside);
-            *weight = if agree && is_outline { full >> 2 } else { full };
+            let full = weigh(probability(model, side), inside);
+            let lone = || !is_supported(places.get(..points).unwrap_or(&[]), side);
+            *weight = if agree && is_outline {
+                full >> 2
+            } else if is_outline && lone() {
+                full >> 1
+            } else {
+                full
+            };
             found.weight_q8 += if full > 2 * LEAST_WEIGHT { u32::from(*weight) } else { 0 };
             found.withheld_q8 += u32::from(full - *weight);
         }
         if weights != [0; 2]
-            && let Some(place) = places.get_mut(found.segments)
+            && let Some(place) = places.get_mut(found.claims)
         {
             *place = Place::new(candidate);
             let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
@@ -79,10 +96,51 @@ pub(crate) fn gather(
                 claim.weight_q8 = weight;
                 claim.agreeing = ((u32::from(weight) * nearness_q8) >> 8) as u16;
             }
-            found.segments += 1;
+            found.claims += 1;
         }
     }
     found
+}
+
+/// Lists the support points whose windows lie in the region; of more than [`MOST_POINTS`] every second, third, ...
+fn list_points(support: Support<'_>, (cover, area): (&Cover<'_>, Area), places: &mut [Place], found: &mut Witnesses) {
+    let inside = || {
+        support.within(area).filter(|(x, y, point)| {
+            let corners = [
+                (-WINDOW_HALF, -WINDOW_HALF),
+                (WINDOW_HALF, -WINDOW_HALF),
+                (-WINDOW_HALF, WINDOW_HALF),
+                (WINDOW_HALF, WINDOW_HALF),
+            ];
+            let corners = corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
+            point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
+        })
+    };
+    let step = inside().count().div_ceil(MOST_POINTS.min(places.len() / 2).max(1)).max(1);
+    for (x, y, point) in inside().step_by(step) {
+        let full = weigh(point.probability_q16, 3) >> 1;
+        let Some(place) = places.get_mut(found.claims) else { break };
+        *place = Place::of_point(x, y, point.disparity_q6, full);
+        let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
+        for claim in &mut place.claims {
+            claim.agreeing = ((u32::from(claim.weight_q8) * nearness_q8) >> 8) as u16;
+        }
+        found.weight_q8 += u32::from(full);
+        found.claims += 1;
+    }
+}
+
+/// Does a support point inside the region agree with the middle of the side?
+fn is_supported(points: &[Place], side: &Side) -> bool {
+    points.iter().any(|place| {
+        let [claim, _] = place.claims;
+        (2 * i32::from(claim.d_q6) - side.sum_q6()).abs() <= 3 * SAME_Q6
+    })
+}
+
+/// By the side's own evidence and the support points around it.
+fn probability(model: &Model, side: &Side) -> u16 {
+    model.probability_q16(model.with_heard_q8(side.score_q8, side.heard_q8))
 }
 
 /// Does any of it lie in the area?

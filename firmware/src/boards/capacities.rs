@@ -19,7 +19,7 @@ macro_rules! capacities {
             use super::NODES;
             use crate::boards::{Board, Device, pixels};
             use crate::memory;
-            use linestereo::{Dims, Params, mark_words, most_candidates, row_bytes};
+            use linestereo::{Dims, Params, mark_words, most_candidates, most_support_points, row_bytes};
 
             const LARGEST: Dims = Dims { width: $width, height: $height };
             const SEGMENTS: usize = $segments;
@@ -63,6 +63,7 @@ macro_rules! capacities {
                 { mark_words(LARGEST) },
                 SEGMENTS,
                 CANDIDATES,
+                { most_support_points(LARGEST) },
                 MATCHES,
                 POINTS,
             >;

@@ -43,10 +43,11 @@ pub struct CoreMemory<
     const MARKS: usize,
     const SEGMENTS: usize,
     const CANDIDATES: usize,
+    const SUPPORT: usize,
     const MATCHES: usize,
     const POINTS: usize,
 > {
-    scratch: Scratch<ROW, MARKS, SEGMENTS, CANDIDATES>,
+    scratch: Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>,
     output: Output<MATCHES, POINTS>,
 }
 
@@ -55,9 +56,10 @@ impl<
     const MARKS: usize,
     const SEGMENTS: usize,
     const CANDIDATES: usize,
+    const SUPPORT: usize,
     const MATCHES: usize,
     const POINTS: usize,
-> Lists for CoreMemory<ROW, MARKS, SEGMENTS, CANDIDATES, MATCHES, POINTS>
+> Lists for CoreMemory<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT, MATCHES, POINTS>
 {
     const CLEARED: Self = Self { scratch: Scratch::new(), output: Output::new() };
 

@@ -67,6 +67,10 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let (mut out, mut curve, mut between) = ([0_u8; WIDTH], [0_u16; DISPARITIES], [Knot::default(); CELLS + 3]);
     let [a, b, c] = core::array::from_fn(|k| core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into()));
     let [a, b, c]: [&[u16; DISPARITIES]; 3] = [&a, &b, &c];
+    let (windows, ranks) =
+        (core::array::from_fn(|k| row(k).first_chunk().copied().unwrap_or_default()), core::array::from_fn(row));
+    let mut bytes = [[0_u8; DISPARITIES]; 3];
+    let [costs, path, sums] = &mut bytes;
     [
         ("gradient_row", time(clock, || (kernels.gradient_row)(row(0), row(1), row(2), &mut out))),
         ("census_row", time(clock, || (kernels.census_row)([row(0), row(2), row(4)], &mut out))),
@@ -84,6 +88,10 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("bilinear_runs", time(clock, || (kernels.bilinear_runs)(pixels, WIDTH, &runs, &mut out))),
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
+        ("rank_row", time(clock, || (kernels.rank_row)([row(0), row(2), row(4)], &mut out))),
+        ("rank_costs", time(clock, || (kernels.rank_costs)(&windows, &ranks, costs))),
+        ("path_step", time(clock, || (kernels.path_step)(costs, 0, path, sums, false))),
+        ("lowest_byte", time(clock, || (kernels.lowest_byte)(costs))),
     ]
 }
 

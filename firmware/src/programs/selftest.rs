@@ -111,7 +111,7 @@ mod tests {
     fn a_wrong_digest_names_its_stage() {
         let mut memory = Box::new(mps2_an386::Workspace::new());
         let mut expected = expected::QQVGA;
-        expected[3][4] ^= 1;
+        expected[3][Stage::Matching as usize] ^= 1;
         let mut wrong = Vec::new();
         let tell = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
         assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, tell));

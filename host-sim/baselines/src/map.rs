@@ -97,7 +97,7 @@ impl DisparityMap {
             y: (index / width) as u16,
             disparity: Disparity::saturating_from_num(disparity),
             confidence: Confidence::saturating_from_num(self.confidence[index]),
-            source: None,
+            source: linestereo::Source::Side,
         });
         points.collect()
     }

@@ -72,6 +72,7 @@ pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
         }),
         min_confidence_q16: Some(params.min_confidence.to_bits()),
         reach: Some(params.reach),
+        parts: Some(params.parts.into()),
         rig,
     }
 }

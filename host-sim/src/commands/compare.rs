@@ -4,8 +4,8 @@ use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::compare::{
-    CORE, Contender, MethodScore, MethodSummary, OpenCv, compare_scene, comparison_table, object_comparison, summarise,
-    time_scene,
+    CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
+    object_comparison, summarise, time_scene,
 };
 use crate::draw;
 use crate::engine::{Engine, FrameResult, GrayImage};
@@ -349,6 +349,8 @@ impl Args {
         let count = compared.len();
         let mut text =
             format!("{count} {}\n\n{}", if count == 1 { "pair" } else { "pairs" }, comparison_table(&methods));
+        text.push('\n');
+        text.push_str(&cell_comparison(&methods));
         let objects = object_comparison(&methods);
         if !objects.is_empty() {
             text.push_str(&format!("\n{objects}"));

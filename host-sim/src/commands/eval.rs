@@ -5,7 +5,9 @@ use super::method::MethodArgs;
 use super::{does_not_fit, engine_with, print};
 use crate::board::{self, Machine};
 use crate::engine::{Engine, GrayImage};
-use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, for_each_pair, progress_bar, report, scene_table};
+use crate::evaluate::{
+    FrameScore, ShardFile, ShardHead, Summary, cell_table, for_each_pair, progress_bar, report, scene_table,
+};
 use crate::frames::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
@@ -19,6 +21,9 @@ use std::time::Instant;
 const TIMING_BUDGET: Duration = Duration::from_millis(250);
 const TIMING_RUNS: usize = 15;
 
+/// Least probability of the claims that the curve over cells is made of.
+const CURVE_PROBABILITY: f64 = 0.2;
+
 const EXAMPLES: &str = "\
 Examples:
   linestereo eval frames/qvga                           score every scene below frames/qvga
@@ -26,6 +31,7 @@ Examples:
   linestereo eval frames/qvga --gain 0.8 --bias 8       the same with the right image darker
   linestereo eval frames/full --width 320 --json -      reduce to 320 px first, print JSON
   linestereo eval frames/qvga --on mps2-an500           on an emulated Cortex-M7
+  linestereo eval frames/qvga --cells                   one claim per cell: what a robot knows of every place
   linestereo eval frames/qvga --objects                 depth of the objects in objects.png and objects.json
   linestereo eval kitti/training --width 640            KITTI, Middlebury, ETH3D as downloaded; PFM, PNG, NPZ truth
   linestereo eval sets --no-times --shard 3/16 --json part3.json   a sixteenth of it, on one of 16 machines
@@ -37,6 +43,7 @@ Words:
   vis, allGT     points whose true match is visible in the right image; all points with truth
   cells          % of 16x16 cells (those at least half visible truth) that hold a claim
   median, rms    error of visible points in px
+  one claim per cell   errors of the most probable claim of each 16x16 cell, by the share of all cells
   ms             time per pair on one thread, median of several runs
   Minstr         millions of instructions per pair on a board (--on); QEMU counts no cycles
   wrong          (--objects) an answer more than 1 px outside of the object's 5-95 % range of true disparities
@@ -73,6 +80,10 @@ pub struct Args {
     /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.
     #[arg(long, conflicts_with_all = ["on", "shard", "merge"])]
     objects: bool,
+    /// Print one claim per cell alone, a line for every scene: how often the first 30 to 85 % of all 16x16 cells are wrong, each by its most
+    /// probable claim, least probable 0.2 unless --min-confidence says otherwise.
+    #[arg(long, conflicts_with = "objects")]
+    cells: bool,
     /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
     #[arg(long)]
     no_times: bool,
@@ -82,6 +93,13 @@ pub struct Args {
     method: MethodArgs,
     #[command(flatten)]
     perturbation: PerturbationArgs,
+}
+
+impl Args {
+    /// For a long curve, what is less probable as well.
+    fn method(&self) -> MethodArgs {
+        if self.cells { self.method.down_to(CURVE_PROBABILITY) } else { self.method.clone() }
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -178,9 +196,9 @@ pub fn run(args: &Args) -> Result<()> {
     let machine = args.on.as_deref().map(|name| Machine::new(board::named(name)?)).transpose()?;
     let name = |pair: &StoredPair| pair.name.clone();
     let mut outcomes = for_each_pair(&pairs, args.batch.threads(), name, |pair| {
-        outcome(machine.as_ref(), &load(pair, args)?, &args.method, &perturbation)
+        outcome(machine.as_ref(), &load(pair, args)?, &args.method(), &perturbation)
     })?;
-    if machine.is_none() && !args.no_times {
+    if machine.is_none() && !args.no_times && !args.cells {
         measure(args, &pairs, &mut outcomes, &perturbation)?;
     }
     match args.batch.shard {
@@ -195,7 +213,8 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// What parts of this evaluation have in common.
 fn head(args: &Args, found: &Collected) -> ShardHead {
-    let Args { width, max_disparity, on, no_times, method, perturbation, .. } = args;
+    let Args { width, max_disparity, on, no_times, perturbation, .. } = args;
+    let method = args.method();
     let options = format!(
         "width {width:?}, range {max_disparity:?}, on {on:?}, no times {no_times}, {method:?}, {perturbation:?}"
     );
@@ -314,7 +333,14 @@ fn write_results(args: &Args, head: &ShardHead, outcomes: Vec<PairOutcome>) -> R
         bail!("{}: {advice}", too_large.join(", "));
     }
     let pooled = Summary::pool(&scores);
-    let mut text = format!("{}\n{}", scene_table(&scores), report(&pooled));
+    let mut text = if args.cells {
+        let scenes: Vec<(&str, Summary)> =
+            scores.iter().map(|score| (score.name.as_str(), Summary::pool([score]))).collect();
+        let rows = scenes.iter().map(|(name, summary)| (*name, summary)).chain([("pooled", &pooled)]);
+        cell_table(rows)
+    } else {
+        format!("{}\n{}", scene_table(&scores), report(&pooled))
+    };
     for note in &head.notes {
         text.push_str(&format!("\n{note}\n"));
     }

@@ -71,7 +71,7 @@ impl Watched {
 
     fn samples(&self, scene: &Scene) -> Result<SceneSamples> {
         let truth = scene.truth.as_ref().context("a scene without truth")?;
-        Ok(scene_samples(self.engine.candidates(), &self.log, truth, scene.left.dims))
+        Ok(scene_samples(&scene.name, &self.engine, &self.log, truth))
     }
 }
 

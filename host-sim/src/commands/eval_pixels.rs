@@ -5,12 +5,12 @@ use super::method::MethodArgs;
 use super::{engine_with, print};
 use crate::engine::Engine;
 use crate::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
-use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
+use crate::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
 use crate::frames::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::{FITTED_PIXEL, Models};
+use linestereo::FITTED_PIXEL;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -95,7 +95,7 @@ fn engine(args: &Args, scene: &Scene) -> Result<Engine> {
 }
 
 /// Matches a scene, by these models of segments if any, and asks for its pixels.
-fn ask(args: &Args, scene: &Scene, models: Option<Models>) -> Result<Vec<AskedPixel>> {
+fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<AskedPixel>> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine(args, scene)?;
     if let Some(models) = models {
@@ -133,7 +133,7 @@ fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
     let mut engine = engine(args, scene)?;
     let mut log = EvidenceLog::default();
     engine.run_observed(scene.left.view()?, scene.right.view()?, &mut log)?;
-    Ok(scene_samples(engine.candidates(), &log, truth, scene.left.dims))
+    Ok(scene_samples(&scene.name, &engine, &log, truth))
 }
 
 fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<()> {

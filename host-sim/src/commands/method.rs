@@ -1,10 +1,10 @@
 //! Options of the method itself, the same for every command that runs it.
 
 use anyhow::{Result, bail};
-use linestereo::{Confidence, Depth, Disparity, Margin, Params, Rig};
+use linestereo::{Confidence, Depth, Disparity, Margin, Params, Parts, Rig};
 
 /// Parameters that a user may want to change; what is not given keeps the core's default.
-#[derive(Debug, Default, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Parameters of the method")]
 pub(super) struct MethodArgs {
     /// Report only what is at least this probable to be within 1 px, 0.1 to 0.99 [default: 0.9].
@@ -25,9 +25,28 @@ pub(super) struct MethodArgs {
     /// Least extent of a segment [default: 6].
     #[arg(long, value_name = "PX")]
     min_extent: Option<u16>,
+    /// What pairs are matched by [default: both].
+    #[arg(long, value_name = "PARTS", value_enum)]
+    parts: Option<PartsArg>,
+}
+
+/// [`Parts`] on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum PartsArg {
+    /// Support points, and segments where these tell them to look.
+    Both,
+    /// Support points alone.
+    Support,
+    /// Segments alone, sought at every disparity.
+    Segments,
 }
 
 impl MethodArgs {
+    /// The same, with this least probability where none was asked for.
+    pub(super) fn down_to(&self, probability: f64) -> Self {
+        Self { min_confidence: self.min_confidence.or(Some(probability)), ..self.clone() }
+    }
+
     /// The first disparity is asked for.
     pub(super) fn has_min_disparity(&self) -> bool {
         self.min_disparity.is_some()
@@ -61,6 +80,12 @@ impl MethodArgs {
         params.min_disparity = self.min_disparity.unwrap_or(params.min_disparity);
         params.cell = self.cell.unwrap_or(params.cell);
         params.min_extent = self.min_extent.unwrap_or(params.min_extent);
+        params.parts = match self.parts {
+            None => params.parts,
+            Some(PartsArg::Both) => Parts::Both,
+            Some(PartsArg::Support) => Parts::Support,
+            Some(PartsArg::Segments) => Parts::Segments,
+        };
         Ok(params)
     }
 }

@@ -41,7 +41,7 @@ Examples:
 Commands are sent first, one after the other, each answered before the next; before start comes describe,
 so that what the board is, which rig it has and why it was reset stands above its frames. Neighbouring NAME=VALUE
 go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
-NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach,
+NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, parts,
 min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
 (and offset_px).
 

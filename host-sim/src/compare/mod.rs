@@ -10,7 +10,7 @@ mod opencv;
 mod table;
 
 pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE};
-pub use table::{comparison_table, object_comparison};
+pub use table::{cell_comparison, comparison_table, object_comparison};
 
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{

@@ -1,7 +1,7 @@
 //! Comparisons as text.
 
 use super::MethodSummary;
-use crate::evaluate::{Outline, YIELDS};
+use crate::evaluate::{Outline, YIELDS, cell_table};
 use core::fmt::Write;
 
 /// One line per method: yield, errors, errors of the most confident points, time.
@@ -32,6 +32,12 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
         let _ = writeln!(text, "  {:>9}  {:>7}", number(summary.median_error_px, 2), number(summary.milliseconds, 2));
     }
     text
+}
+
+/// One claim per cell, of what each method lists.
+#[must_use]
+pub fn cell_comparison(methods: &[MethodSummary]) -> String {
+    cell_table(methods.iter().map(|method| (method.method.as_str(), &method.summary)))
 }
 
 /// Depths of objects: wrong and covered by method and outline; empty where no scene has objects.

@@ -1,7 +1,7 @@
 //! Pictures of results.
 //!
 //! In: a left image and its result. Out: the image, dimmed and enlarged, with every segment in the colour of its disparity (red
-//! near, blue far), ticks on the owning side, the claimed points as tinted pixels, and a legend in px and metres below. What is
+//! near, blue far), ticks on the owning side, the claimed points as tinted pixels, support points as discs, and a legend in px and metres below. What is
 //! less probable is fainter; below p = 0.9 it is dashed.
 
 mod calibration;
@@ -25,10 +25,10 @@ pub use plan::plan;
 use crate::engine::{FrameResult, GrayImage};
 use colour::Range;
 use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
-use linestereo::{Match, Owner, Rig};
+use linestereo::{Match, Owner, Rig, Source};
 pub use rows::rows;
 use tiny_skia::{
-    Color, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
+    Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
 };
 
 /// Segments at least this probable are drawn solid, the others dashed.
@@ -40,6 +40,8 @@ const LARGEST_FACTOR: f32 = 6.0;
 const DIMMED: f32 = 0.5;
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the side above.
 const STEEP_LIMIT: f32 = 4.0;
+/// Radius of a support point's disc, px of the image.
+const SUPPORT_RADIUS: f32 = 2.0;
 /// Strength of a point's colour: its segment has to stand out from it.
 const TINT: f32 = 0.35;
 /// Least width of a segment's line in px of the picture.
@@ -55,7 +57,12 @@ pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_di
     let range = Range::of(result, max_disparity);
     let mut canvas = Canvas::new(left, factor as u32);
     for point in &result.points {
-        canvas.point(point.x, point.y, colour(&range, point.disparity.to_num()), point.confidence.to_num());
+        let (rgb, confidence) = (colour(&range, point.disparity.to_num()), point.confidence.to_num());
+        if point.source == Source::Support {
+            canvas.support_point(point.x, point.y, rgb, confidence);
+        } else {
+            canvas.point(point.x, point.y, rgb, confidence);
+        }
     }
     // The most confident come first in the list and have to end on top.
     for found in result.matches.iter().rev() {
@@ -107,6 +114,15 @@ impl Canvas {
         if let Some(square) = square {
             let paint = paint(rgb, TINT * opacity(confidence));
             self.pixmap.fill_rect(square, &paint, Transform::identity(), None);
+        }
+    }
+
+    /// A disc: what is known between the edges.
+    fn support_point(&mut self, x: u16, y: u16, rgb: [u8; 3], confidence: f32) {
+        let centre = [x, y].map(|at| (f32::from(at) + 0.5) * self.factor);
+        if let Some(disc) = PathBuilder::from_circle(centre[0], centre[1], SUPPORT_RADIUS * self.factor) {
+            let paint = paint(rgb, TINT * opacity(confidence));
+            self.pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
         }
     }
 
@@ -236,7 +252,7 @@ mod tests {
             y: 9,
             disparity: Disparity::from_num(40),
             confidence: Confidence::MAX,
-            source: Some(0),
+            source: linestereo::Source::Segment(0),
         };
         let result = FrameResult {
             matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],

@@ -1,13 +1,12 @@
 //! The score of one frame.
 
+use super::cells::{CELL, CellClaims};
 use super::packed::PackedScore;
 use crate::engine::FrameResult;
 use crate::frames::Truth;
 use linestereo::Match;
 use serde::{Deserialize, Serialize};
 
-/// Side of a coverage cell in px.
-const CELL: usize = 16;
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its neighbours across the edge are above and below.
 const STEEP_LIMIT: f64 = 4.0;
 
@@ -56,6 +55,8 @@ pub struct FrameScore {
     pub milliseconds: Option<f64>,
     /// Instructions of the pair, if it was matched on a board.
     pub instructions: Option<u64>,
+    /// The most probable claim of each cell.
+    pub cell_claims: CellClaims,
     pub(super) cells: Vec<CellScore>,
 }
 
@@ -91,6 +92,7 @@ impl FrameScore {
             scored_points,
             milliseconds: None,
             instructions: None,
+            cell_claims: CellClaims::new(truth, &result.points),
             cells: cells(truth, result),
         }
     }
@@ -171,7 +173,7 @@ pub(super) mod tests {
 
     pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> PointClaim {
         let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
-        PointClaim { x, y, disparity, confidence, source: Some(0) }
+        PointClaim { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<PointClaim>) -> FrameResult {

@@ -6,6 +6,7 @@
 //! - **segprec@1 / @2**: share of reported segments whose median error along the segment is at most 1 / 2 px; the error at a
 //!   pixel is the distance to the nearest truth within +-1 px across the edge.
 //! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds a claim.
+//! - **one claim per cell**: see `cells`.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
 //!
 //! - Objects: `objects` says what is wrong and covered there.
@@ -15,6 +16,7 @@
 //! [`for_each_pair`] uses all cores, [`ShardFile`] splits an evaluation and merges it exactly.
 
 mod batch;
+mod cells;
 mod frame;
 mod nearest;
 mod objects;
@@ -25,10 +27,11 @@ mod summary;
 mod table;
 
 pub use batch::{for_each_pair, progress_bar};
+pub use cells::{CellClaim, CellClaims, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use pixels::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 pub use shard::{Shard, ShardError, ShardFile, ShardHead};
 pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
-pub use table::{report, scene_table};
+pub use table::{cell_table, report, scene_table};

@@ -1,8 +1,9 @@
 //! The scores of a frame and of an object as JSON that gives back the same bits: parts of a large evaluation are merged exactly.
 //!
 //! Decimal numbers need not come back as they went; lists of floats are their bytes, little endian, in base64. A point with truth is
-//! its probability and its error, negative where the true match is hidden; a cell without a claim is a NaN.
+//! its probability and its error, negative where the true match is hidden; a cell without a claim, and a claim without truth, is a NaN.
 
+use super::cells::{CellClaim, CellClaims};
 use super::frame::{CellScore, FrameScore, PointScore, SegmentScore};
 use super::objects::{ObjectScore, Outline};
 use base64::Engine;
@@ -19,6 +20,8 @@ pub(super) struct PackedScore {
     scored_segments: String,
     scored_points: String,
     cells: String,
+    cell_claims: String,
+    all_cells: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     milliseconds_bits: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,6 +38,10 @@ impl From<FrameScore> for PackedScore {
             scored_segments: packed(score.scored_segments.iter().flat_map(|s| [s.confidence, s.median_error])),
             scored_points: packed(score.scored_points.iter().flat_map(|point| [point.confidence, signed(point)])),
             cells: packed(score.cells.iter().map(|cell| cell.best.unwrap_or(f32::NAN))),
+            cell_claims: packed(
+                score.cell_claims.claims.iter().flat_map(|claim| [claim.confidence, claim.error.unwrap_or(f32::NAN)]),
+            ),
+            all_cells: score.cell_claims.cells,
             milliseconds_bits: score.milliseconds.map(f64::to_bits),
             instructions: score.instructions,
         }
@@ -56,6 +63,8 @@ impl TryFrom<PackedScore> for FrameScore {
             visible: signed.is_sign_positive(),
         };
         let segment = |[confidence, median_error]: [f32; 2]| SegmentScore { confidence, median_error };
+        let cell_claim =
+            |[confidence, error]: [f32; 2]| CellClaim { confidence, error: (!error.is_nan()).then_some(error) };
         let cell = |best: f32| CellScore { best: (!best.is_nan()).then_some(best) };
         Ok(Self {
             name: stored.name,
@@ -65,6 +74,10 @@ impl TryFrom<PackedScore> for FrameScore {
             scored_points: pairs(&stored.scored_points)?.into_iter().map(point).collect(),
             milliseconds: stored.milliseconds_bits.map(f64::from_bits),
             instructions: stored.instructions,
+            cell_claims: CellClaims {
+                claims: pairs(&stored.cell_claims)?.into_iter().map(cell_claim).collect(),
+                cells: stored.all_cells,
+            },
             cells: unpacked(&stored.cells)?.into_iter().map(cell).collect(),
         })
     }

@@ -1,5 +1,6 @@
 //! Scores of any number of frames, pooled.
 
+use super::cells::{self, CellRow};
 use super::frame::{FrameScore, PointScore, median};
 use serde::Serialize;
 
@@ -7,6 +8,8 @@ use serde::Serialize;
 pub const YIELDS: [usize; 4] = [800, 1500, 3000, 5000];
 /// Borders of the bins of claimed probability; a bin holds its lower border, the last one its upper one too.
 pub const PROBABILITY_EDGES: [f32; 7] = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0];
+/// Fewer claims than this in a bin say little of it.
+const BIN: usize = 1000;
 /// Claims at least this probable have a row of their own.
 const SURE: f32 = 0.9;
 
@@ -81,8 +84,12 @@ pub struct Summary {
     pub sure: Claims,
     /// Errors against yield at [`YIELDS`].
     pub curve: Vec<YieldRow>,
+    /// One claim per cell: errors against the share of all cells.
+    pub cells: Vec<CellRow>,
     /// Said against observed probability between [`PROBABILITY_EDGES`].
     pub calibration: Vec<BinRow>,
+    /// Largest excess of said over observed probability, percent, of the bins with at least 1000 claims.
+    pub overconfidence: Option<f64>,
     /// Median error of visible points in px.
     pub median_error_px: Option<f64>,
     /// Root mean square error of visible points in px.
@@ -110,6 +117,8 @@ impl Summary {
         let times: Vec<f32> = scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
         let mut instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
         instructions.sort_unstable();
+        let calibration: Vec<BinRow> =
+            PROBABILITY_EDGES.windows(2).map(|edges| bin_row(&points, edges[0], edges[1])).collect();
         Self {
             frames,
             segments_per_frame: scores.iter().map(|score| score.segments).sum::<usize>() as f64 / frames.max(1) as f64,
@@ -118,7 +127,9 @@ impl Summary {
             all: claims(&scores, &points, 0.0),
             sure: claims(&scores, &points, SURE),
             curve: YIELDS.iter().map(|&asked| yield_row(&points, frames, asked)).collect(),
-            calibration: PROBABILITY_EDGES.windows(2).map(|edges| bin_row(&points, edges[0], edges[1])).collect(),
+            cells: cells::curve(scores.iter().map(|score| &score.cell_claims)),
+            overconfidence: overconfidence(&calibration),
+            calibration,
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
             median_error_px: median(visible).map(f64::from),
             milliseconds: median(times).map(f64::from),
@@ -160,6 +171,11 @@ fn yield_row(points: &[PointScore], frames: usize, asked: usize) -> YieldRow {
         least_probability: top.last().map(|point| point.confidence),
         errors: error_rates(top),
     }
+}
+
+fn overconfidence(bins: &[BinRow]) -> Option<f64> {
+    let excess = |bin: &BinRow| Some(100.0 * (bin.said? - bin.observed?));
+    bins.iter().filter(|bin| bin.points >= BIN).filter_map(excess).reduce(f64::max)
 }
 
 fn bin_row(points: &[PointScore], low: f32, high: f32) -> BinRow {

@@ -1,5 +1,6 @@
 //! Scores as text.
 
+use super::cells::SHARES;
 use super::frame::FrameScore;
 use super::summary::{Claims, ErrorRates, Summary};
 use core::fmt::Write;
@@ -37,6 +38,8 @@ pub fn report(summary: &Summary) -> String {
         }
         text.push('\n');
     }
+    text.push('\n');
+    text.push_str(&cell_table([("share of all cells", summary)]));
     text.push_str(
         "\nprobability said against observed (within 1 px, allGT)\nbin            points    said   observed\n",
     );
@@ -51,6 +54,30 @@ pub fn report(summary: &Summary) -> String {
             share(bin.said),
             share(bin.observed)
         );
+    }
+    if let Some(excess) = summary.overconfidence {
+        let _ =
+            writeln!(text, "largest excess of said over observed, bins of 1000 claims and more: {excess:.1} percent");
+    }
+    text
+}
+
+/// The curve of one claim per cell: a line for each named summary.
+#[must_use]
+pub fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summary)>) -> String {
+    let rows: Vec<_> = rows.into_iter().collect();
+    let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(28);
+    let mut text = format!("{:width$}", "one claim per cell, bad1/bad2");
+    for share in SHARES {
+        let _ = write!(text, " {:>11}", format!("{share} %"));
+    }
+    text.push('\n');
+    for (name, summary) in rows {
+        let _ = write!(text, "{name:width$}");
+        for row in &summary.cells {
+            let _ = write!(text, " {:>11}", pair(row.bad1, row.bad2, 2));
+        }
+        text.push('\n');
     }
     text
 }

@@ -2,7 +2,7 @@
 //!
 //! Log-odds are a continuous line of the score with a bend at each of [`BENDS`]; the core interpolates it between nodes.
 
-use super::logistic::{logistic, newton};
+use super::logistic::{Rows, logistic, newton};
 use super::sample::Sample;
 use linestereo::NODES;
 use nalgebra::DVector;
@@ -23,20 +23,19 @@ pub(super) struct Tables {
 }
 
 pub(super) fn tables(held_out: &[(f64, &Sample)]) -> Tables {
-    let rows: Vec<(DVector<f64>, f64, f64)> = held_out
-        .iter()
-        .map(|(score, sample)| {
-            let (right, wrong) = sample.outcome();
-            (bent(*score), right, wrong)
-        })
-        .collect();
+    let mut rows = Rows::new(BENDS.len() + 2);
+    for (score, sample) in held_out {
+        rows.push(bent(*score), sample.outcome());
+    }
     let weights = newton(&rows, DVector::zeros(BENDS.len() + 2), 1.0);
     let mut tables = Tables { probability_q16: [0; NODES], sigma_q6: [0; NODES] };
     let mut floor = 0.0_f64;
     for (node, probability) in tables.probability_q16.iter_mut().enumerate() {
         // Never certain, and never level: the order of the most credible claims stays that of their scores.
         let cap = 0.999 + 0.00003 * node as f64;
-        floor = logistic(bent(node_score(node)).dot(&weights)).min(cap).max(floor + 0.00003);
+        floor = logistic(bent(node_score(node)).zip(weights.iter()).map(|(input, weight)| input * weight).sum())
+            .min(cap)
+            .max(floor + 0.00003);
         *probability = (floor * 65536.0).round() as u16;
     }
     let mut ceiling = f64::INFINITY;
@@ -52,11 +51,8 @@ fn node_score(node: usize) -> f64 {
     node as f64 / 2.0 - 8.0
 }
 
-fn bent(score: f64) -> DVector<f64> {
-    let mut inputs = vec![score];
-    inputs.extend(BENDS.map(|bend| (score - bend).max(0.0)));
-    inputs.push(1.0);
-    DVector::from_vec(inputs)
+fn bent(score: f64) -> impl Iterator<Item = f64> {
+    [score].into_iter().chain(BENDS.map(|bend| (score - bend).max(0.0))).chain([1.0])
 }
 
 /// Error that 68.3 % of the pixels around a score stay below.

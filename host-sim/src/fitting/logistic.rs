@@ -3,9 +3,6 @@
 use super::sample::Sample;
 use nalgebra::{DMatrix, DVector};
 
-/// Penalty on standardised coefficients. Neighbouring pixels and distances of one side are no independent witnesses: a hundred of them
-/// weigh about as much as one claim.
-const PENALTY: f64 = 100.0;
 const STEPS: usize = 25;
 /// Newton stops when no coefficient moves more than this.
 const SETTLED: f64 = 1e-7;
@@ -20,17 +17,14 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Fits the samples; `start` gives the standardisation and the first guess.
-    pub(super) fn fit(samples: &[&Sample], start: Option<&Line>) -> Self {
+    /// Fits the samples, with this penalty on standardised coefficients; `start` gives the standardisation and the first guess.
+    pub(super) fn fit(samples: &[&Sample], penalty: f64, start: Option<&Line>) -> Self {
         let mut line = start.cloned().unwrap_or_else(|| Self::standardised(samples));
-        let rows: Vec<(DVector<f64>, f64, f64)> = samples
-            .iter()
-            .map(|sample| {
-                let (right, wrong) = sample.outcome();
-                (line.standardise(&sample.evidence), right, wrong)
-            })
-            .collect();
-        line.weights = newton(&rows, line.weights.clone(), PENALTY);
+        let mut rows = Rows::new(line.weights.len());
+        for sample in samples {
+            rows.push(line.standardise(&sample.evidence), sample.outcome());
+        }
+        line.weights = newton(&rows, line.weights.clone(), penalty);
         line
     }
 
@@ -47,15 +41,14 @@ impl Line {
         Self { mean, scale, weights: DVector::zeros(kinds + 1) }
     }
 
-    fn standardise(&self, evidence: &[f64]) -> DVector<f64> {
+    fn standardise<'a>(&'a self, evidence: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let standard = evidence.iter().zip(self.mean.iter().zip(&self.scale));
-        let inputs = standard.map(|(value, (mean, scale))| (value - mean) / scale).chain([1.0]);
-        DVector::from_vec(inputs.collect())
+        standard.map(|(value, (mean, scale))| (value - mean) / scale).chain([1.0])
     }
 
     /// Log-odds of a sample.
     pub(super) fn score(&self, sample: &Sample) -> f64 {
-        self.standardise(&sample.evidence).dot(&self.weights)
+        self.standardise(&sample.evidence).zip(self.weights.iter()).map(|(input, weight)| input * weight).sum()
     }
 
     /// Bias and coefficients of the raw evidence.
@@ -67,24 +60,47 @@ impl Line {
     }
 }
 
-/// Maximises the penalised likelihood of `(inputs, right, wrong)`; the last input is the constant and is not penalised.
-pub(super) fn newton(rows: &[(DVector<f64>, f64, f64)], start: DVector<f64>, penalty: f64) -> DVector<f64> {
+/// Inputs of equal number, with how often each was right and wrong.
+pub(super) struct Rows {
+    width: usize,
+    inputs: Vec<f64>,
+    outcomes: Vec<(f64, f64)>,
+}
+
+impl Rows {
+    pub(super) fn new(width: usize) -> Self {
+        Self { width, inputs: Vec::new(), outcomes: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, inputs: impl IntoIterator<Item = f64>, outcome: (f64, f64)) {
+        self.inputs.extend(inputs);
+        self.outcomes.push(outcome);
+    }
+}
+
+/// Maximises the penalised likelihood; the last input is the constant and is not penalised.
+pub(super) fn newton(rows: &Rows, start: DVector<f64>, penalty: f64) -> DVector<f64> {
     let size = start.len();
     let mut weights = start;
     for _ in 0..STEPS {
         let mut gradient = DVector::zeros(size);
-        let mut curvature = DMatrix::zeros(size, size);
-        for (inputs, right, wrong) in rows {
-            let p = logistic(inputs.dot(&weights));
-            gradient.axpy(right - (right + wrong) * p, inputs, 1.0);
-            curvature.syger((right + wrong) * p * (1.0 - p), inputs, inputs, 1.0);
+        let mut curvature = vec![0.0; size * size]; // lower triangle, row by row
+        for (inputs, &(right, wrong)) in rows.inputs.chunks_exact(rows.width).zip(&rows.outcomes) {
+            let p = logistic(inputs.iter().zip(weights.iter()).map(|(input, weight)| input * weight).sum());
+            let (error, weight) = (right - (right + wrong) * p, (right + wrong) * p * (1.0 - p));
+            for (i, (&input, row)) in inputs.iter().zip(curvature.chunks_exact_mut(size)).enumerate() {
+                gradient[i] += error * input;
+                let scaled = weight * input;
+                row[..=i].iter_mut().zip(inputs).for_each(|(sum, other)| *sum += scaled * other);
+            }
         }
+        let mut curvature = DMatrix::from_row_slice(size, size, &curvature);
         for i in 0..size - 1 {
             gradient[i] -= penalty * weights[i];
             curvature[(i, i)] += penalty;
         }
         curvature[(size - 1, size - 1)] += 1e-9;
-        // `syger` fills the lower triangle, which is what the Cholesky decomposition reads.
+        // The Cholesky decomposition reads the lower triangle alone.
         let Some(decomposition) = curvature.cholesky() else { break };
         let step = decomposition.solve(&gradient);
         weights += &step;
@@ -106,7 +122,9 @@ mod tests {
     #[test]
     fn newton_finds_the_log_odds_of_two_groups() {
         // 30 of 40 right without the input, 90 of 100 with it: log-odds ln 3 and ln 9.
-        let rows = [(DVector::from_vec(vec![0.0, 1.0]), 30.0, 10.0), (DVector::from_vec(vec![1.0, 1.0]), 90.0, 10.0)];
+        let mut rows = Rows::new(2);
+        rows.push([0.0, 1.0], (30.0, 10.0));
+        rows.push([1.0, 1.0], (90.0, 10.0));
         let weights = newton(&rows, DVector::zeros(2), 0.0);
         assert!((weights[1] - 3_f64.ln()).abs() < 1e-6, "{weights}");
         assert!((weights[0] - 3_f64.ln()).abs() < 1e-6, "{weights}");

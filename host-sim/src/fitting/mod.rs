@@ -14,42 +14,69 @@ mod source;
 
 pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
-pub use source::source_text;
+pub use source::{source_text, support_source_text};
 
-use linestereo::{EVIDENCE, Kind, Model, Models};
+use linestereo::{EVIDENCE, Kind, Model, Models, SUPPORT_EVIDENCE};
 use logistic::Line;
+use rayon::prelude::*;
 use sample::{Sample, SampleKind};
+use std::collections::BTreeMap;
 
-/// Fits both models on these scenes. Tables are fitted on scores of each scene by a line fitted on the others.
+/// Penalty on the coefficients of segments' claims. Neighbouring pixels and distances of one side are no independent witnesses: a hundred of
+/// them weigh about as much as one claim.
+const CLAIMS_PENALTY: f64 = 100.0;
+/// Support points are one pixel each.
+const SUPPORT_PENALTY: f64 = 3.0;
+
+/// Every model of the core that is fitted on claims.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FittedModels {
+    /// Of the sides of segments.
+    pub segments: Models,
+    /// Of support points.
+    pub support: Model<SUPPORT_EVIDENCE>,
+}
+
+/// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]
-pub fn fit(scenes: &[&SceneSamples]) -> Models {
-    Models {
-        steep: fit_kind(scenes, SampleKind::SteepSide),
-        near_horizontal: fit_kind(scenes, SampleKind::FlatSide),
-        steep_edge: fit_kind(scenes, SampleKind::SteepEdge),
-        near_horizontal_edge: fit_kind(scenes, SampleKind::FlatEdge),
+pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
+    FittedModels {
+        segments: Models {
+            steep: fit_kind(pairs, SampleKind::SteepSide),
+            near_horizontal: fit_kind(pairs, SampleKind::FlatSide),
+            steep_edge: fit_kind(pairs, SampleKind::SteepEdge),
+            near_horizontal_edge: fit_kind(pairs, SampleKind::FlatEdge),
+        },
+        support: fit_kind(pairs, SampleKind::Support),
     }
 }
 
-fn fit_kind(scenes: &[&SceneSamples], kind: SampleKind) -> Model {
-    let all: Vec<Vec<&Sample>> = scenes.iter().map(|scene| scene.of_kind(kind).collect()).collect();
-    fit_scenes(&all)
+fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<N> {
+    let mut scenes: BTreeMap<&str, Vec<&Sample>> = BTreeMap::new();
+    for pair in pairs {
+        scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
+    }
+    let penalty = if kind == SampleKind::Support { SUPPORT_PENALTY } else { CLAIMS_PENALTY };
+    fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }
 
 /// The model of these samples, those of each scene together.
-fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>]) -> Model<N> {
+fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N> {
     let of = |skip: Option<usize>| -> Vec<&Sample> {
         let kept = scenes.iter().enumerate().filter(|(i, _)| Some(*i) != skip);
         kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
     };
-    let line = Line::fit(&of(None), None);
-    let mut held_out = Vec::new();
-    for (i, scene) in scenes.iter().enumerate() {
-        // With one scene there is nothing to hold out: its own scores are all there is.
-        let other = if scenes.len() > 1 { Line::fit(&of(Some(i)), Some(&line)) } else { line.clone() };
-        held_out.extend(scene.iter().map(|sample| (other.score(sample), *sample)));
-    }
-    let tables = calibration::tables(&held_out);
+    let line = Line::fit(&of(None), penalty, None);
+    // With one scene there is nothing to hold out: its own scores are all there is.
+    let scores: Vec<Vec<(f64, &Sample)>> = scenes
+        .par_iter()
+        .enumerate()
+        .map(|(i, scene)| {
+            let other = if scenes.len() > 1 { Line::fit(&of(Some(i)), penalty, Some(&line)) } else { line.clone() };
+            scene.iter().map(|sample| (other.score(sample), *sample)).collect()
+        })
+        .collect();
+    let tables = calibration::tables(&scores.concat());
     let (bias, coefficients) = line.raw();
     let mut coefficients_q12 = [0; N];
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {

@@ -1,8 +1,8 @@
 //! The confidence model of the depth of pixels.
 
-use super::fit_scenes;
 use super::sample::Sample;
 use super::source::fields;
+use super::{CLAIMS_PENALTY, fit_scenes};
 use crate::evaluate::AskedPixel;
 use linestereo::{Model, PIXEL_EVIDENCE, PixelKind};
 
@@ -14,7 +14,7 @@ pub fn fit_pixels(scenes: &[&[AskedPixel]]) -> Model<PIXEL_EVIDENCE> {
         Some(Sample::pixel(evidence, (disparity - pixel.truth).abs()))
     };
     let samples: Vec<Vec<Sample>> = scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
-    fit_scenes(&samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>())
+    fit_scenes(&samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(), CLAIMS_PENALTY)
 }
 
 /// The text of the core's file of constants; `origin` names the frames.

@@ -1,7 +1,8 @@
 //! Claims with evidence and truth.
 
+use crate::engine::Engine;
 use crate::frames::Truth;
-use linestereo::{Candidate, Dims, Evidence, Kind, Observer, Params, PixelEvidence, Step, Views};
+use linestereo::{Evidence, Kind, Observer, Params, PixelEvidence, Step, Support, SupportEvidence, Views};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
@@ -13,6 +14,7 @@ pub(super) enum SampleKind {
     FlatSide,
     SteepEdge,
     FlatEdge,
+    Support,
     Pixel,
 }
 
@@ -39,45 +41,62 @@ impl Sample {
     }
 }
 
-/// All samples of one scene.
+/// All samples of one pair.
 #[derive(Clone, Debug)]
-pub struct SceneSamples(Vec<Sample>);
+pub struct SceneSamples {
+    /// What it shows: samples of the same scene are never scored by a model that has seen one of them.
+    pub(super) scene: String,
+    samples: Vec<Sample>,
+}
 
 impl SceneSamples {
+    /// Both are of the same scene.
+    #[must_use]
+    pub fn shows(&self, name: &str) -> bool {
+        self.scene == what_it_shows(name)
+    }
+
     pub(super) fn of_kind(&self, kind: SampleKind) -> impl Iterator<Item = &Sample> {
-        self.0.iter().filter(move |sample| sample.kind == kind)
+        self.samples.iter().filter(move |sample| sample.kind == kind)
     }
 
     /// Claims sampled.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.samples.len()
     }
 
     /// Nothing was sampled.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.samples.is_empty()
     }
 }
 
-/// The evidence of every candidate of a run, which the core itself does not keep.
+/// The evidence of a run, which the core itself does not keep.
 #[derive(Clone, Debug, Default)]
-pub struct EvidenceLog(Vec<[Evidence; 2]>);
+pub struct EvidenceLog {
+    sides: Vec<[Evidence; 2]>,
+    /// Of support points, with their places.
+    support: Vec<(usize, SupportEvidence)>,
+}
 
 impl Observer for EvidenceLog {
     fn ended(&mut self, step: Step<'_>) {
-        if let Step::Segment(Ok((_, &evidence))) = step {
-            self.0.push(evidence);
+        match step {
+            Step::Segment(Ok((_, &evidence))) => self.sides.push(evidence),
+            Step::SupportPoint(place, &evidence) => self.support.push((place, evidence)),
+            _ => {}
         }
     }
 }
 
-/// Samples every claim of `candidates` that has truth; `log` watched the run that they come from.
+/// Samples every claim of the last run that has truth; `log` watched it.
 #[must_use]
-pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth, dims: Dims) -> SceneSamples {
-    let mut samples = Vec::new();
-    for (candidate, logged) in candidates.iter().zip(&log.0) {
+pub fn scene_samples(scene: &str, engine: &Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
+    let (candidates, dims) = (engine.candidates(), engine.dims());
+    let mut samples = support_samples(engine.support(), log, truth);
+    for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
             (SampleKind::FlatSide, SampleKind::FlatEdge)
@@ -93,9 +112,7 @@ pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth,
         let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
         for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
             let Some(side) = side else { continue };
-            let mut known = *logged;
-            known.0[Kind::Support as usize] = side.support_q8;
-            known.0[Kind::Conflict as usize] = side.conflict_q8;
+            let known = logged.with_heard(side.heard_q8);
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
                 candidate.for_each_pixel(index, distance, Views::whole(dims), |x, y, d_q6| {
@@ -107,10 +124,29 @@ pub fn scene_samples(candidates: &[Candidate], log: &EvidenceLog, truth: &Truth,
                 }
                 let mut evidence = known.0.map(|value| f64::from(value) / 256.0).to_vec();
                 evidence[Kind::Distance as usize] = distance.into();
+                let next_to_edge = distance == 1 && !candidate.is_one_surface();
+                evidence[Kind::NextToEdge as usize] = f64::from(u8::from(next_to_edge));
                 let kind = if distance == 0 { edge_kind } else { side_kind };
                 samples.push(Sample { kind, evidence, errors });
             }
         }
     }
-    SceneSamples(samples)
+    SceneSamples { scene: what_it_shows(scene), samples }
+}
+
+/// The same scene at another size has the same name, in capitals or not, or with more behind a `_`.
+fn what_it_shows(name: &str) -> String {
+    name.split('_').next().unwrap_or_default().to_lowercase()
+}
+
+fn support_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
+    let points: Vec<_> = support.iter().collect();
+    let sample = |&(place, evidence): &(usize, SupportEvidence)| {
+        let &((x, y), point) = points.get(place)?;
+        let error = (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
+        let known = support.with_heard(place, evidence).0;
+        let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Some(Sample { kind: SampleKind::Support, evidence, errors: vec![error] })
+    };
+    log.support.iter().filter_map(sample).collect()
 }

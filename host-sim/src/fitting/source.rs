@@ -2,7 +2,7 @@
 
 use super::names;
 use core::fmt::Write;
-use linestereo::{Model, Models};
+use linestereo::{Model, Models, SUPPORT_EVIDENCE, SupportKind};
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
@@ -18,6 +18,22 @@ pub fn source_text(models: &Models, origin: &str) -> String {
     model(&mut text, "near_horizontal", &models.near_horizontal);
     model(&mut text, "steep_edge", &models.steep_edge);
     model(&mut text, "near_horizontal_edge", &models.near_horizontal_edge);
+    text.push_str("};\n");
+    text
+}
+
+/// The text of the core's file of constants for support points.
+#[must_use]
+pub fn support_source_text(model: &Model<SUPPORT_EVIDENCE>, origin: &str) -> String {
+    let mut text = format!(
+        "//! Written by `linestereo fit-confidence` from {origin}: do not edit.\n\n\
+         use super::evidence::SUPPORT_EVIDENCE;\n\
+         use crate::confidence::Model;\n\n\
+         /// The model that plans use unless they are given another.\n\
+         #[rustfmt::skip]\n\
+         pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {{\n"
+    );
+    fields(&mut text, "    ", model, &SupportKind::NAMES);
     text.push_str("};\n");
     text
 }

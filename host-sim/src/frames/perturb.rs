@@ -25,11 +25,25 @@ pub struct Perturbation {
 
 impl Default for Perturbation {
     fn default() -> Self {
-        Self { blur: 0.0, row_offset: 0.0, gain: 1.0, bias: 0.0, noise: 0.0, seed: 1, swap: false }
+        Self::NONE
     }
 }
 
 impl Perturbation {
+    /// Nothing is done.
+    pub const NONE: Self = Self { blur: 0.0, row_offset: 0.0, gain: 1.0, bias: 0.0, noise: 0.0, seed: 1, swap: false };
+
+    /// What models are fitted on and scored under, the unspoilt pair first.
+    pub const DAMAGES: [(&str, Self); 7] = [
+        ("clean", Self::NONE),
+        ("noise 2", Self { noise: 2.0, ..Self::NONE }),
+        ("noise 5", Self { noise: 5.0, ..Self::NONE }),
+        ("blur 1 px", Self { blur: 1.0, ..Self::NONE }),
+        ("gain 0.8", Self { gain: 0.8, bias: 8.0, ..Self::NONE }),
+        ("rows off by 0.5", Self { row_offset: 0.5, ..Self::NONE }),
+        ("rows off by 1", Self { row_offset: 1.0, ..Self::NONE }),
+    ];
+
     /// The perturbed pair.
     #[must_use]
     pub fn apply(&self, left: &GrayImage, right: &GrayImage) -> (GrayImage, GrayImage) {

@@ -8,11 +8,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity};
 use linestereo_wire::{
-    MAX_REGIONS, MarginUpdate, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigImage, RigUpdate,
+    MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigImage, RigUpdate,
 };
 
 /// Every name that can stand before `=`.
-pub const NAMES: [&str; 14] = [
+pub const NAMES: [&str; 15] = [
     "min_disparity",
     "max_disparity",
     "anchor_gradient",
@@ -27,6 +27,7 @@ pub const NAMES: [&str; 14] = [
     "focal_px",
     "baseline_m",
     "offset_px",
+    "parts",
 ];
 
 /// A request and how it was written.
@@ -148,6 +149,14 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
             "focal_px" => focal = Some(value.number()?),
             "baseline_m" => baseline = Some(value.number()?),
             "offset_px" => offset = Some(value.number()?),
+            "parts" => {
+                update.parts = Some(match text {
+                    "both" => PartsUpdate::Both,
+                    "support" => PartsUpdate::Support,
+                    "segments" => PartsUpdate::Segments,
+                    _ => bail!("--send {word}: parts are both, support or segments"),
+                });
+            }
             _ => bail!("--send {word}: {name} is no parameter; there are {}", NAMES.join(", ")),
         }
     }
@@ -247,8 +256,11 @@ mod tests {
 
     #[test]
     fn every_name_is_known_and_sets_its_field() {
-        let words: Vec<String> =
-            NAMES.iter().filter(|name| **name != "margin_px").map(|name| format!("{name}=0.25")).collect();
+        let words: Vec<String> = NAMES
+            .iter()
+            .filter(|name| !["margin_px", "parts"].contains(name))
+            .map(|name| format!("{name}=0.25"))
+            .collect();
         let (whole, fractions) = words.split_at(7);
         let whole: Vec<String> =
             whole.iter().enumerate().map(|(i, word)| word.replace("0.25", &i.to_string())).collect();
@@ -263,10 +275,13 @@ mod tests {
             min_confidence_q16: Some(1 << 14),
             margin: Some(MarginUpdate::MetresQ16 { nearer: 1 << 14, farther: 1 << 14 }),
             rig: Some(RigUpdate { focal_px: 0.25, baseline_m: 0.25, offset_px: 0.25 }),
+            parts: None,
         };
         assert_eq!(update(&[&whole[..], fractions].concat()).unwrap(), expected);
         let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(16)), ..ParamUpdate::default() };
         assert_eq!(update(&["margin_px=0.25".to_owned()]).unwrap(), pixels);
+        let parts = ParamUpdate { parts: Some(PartsUpdate::Support), ..ParamUpdate::default() };
+        assert_eq!(update(&["parts=support".to_owned()]).unwrap(), parts);
     }
 
     #[test]

@@ -37,7 +37,6 @@ const REASONS: [(&str, &str); Rejection::ALL.len()] = [
     ("window_not_unique", "A second place in the right image looks nearly as much like its window."),
     ("census_not_unique", "A second place in the right image has nearly the same order of grey levels."),
     ("techniques_disagree", "Window and census lie further apart than the margin."),
-    ("left_right", "Searching back from the right image does not return to it."),
     ("slant", "Its two halves lie too far apart to be one straight edge."),
     ("no_owner", "Neither side of it carries the disparity on its own."),
     ("not_exclusive", "A more credible segment explains the same place in the right image."),

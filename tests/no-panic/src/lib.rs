@@ -12,12 +12,12 @@ use linestereo::{
 use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError, Params, PixelDepth, Plan,
-    Region, Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, row_bytes,
+    Region, Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, most_support_points, row_bytes,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512, 300>;
+type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512, 300, { most_support_points(QVGA) }>;
 type BoardOutput = Output<256, 4096>;
 
 unsafe extern "C" {

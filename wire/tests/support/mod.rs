@@ -69,6 +69,7 @@ pub(crate) fn counts(value: u16) -> Counts {
         segments_right: value.wrapping_add(1),
         segments_left_dropped: value.wrapping_add(2),
         segments_right_dropped: value.wrapping_add(3),
+        searched_fully: value.wrapping_add(9),
         matched: value.wrapping_add(4),
         matches_dropped: value.wrapping_add(5),
         points: u32::from(value) << 16,
@@ -119,6 +120,7 @@ pub(crate) fn full_update() -> ParamUpdate {
         margin: Some(MarginUpdate::MetresQ16 { nearer: i32::MIN, farther: i32::MIN }),
         min_confidence_q16: Some(u16::MAX),
         reach: Some(u16::MAX),
+        parts: Some(linestereo_wire::PartsUpdate::Segments),
         rig: Some(RigUpdate { focal_px: f64::MAX, baseline_m: -1e-300, offset_px: f64::INFINITY }),
     }
 }
@@ -190,7 +192,7 @@ pub(crate) fn messages() -> Vec<Message> {
         y: u16::MAX,
         disparity_q6: i16::MIN,
         confidence_q16: u16::MAX,
-        source: Some(u16::MAX),
+        source: linestereo_wire::PointSource::Segment(u16::MAX),
     };
     list.extend([
         Message::Points(Points { sequence: 1, first: 0, list: heapless::Vec::new() }),

@@ -7,6 +7,7 @@
 //! rows    gradient, census, reversal of a row
 //! curves  costs over disparity: sums of strips and points, and what is made of several curves
 //! pixels  grey levels between the pixels of two rows
+//! support ranks, costs of windows of ranks, paths
 //! edges   the largest step along a row or column, gradients where an edge crosses
 //! ```
 //!
@@ -24,11 +25,13 @@ mod curves;
 mod edges;
 mod pixels;
 mod rows;
+mod support;
 
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, reverse_row};
+pub use support::{lowest_byte, path_step, rank_costs, rank_row};
 
 /// A function of two words that is one instruction.
 macro_rules! two_operands {

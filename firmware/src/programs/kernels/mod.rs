@@ -14,6 +14,7 @@
 //! curves  costs over disparity, and what is made of several curves
 //! edges   the largest step; crossings, and census of one pixel
 //! pixels  grey levels between pixels
+//! support ranks, costs of windows of ranks, paths
 //! ```
 //!
 //! On a board the fences are forbidden memory (`fence.rs`): a kernel that reads or writes one byte too far ends in a fault.
@@ -23,10 +24,11 @@ mod edges;
 mod pixels;
 mod rooms;
 mod rows;
+mod support;
 
 pub use rooms::{Fence, Rooms};
 
-use linestereo::kernel::{self, Crossing, Knot, LargestStep, Ring, Run, Strip, portable};
+use linestereo::kernel::{self, Crossing, Knot, LargestStep, RANK_ROWS, Ring, Run, STRIP, Strip, portable};
 use rooms::ALIGNMENTS;
 
 /// The kernels of one machine.
@@ -49,11 +51,15 @@ pub struct Kernels {
     pub bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
     pub bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     pub weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
+    pub rank_row: fn([&[u8]; 3], &mut [u8]),
+    pub rank_costs: fn(&[[u8; STRIP]; RANK_ROWS], &[&[u8]; RANK_ROWS], &mut [u8]),
+    pub path_step: fn(&[u8], u8, &mut [u8], &mut [u8], bool) -> u8,
+    pub lowest_byte: fn(&[u8]) -> u8,
 }
 
 impl Kernels {
     /// Number of kernels.
-    pub const COUNT: usize = 16;
+    pub const COUNT: usize = 20;
 
     /// Those that the core uses on this machine.
     pub const CHOSEN: Self = Self {
@@ -73,6 +79,10 @@ impl Kernels {
         bilinear_runs: kernel::bilinear_runs,
         bilinear_cells: kernel::bilinear_cells,
         weigh_knots: kernel::weigh_knots,
+        rank_row: kernel::rank_row,
+        rank_costs: kernel::rank_costs,
+        path_step: kernel::path_step,
+        lowest_byte: kernel::lowest_byte,
     };
 
     /// The definitions.
@@ -93,6 +103,10 @@ impl Kernels {
         bilinear_runs: portable::bilinear_runs,
         bilinear_cells: portable::bilinear_cells,
         weigh_knots: portable::weigh_knots,
+        rank_row: portable::rank_row,
+        rank_costs: portable::rank_costs,
+        path_step: portable::path_step,
+        lowest_byte: portable::lowest_byte,
     };
 
     /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
@@ -174,6 +188,23 @@ impl Kernels {
                 last.y ^= 4;
             }
         },
+        rank_row: |rows, out| {
+            portable::rank_row(rows, out);
+            if let (61, Some(beyond)) = (rows[1].len(), out.get_mut(59)) {
+                *beyond = 1;
+            }
+        },
+        rank_costs: |window, rows, costs| {
+            portable::rank_costs(window, rows, costs);
+            if let (65, Some(last)) = (costs.len(), costs.last_mut()) {
+                *last ^= 1;
+            }
+        },
+        path_step: |costs, lowest, path, sums, first| {
+            let forgotten = usize::from(sums.len() == 19);
+            portable::path_step(costs, lowest, path, sums.get_mut(forgotten..).unwrap_or(&mut []), first)
+        },
+        lowest_byte: |costs| portable::lowest_byte(costs.get(..costs.len() & !3).unwrap_or(&[])),
     };
 }
 
@@ -258,6 +289,10 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
         pixels::bilinear_runs,
         pixels::bilinear_cells,
         |kernels, _| pixels::weighed_knots(kernels),
+        |kernels, rooms| rows::rows("rank_row", kernels.rank_row, portable::rank_row, rooms),
+        support::rank_costs,
+        support::path_steps,
+        support::lowest_bytes,
     ];
     let mut all_equal = true;
     for compare in compare {
@@ -302,5 +337,7 @@ mod tests {
         assert_eq!(of("lowest").length % 2, 1);
         assert_eq!(of("largest_step").count, 19);
         assert_eq!(of("bilinear_runs").length, 7);
+        assert_eq!(of("rank_costs").length, 65);
+        assert_eq!(of("path_step").length, 19);
     }
 }

@@ -1,0 +1,134 @@
+//! Where support points stand, and the memory that matching them takes.
+
+use super::paths;
+use super::ranks;
+use crate::area::Area;
+use crate::image::Dims;
+use crate::matching::band::row_bytes;
+use crate::matching::band::{BAND_ROWS, PLANES};
+use crate::params::Params;
+use crate::units::quotient;
+
+/// Pixels from one support point to the next, across and down.
+pub const SUPPORT_PITCH: u16 = 8;
+
+/// Support points of images of this size at most.
+#[must_use]
+pub const fn most_support_points(dims: Dims) -> usize {
+    (dims.width / SUPPORT_PITCH) as usize * (dims.height / SUPPORT_PITCH) as usize
+}
+
+/// Points in columns and rows, and the disparities that they are matched at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) disparities: usize,
+    /// Pixels from one column of points to the next.
+    pitch: u16,
+    width: u16,
+    min_disparity: i16,
+}
+
+impl Grid {
+    /// Of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond 192),
+    /// columns stand twice as far apart.
+    pub(crate) fn new(params: &Params, dims: Dims) -> Self {
+        let min_disparity = params.min_disparity;
+        let disparities = usize::try_from(i32::from(params.max_disparity) - i32::from(min_disparity)).unwrap_or(0);
+        let of_pitch = |pitch: u16| Self {
+            columns: (dims.width / pitch).into(),
+            rows: (dims.height / SUPPORT_PITCH).into(),
+            disparities,
+            pitch,
+            width: dims.width,
+            min_disparity,
+        };
+        let close = of_pitch(SUPPORT_PITCH);
+        let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
+        if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
+    }
+
+    /// Bytes of working memory.
+    pub(crate) fn bytes(&self) -> usize {
+        ranks::bytes(self.width) + paths::bytes(self.disparities, self.columns)
+    }
+
+    /// The memory of the ranks and that of the paths.
+    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<(&'m mut [u8], &'m mut [u8])> {
+        memory.split_at_mut_checked(ranks::bytes(self.width))
+    }
+
+    /// The largest disparity compared, px: costs are stored from there down, as columns of the right image rise.
+    pub(crate) fn last(&self) -> i32 {
+        i32::from(self.min_disparity) + self.disparities as i32 - 1
+    }
+
+    /// Pixel column of a column of points.
+    pub(crate) fn x(&self, column: usize) -> i32 {
+        i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
+    }
+
+    /// First column of the window of a column of points: around it, but not on the two pixels at each border, whose ranks know no neighbours.
+    pub(super) fn window(&self, column: usize) -> i32 {
+        let last = i32::from(self.width) - ranks::BORDER - ranks::WINDOW_COLUMNS as i32;
+        (self.x(column) - ranks::WINDOW_COLUMNS as i32 / 2).min(last).max(ranks::BORDER)
+    }
+
+    /// The column after the last one that windows look at.
+    pub(super) fn border(&self) -> i32 {
+        i32::from(self.width) - ranks::BORDER
+    }
+
+    /// Pixel row of a row of points.
+    pub(crate) fn y(row: usize) -> i32 {
+        i32::from(SUPPORT_PITCH / 2) + (row * usize::from(SUPPORT_PITCH)) as i32
+    }
+
+    /// Pixel of the point at this place in the list.
+    pub(crate) fn pixel(&self, place: usize) -> (u16, u16) {
+        let row = place.checked_div(self.columns).unwrap_or(0);
+        let column = place - row * self.columns;
+        (self.x(column) as u16, Self::y(row) as u16)
+    }
+
+    /// Columns of points between two pixel columns, both included.
+    pub(crate) fn columns_within(&self, from: i32, to: i32) -> core::ops::Range<usize> {
+        within(from, to, self.pitch.into(), self.columns)
+    }
+
+    /// Rows of points between two pixel rows, both included.
+    pub(crate) fn rows_within(&self, from: i32, to: i32) -> core::ops::Range<usize> {
+        within(from, to, SUPPORT_PITCH.into(), self.rows)
+    }
+
+    /// Place in the list of the point at this pixel, if one stands there.
+    pub(crate) fn place(&self, x: u16, y: u16) -> Option<usize> {
+        let pitch = self.pitch; // a power of two
+        let stands = x & (pitch - 1) == pitch / 2 && y & (SUPPORT_PITCH - 1) == SUPPORT_PITCH / 2;
+        let column = usize::from(x.checked_div(pitch)?);
+        let row = usize::from(y / SUPPORT_PITCH);
+        (stands && column < self.columns && row < self.rows).then(|| row * self.columns + column)
+    }
+
+    /// Columns and rows of points around an area of pixels: those in it, and two more on each side.
+    pub(super) fn within(&self, area: Area) -> Area {
+        let first = |at: u16, pitch: u16| at.checked_div(pitch).unwrap_or(0).saturating_sub(2);
+        let end = |at: u16, pitch: u16, most: usize| {
+            let end = at.saturating_add(pitch - 1).checked_div(pitch).unwrap_or(0).saturating_add(2);
+            end.min(u16::try_from(most).unwrap_or(u16::MAX))
+        };
+        Area {
+            left: first(area.left, self.pitch),
+            top: first(area.top, SUPPORT_PITCH),
+            right: end(area.right, self.pitch, self.columns),
+            bottom: end(area.bottom, SUPPORT_PITCH, self.rows),
+        }
+    }
+}
+
+/// Of points `pitch` px apart, the first one at half of it, those between two pixels.
+fn within(from: i32, to: i32, pitch: i32, count: usize) -> core::ops::Range<usize> {
+    let index = |pixel: i32| usize::try_from(quotient(pixel - pitch / 2 + pitch - 1, pitch)).unwrap_or(0).min(count);
+    index(from)..index(to + 1)
+}

@@ -1,0 +1,268 @@
+//! A sparse grid of support points, matched semi-globally: the surfaces between edges, and where a segment should look.
+//!
+//! In: both images, a row offset, a range of disparities. Out: for each point of the grid a disparity (1/64 px) and the probability of being within 1 px.
+//!
+//! ```text
+//! ranks:   of every second row: how many of four neighbours at distance 2 are darker                            (ranks)
+//! costs:   half the sum of |rank - rank| over 8 columns of every second of 9 rows, at each disparity
+//! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
+//! answer:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
+//! belief:  with what the eight neighbours say: probability
+//! ```
+//!
+//! # Bounds
+//! Ranks are 0 ..= 4: a cost is at most 40 * 4 / 2 = 80, a path 80 + P2 = 92: bytes; the sum of three saturates at 255.
+//!
+//! # Cost
+//! Linear in the points and in the disparities. Nothing of the volume is kept but three rows of points.
+//!
+//! # Source
+//! Zabih, Woodfill 1994 (rank transform); Hirschmueller 2008 (semi-global matching).
+
+pub(crate) mod evidence;
+mod fitted;
+mod grid;
+mod paths;
+mod ranks;
+
+pub use fitted::FITTED_SUPPORT;
+pub(crate) use grid::Grid;
+pub use grid::{SUPPORT_PITCH, most_support_points};
+
+use crate::area::Area;
+use crate::confidence::Model;
+use crate::image::{Dims, Gray, Span};
+use crate::kernel::rank_costs;
+use crate::matching::narrow;
+use crate::params::Params;
+use crate::units::{Confidence, Disparity};
+use core::ops::Range;
+use evidence::{Found, SUPPORT_EVIDENCE, SupportEvidence, heard};
+use heapless::vec::VecView;
+use paths::Paths;
+use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
+
+/// Cost where the window leaves the usable part of the right image: half of the largest.
+const OUTSIDE: u8 = 32;
+/// How much better than its second-best a point has to be for a segment to go by it, log2.
+const SURE_Q8: u8 = 32;
+/// Distance from a segment up to which it goes by points, px.
+const NAMED_REACH: i32 = 12;
+/// Least disparities that a point must be able to have: with fewer there is no rival to be better than.
+const MIN_RANGE: usize = 8;
+
+/// One point of the grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SupportPoint {
+    /// Disparity, 1/64 px.
+    pub(crate) disparity_q6: i16,
+    /// Log-odds by its own evidence; [`i16::MIN`] when it has no disparity.
+    pub(crate) score_q8: i16,
+    /// Probability of being within 1 px, with what its neighbours say.
+    pub(crate) probability_q16: u16,
+    /// How much better than elsewhere it is by the paths and by its own window, the smaller, 0 (no better) to 255: what it counts for others.
+    pub(crate) sure_q8: u8,
+    /// Claims of segments around it that agree and that contradict, 255 at most.
+    pub(crate) heard: [u8; 2],
+}
+
+impl SupportPoint {
+    /// A point without a disparity.
+    pub(crate) const NONE: Self =
+        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, sure_q8: 0, heard: [0; 2] };
+
+    /// Does it have a disparity?
+    #[must_use]
+    pub fn is_matched(&self) -> bool {
+        self.score_q8 > i16::MIN
+    }
+
+    /// Disparity of the surface seen there.
+    #[must_use]
+    pub fn disparity(&self) -> Disparity {
+        Disparity::from_bits(self.disparity_q6)
+    }
+
+    /// Probability of being within 1 px.
+    #[must_use]
+    pub fn confidence(&self) -> Confidence {
+        Confidence::from_bits(self.probability_q16)
+    }
+}
+
+/// What a grid is matched with.
+pub(crate) struct Matching<'a> {
+    pub(crate) images: [Gray<'a>; 2],
+    pub(crate) grid: Grid,
+    /// Row of the right image that matches row 0 of the left one.
+    pub(crate) row_offset: i32,
+    pub(crate) model: &'a Model<SUPPORT_EVIDENCE>,
+}
+
+impl Matching<'_> {
+    /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. `points` gets one per point of the grid, row by
+    /// row; `watch` is told the evidence of each that has a disparity, neighbours left out, with its place among them.
+    pub(crate) fn run(
+        &self,
+        areas: Option<&[Area]>,
+        memory: &mut [u8],
+        points: &mut VecView<SupportPoint>,
+        mut watch: impl FnMut(usize, &SupportEvidence),
+    ) {
+        points.clear();
+        let Grid { columns, rows, .. } = self.grid;
+        if columns * rows > points.capacity() || points.resize(columns * rows, SupportPoint::NONE).is_err() {
+            return;
+        }
+        let whole = [Area::of(self.images[0].dims())];
+        for &area in areas.unwrap_or(&whole) {
+            self.match_area(self.grid.within(area), memory, points, &mut watch);
+        }
+    }
+
+    /// The points in these columns and rows of the grid.
+    fn match_area(
+        &self,
+        area: Area,
+        memory: &mut [u8],
+        points: &mut [SupportPoint],
+        watch: &mut impl FnMut(usize, &SupportEvidence),
+    ) {
+        let [left, right] = self.images;
+        let Some((ranks, paths)) = self.grid.split(memory) else { return };
+        let Some(mut ranks) = RankRows::new([left, right], self.row_offset, ranks) else { return };
+        let Some(mut paths) = Paths::new(self.grid.disparities, self.grid.columns, paths) else { return };
+        paths.restart();
+        let (first, end) = (usize::from(area.left), usize::from(area.right));
+        for row in area.top..area.bottom {
+            let y = Grid::y(row.into());
+            ranks.advance(y);
+            paths.start_row();
+            let usable = [left.usable_columns(y), right.usable_columns(y + self.row_offset)];
+            for column in first..end {
+                let range = self.range(column, usable).unwrap_or(0..0);
+                let (before, costs) = paths.costs(column).split_at_mut_checked(range.start).unwrap_or_default();
+                let (costs, behind) = costs.split_at_mut_checked(range.len()).unwrap_or_default();
+                before.fill(OUTSIDE);
+                behind.fill(OUTSIDE);
+                let x = self.grid.window(column);
+                ranks.windows(x, x - self.grid.last() + range.start as i32, |ours, theirs| {
+                    rank_costs(ours, theirs, costs);
+                });
+                paths.reach_from_left_and_above(column);
+            }
+            paths.turn();
+            for column in (first..end).rev() {
+                paths.reach_from_right(column);
+                let place = usize::from(row) * self.grid.columns + column;
+                if let Some(range) = self.range(column, usable)
+                    && let Some(point) = points.get_mut(place)
+                    && let Some(found) = Found::new(&paths.answer(column), range)
+                {
+                    watch(place, &found.evidence);
+                    *point = self.to_point(&found);
+                }
+            }
+        }
+    }
+
+    fn to_point(&self, found: &Found) -> SupportPoint {
+        let last = self.grid.last();
+        SupportPoint {
+            disparity_q6: narrow((last << 6) - found.at_q6),
+            score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
+            probability_q16: 0,
+            sure_q8: found.sure_q8,
+            heard: [0; 2],
+        }
+    }
+
+    /// Indices of the disparities that a point can have, or none: its window has to lie on usable pixels of both images.
+    fn range(&self, column: usize, [ours, theirs]: [Span; 2]) -> Option<Range<usize>> {
+        let width = WINDOW_COLUMNS as i32;
+        let x = self.grid.window(column);
+        if x < i32::from(ours.start) || x + width > i32::from(ours.end) {
+            return None;
+        }
+        let at_first = x - self.grid.last();
+        let first = (i32::from(theirs.start).max(BORDER) - at_first).max(0);
+        let end =
+            (i32::from(theirs.end).min(self.grid.border()) - width - at_first + 1).min(self.grid.disparities as i32);
+        let range = usize::try_from(first).ok()?..usize::try_from(end).ok()?;
+        (range.len() >= MIN_RANGE).then_some(range)
+    }
+}
+
+/// Probabilities, by each point's own evidence and what others say.
+pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, model: &Model<SUPPORT_EVIDENCE>) {
+    for place in 0..points.len() {
+        let heard = heard(points, grid.columns, place);
+        if let Some(point) = points.get_mut(place)
+            && point.is_matched()
+        {
+            let score = i32::from(point.score_q8) + evidence::heard_score_q8(heard, model);
+            point.probability_q16 = model.probability_q16(score);
+        }
+    }
+}
+
+/// The grid of a run: its points with their places.
+#[derive(Clone, Copy, Debug)]
+pub struct Support<'a> {
+    pub(crate) grid: Grid,
+    pub(crate) points: &'a [SupportPoint],
+}
+
+impl<'a> Support<'a> {
+    pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint]) -> Self {
+        Self { grid: Grid::new(params, dims), points }
+    }
+
+    /// Every point with its pixel `(x, y)`, row by row, matched or not.
+    pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
+        let grid = self.grid;
+        self.points.iter().enumerate().map(move |(place, point)| (grid.pixel(place), point))
+    }
+
+    /// The matched points in an area, with their pixels.
+    pub(crate) fn within(&self, area: Area) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
+        let (grid, points) = (self.grid, self.points);
+        let columns = grid.columns_within(area.left.into(), i32::from(area.right) - 1);
+        grid.rows_within(area.top.into(), i32::from(area.bottom) - 1).flat_map(move |row| {
+            columns.clone().filter_map(move |column| {
+                let point = points.get(row * grid.columns + column).filter(|point| point.is_matched())?;
+                Some((grid.x(column), Grid::y(row), point))
+            })
+        })
+    }
+
+    /// The matched point that stands at this pixel, if one does.
+    pub(crate) fn at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
+        let place = self.grid.place(x, y)?;
+        self.points.get(place).filter(|point| point.is_matched())
+    }
+
+    /// Lowest and highest disparity, whole px, that the sure points within [`NAMED_REACH`] of an area name; `None` without one.
+    pub(crate) fn named_around(&self, area: Area) -> Option<(i32, i32)> {
+        let reach = |from: u16, to: u16| (i32::from(from) - NAMED_REACH, i32::from(to) - 1 + NAMED_REACH);
+        let ((left, right), (top, bottom)) = (reach(area.left, area.right), reach(area.top, area.bottom));
+        let mut named = None::<(i32, i32)>;
+        for row in self.grid.rows_within(top, bottom) {
+            for column in self.grid.columns_within(left, right) {
+                let point = self.points.get(row * self.grid.columns + column).filter(|point| point.sure_q8 >= SURE_Q8);
+                if let Some(point) = point.filter(|point| point.is_matched()) {
+                    let disparity = (i32::from(point.disparity_q6) + 32) >> 6;
+                    let (low, high) = named.unwrap_or((disparity, disparity));
+                    named = Some((low.min(disparity), high.max(disparity)));
+                }
+            }
+        }
+        named
+    }
+
+    /// This evidence of the point at this place, with what others say.
+    #[must_use]
+    pub fn with_heard(&self, place: usize, evidence: SupportEvidence) -> SupportEvidence {
+        evidence.with_heard(heard(self.points, self.grid.columns, place))
+    }
+}
