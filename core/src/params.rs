@@ -23,7 +23,7 @@ pub enum Margin {
     },
 }
 
-/// What a pair is matched by.
+/// Parts of the method that match a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Parts {
     /// Support points, and segments where these tell them to look.
@@ -59,7 +59,7 @@ pub struct Params {
     pub min_confidence: Confidence,
     /// Pixels from the edge up to which a side's disparity is claimed; 1 ..= 6.
     pub reach: u16,
-    /// What pairs are matched by.
+    /// Parts of the method that match pairs.
     pub parts: Parts,
 }
 

@@ -65,11 +65,11 @@ pub struct PointClaim {
     pub disparity: Disparity,
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
-    /// What claims it.
+    /// Kind and position of the claim that it comes from.
     pub source: Source,
 }
 
-/// What claims the disparity of a pixel.
+/// Origin of a point: a segment or a support point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// A segment, at this position in the list of matches.

@@ -27,7 +27,7 @@ pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
     }
 }
 
-/// Whether everything is tested on every board (`LINESTEREO_LONG` is set, as in CI), or on some of each kind.
+/// True when everything is tested on every board (`LINESTEREO_LONG` is set, as in CI), false for some of each kind.
 #[must_use]
 pub fn on_all() -> bool {
     std::env::var_os("LINESTEREO_LONG").is_some()

@@ -133,7 +133,7 @@ pub struct PointRecord {
     pub disparity_q6: i16,
     /// Probability that the disparity is within 1 px, 1/65536.
     pub confidence_q16: u16,
-    /// What claims it.
+    /// Kind and position of the claim that it comes from.
     pub source: PointSource,
 }
 

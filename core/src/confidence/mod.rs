@@ -87,15 +87,19 @@ impl<const N: usize> Model<N> {
     }
 }
 
+impl<const N: usize> Model<N> {
+    /// Log-odds by a few entries alone, given as `(entry, evidence in Q8)`, Q8.
+    pub(crate) fn part_q8(&self, entries: impl Iterator<Item = (usize, i16)>) -> i32 {
+        let products = entries
+            .map(|(entry, value)| i64::from(self.coefficients_q12.get(entry).copied().unwrap_or(0)) * i64::from(value));
+        i32::try_from(products.sum::<i64>() >> 12).unwrap_or(0)
+    }
+}
+
 impl Model {
-    /// The log-odds with what others say added, Q8.
+    /// The log-odds with the evidence by support points added, Q8.
     pub(crate) fn with_heard_q8(&self, score_q8: i16, heard_q8: [i16; 2]) -> i32 {
-        let product = |kind: Kind, value: i16| {
-            let coefficient = self.coefficients_q12.get(kind as usize).copied().unwrap_or(0);
-            i64::from(coefficient) * i64::from(value)
-        };
-        let heard: i64 = HEARD.into_iter().zip(heard_q8).map(|(kind, value)| product(kind, value)).sum();
-        i32::from(score_q8) + i32::try_from(heard >> 12).unwrap_or(0)
+        i32::from(score_q8) + self.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
     }
 
     /// Log-odds per unit of one kind of evidence, Q8.

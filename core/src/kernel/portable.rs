@@ -68,13 +68,13 @@ pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8;
     code
 }
 
-/// Rank of a pixel whose neighbours are not known, and half of the largest.
+/// Rank of a pixel whose neighbours are not known: half of the largest.
 pub const RANK_FLAT: u8 = 2;
 /// Rows of a window of ranks.
 pub const RANK_ROWS: usize = 4;
-/// Steps of a path: by one disparity, by more.
+/// P1 of a path: cost of a change by one disparity.
 pub const STEP_PENALTY: u8 = 3;
-/// See [`STEP_PENALTY`].
+/// P2 of a path: cost of a change by more.
 pub const JUMP_PENALTY: u8 = 10;
 
 /// Rank of the middle one of three rows, each two below the one before: how many of the four neighbours at distance 2 (left, right, above,

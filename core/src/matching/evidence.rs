@@ -89,7 +89,7 @@ impl Kind {
     ];
 }
 
-/// What others say, known when all segments are matched.
+/// Evidence by support points, known when all segments are matched.
 pub(crate) const HEARD: [Kind; 2] = [Kind::SupportAgreeing, Kind::SupportConflicting];
 
 /// Number of entries.

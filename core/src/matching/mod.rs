@@ -132,7 +132,7 @@ pub struct Side {
     pub disparity_q6: [i16; 2],
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
     pub across_q10: i16,
-    /// What others say: [`Kind::SupportAgreeing`], [`Kind::SupportConflicting`].
+    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportConflicting`].
     pub heard_q8: [i16; 2],
     /// What the neighbours make of its word: 1 ..= 256.
     pub(crate) weight_q8: u16,
@@ -205,7 +205,7 @@ impl Workspace {
     }
 }
 
-/// What is the same for every segment of a frame; of one segment, with the disparities that it is sought at.
+/// Context of a frame's segments; narrowed to the disparities, px, that one segment is sought at.
 #[derive(Clone, Copy)]
 pub(crate) struct MatchContext<'a> {
     width: i32,

@@ -1,4 +1,4 @@
-//! What the support points around a segment say of its claims.
+//! Evidence for and against the claims of a segment by the support points around it.
 //!
 //! In: candidates, the grid of support points. Out: evidence of agreement and conflict for each side.
 //!
@@ -24,9 +24,9 @@ use crate::units::quotient;
 const REACH: i32 = 14;
 /// Middle of a side's window, from the edge, px.
 const WINDOW_MIDDLE: i32 = 4;
-/// What a sure point at hand weighs.
+/// Weight of a sure point at a quarter of the largest nearness.
 const FULL: i32 = 255 * REACH * REACH / 4;
-/// So much may contradict without saying anything: a fifth.
+/// Contradicting weight that says nothing: a fifth of [`FULL`].
 const LITTLE: i32 = FULL / 5;
 
 /// Sets what support points say of every claim.

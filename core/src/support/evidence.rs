@@ -12,12 +12,12 @@ use core::ops::Range;
 
 /// Disparities on both sides of the best that are not its rivals.
 const NEIGHBOURHOOD: usize = 2;
-/// How much better than the second-best a point has to be, log2: 4 %. With less, a pattern repeats or there is none.
+/// Least uniqueness of a point, log2(second-best / best) of the paths' sum, 1/256: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
 /// Disparities of neighbours that agree differ by at most this, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
-/// What is known about a support point, in the order of the model's coefficients.
+/// Kinds of evidence of a support point, in the order of the model's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum SupportKind {
@@ -46,7 +46,7 @@ pub enum SupportKind {
 }
 
 impl SupportKind {
-    /// What each entry says, in the model's order.
+    /// Meaning and unit of each entry, in the model's order.
     pub const NAMES: [&'static str; SUPPORT_EVIDENCE] = [
         "log2 of the paths' sum: best / second-best",
         "log2 of the window's cost: at the disparity / best elsewhere",
@@ -161,7 +161,7 @@ impl Found {
     }
 }
 
-/// What others say, known when everything is matched.
+/// Evidence by neighbours and segments, known when everything is matched.
 const HEARD: [SupportKind; 4] =
     [SupportKind::Agreeing, SupportKind::Conflicting, SupportKind::SegmentsAgreeing, SupportKind::SegmentsConflicting];
 
@@ -174,17 +174,12 @@ impl SupportEvidence {
     }
 }
 
-/// What a model makes of it, log-odds.
+/// Log-odds of that evidence by a model, Q8.
 pub(super) fn heard_score_q8(heard_q8: [i16; 4], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
-    let product = |(kind, value): (SupportKind, i16)| {
-        let coefficient = model.coefficients_q12.get(kind as usize).copied().unwrap_or(0);
-        i64::from(coefficient) * i64::from(value)
-    };
-    let sum: i64 = HEARD.into_iter().zip(heard_q8).map(product).sum();
-    i32::try_from(sum >> 12).unwrap_or(0)
+    model.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
 }
 
-/// What the eight points around the one at this place, in rows of so many columns, and segments say of it.
+/// Evidence by the eight points around the one at `place`, in rows of `columns` points, and by segments, Q8.
 pub(super) fn heard(points: &[SupportPoint], columns: usize, place: usize) -> [i16; 4] {
     let Some(own) = points.get(place).filter(|point| point.is_matched()) else { return [0; 4] };
     let (mut agreeing, mut conflicting) = (0_u32, 0_u32);

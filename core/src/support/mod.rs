@@ -4,14 +4,14 @@
 //!
 //! ```text
 //! ranks:   of every second row: how many of four neighbours at distance 2 are darker                            (ranks)
-//! costs:   half the sum of |rank - rank| over 8 columns of every second of 9 rows, at each disparity
+//! costs:   half the sum of |rank - rank| over 8 columns of every second of 7 rows, at each disparity
 //! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
 //! answer:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
-//! belief:  with what the eight neighbours say: probability
+//! belief:  with what the eight neighbours and segments say: probability
 //! ```
 //!
 //! # Bounds
-//! Ranks are 0 ..= 4: a cost is at most 40 * 4 / 2 = 80, a path 80 + P2 = 92: bytes; the sum of three saturates at 255.
+//! Ranks are 0 ..= 4: a cost is at most 32 * 4 / 2 = 64, a path 64 + P2 = 74: bytes; the sum of three saturates at 255.
 //!
 //! # Cost
 //! Linear in the points and in the disparities. Nothing of the volume is kept but three rows of points.
@@ -44,7 +44,7 @@ use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
 /// Cost where the window leaves the usable part of the right image: half of the largest.
 const OUTSIDE: u8 = 32;
-/// How much better than its second-best a point has to be for a segment to go by it, log2.
+/// Least [`SupportPoint::sure_q8`] for a segment to go by a point, 1/256 of log2.
 const SURE_Q8: u8 = 32;
 /// Distance from a segment up to which it goes by points, px.
 const NAMED_REACH: i32 = 12;
@@ -60,7 +60,7 @@ pub struct SupportPoint {
     pub(crate) score_q8: i16,
     /// Probability of being within 1 px, with what its neighbours say.
     pub(crate) probability_q16: u16,
-    /// How much better than elsewhere it is by the paths and by its own window, the smaller, 0 (no better) to 255: what it counts for others.
+    /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, 1/256, 0 ..= 255: its weight for others.
     pub(crate) sure_q8: u8,
     /// Claims of segments around it that agree and that contradict, 255 at most.
     pub(crate) heard: [u8; 2],
@@ -90,7 +90,7 @@ impl SupportPoint {
     }
 }
 
-/// What a grid is matched with.
+/// A pair and the grid of points that is matched in it.
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) grid: Grid,
@@ -151,7 +151,7 @@ impl Matching<'_> {
                 });
                 paths.reach_from_left_and_above(column);
             }
-            paths.turn();
+            paths.start_row();
             for column in (first..end).rev() {
                 paths.reach_from_right(column);
                 let place = usize::from(row) * self.grid.columns + column;

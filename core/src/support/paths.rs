@@ -35,7 +35,7 @@ pub(super) struct Paths<'m> {
     above_lowest: [u8; MAX_COLUMNS],
 }
 
-/// What a point is judged by.
+/// Costs of a point along the disparities.
 pub(super) struct Answer<'p> {
     /// The window's own cost.
     pub(super) costs: &'p [u8],
@@ -66,15 +66,10 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// The next point is the first one of its row from the left.
+    /// The next point is the first one of its row, from the left or from the right.
     pub(super) fn start_row(&mut self) {
         self.along.fill(0);
         self.along_lowest = 0;
-    }
-
-    /// The next point is the first one of its row from the right.
-    pub(super) fn turn(&mut self) {
-        self.start_row();
     }
 
     fn place(&self, column: usize) -> core::ops::Range<usize> {
@@ -108,7 +103,7 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// What the point is judged by, when all three paths have reached it.
+    /// Costs of the point at `column`, when all three paths have reached it.
     pub(super) fn answer(&self, column: usize) -> Answer<'_> {
         let costs = self.costs.get(self.place(column)).unwrap_or(&[]);
         let sums = self.sums.get(self.place(column)).unwrap_or(&[]);

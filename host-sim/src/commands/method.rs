@@ -25,7 +25,7 @@ pub(super) struct MethodArgs {
     /// Least extent of a segment [default: 6].
     #[arg(long, value_name = "PX")]
     min_extent: Option<u16>,
-    /// What pairs are matched by [default: both].
+    /// Parts of the method that match a pair [default: both].
     #[arg(long, value_name = "PARTS", value_enum)]
     parts: Option<PartsArg>,
 }

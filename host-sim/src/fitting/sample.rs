@@ -44,7 +44,7 @@ impl Sample {
 /// All samples of one pair.
 #[derive(Clone, Debug)]
 pub struct SceneSamples {
-    /// What it shows: samples of the same scene are never scored by a model that has seen one of them.
+    /// Name of the scene: samples of the same one are never scored by a model that has seen one of them.
     pub(super) scene: String,
     samples: Vec<Sample>,
 }

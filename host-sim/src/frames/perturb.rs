@@ -33,7 +33,7 @@ impl Perturbation {
     /// Nothing is done.
     pub const NONE: Self = Self { blur: 0.0, row_offset: 0.0, gain: 1.0, bias: 0.0, noise: 0.0, seed: 1, swap: false };
 
-    /// What models are fitted on and scored under, the unspoilt pair first.
+    /// Damages that models are fitted on and scored under, by name; the unspoilt pair first.
     pub const DAMAGES: [(&str, Self); 7] = [
         ("clean", Self::NONE),
         ("noise 2", Self { noise: 2.0, ..Self::NONE }),

@@ -1,4 +1,4 @@
-//! What support points are matched with: ranks, costs of windows of ranks, paths.
+//! Kernels of support points: ranks, costs of windows of ranks, paths.
 //!
 //! In: rows of pixels or ranks, curves of bytes over disparity. Out: ranks, costs, path costs and their sums, four bytes a word.
 //!

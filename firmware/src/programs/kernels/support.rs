@@ -1,4 +1,4 @@
-//! What support points are matched with.
+//! Kernels of support points.
 
 use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, place};
 use super::{Compared, Kernels};
