@@ -20,16 +20,14 @@ pub enum Step<'a> {
     LinesRight(&'a [Segment]),
     /// The row offset of the pair (1/32 px) and the prominent ones of the left segments.
     Selection(i32, &'a [Segment]),
-    /// A support point, by its place in the grid, and its evidence, neighbours left out.
-    SupportPoint(usize, &'a SupportEvidence),
-    /// All support points.
+    /// All support points, by their own evidence.
     Support(&'a [SupportPoint]),
     /// Gradients and census of the rows that the next segment needs.
     Rows,
     /// One segment matched, with the evidence of its sides as far as it is known by now, or the test that it failed.
     Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
-    /// All candidates, with what they say of each other.
-    Consistency(&'a [Candidate]),
+    /// All candidates and all support points, with what they say of each other.
+    Consistency(&'a [Candidate], &'a [SupportPoint]),
     /// The lists.
     Report(&'a [Match], &'a [PointClaim]),
     /// The health of the pair. A run knows nothing of it: whoever runs the monitor beside it tells its observer.
@@ -99,10 +97,10 @@ impl Step<'_> {
             Self::LinesLeft(_) => Stage::LinesLeft,
             Self::LinesRight(_) => Stage::LinesRight,
             Self::Selection(..) => Stage::Selection,
-            Self::SupportPoint(..) | Self::Support(_) => Stage::Support,
+            Self::Support(_) => Stage::Support,
             Self::Rows => Stage::Rows,
             Self::Segment(_) => Stage::Matching,
-            Self::Consistency(_) => Stage::Consistency,
+            Self::Consistency(..) => Stage::Consistency,
             Self::Report(..) => Stage::Report,
             Self::Health(_) => Stage::Health,
         }
@@ -113,6 +111,10 @@ impl Step<'_> {
 pub trait Observer {
     /// A step has just ended.
     fn ended(&mut self, step: Step<'_>);
+
+    /// A support point was matched: its place in the grid and its evidence, neighbours left out.
+    #[inline]
+    fn support_point(&mut self, _place: usize, _evidence: &SupportEvidence) {}
 }
 
 /// Watches nothing.
@@ -156,23 +158,29 @@ impl Observer for StageDigests {
                 each(segments, &mut hash);
             }
             Step::Rows => {}
-            Step::SupportPoint(place, evidence) => {
-                hash.write_usize(place);
-                evidence.hash(&mut hash);
-            }
             Step::Support(points) => each(points, &mut hash),
             Step::Segment(Ok((candidate, evidence))) => {
                 candidate.hash(&mut hash);
                 each(evidence, &mut hash);
             }
             Step::Segment(Err(reason)) => hash.write_u8(reason as u8),
-            Step::Consistency(candidates) => each(candidates, &mut hash),
+            Step::Consistency(candidates, points) => {
+                each(candidates, &mut hash);
+                each(points, &mut hash);
+            }
             Step::Report(matches, points) => {
                 each(matches, &mut hash);
                 each(points, &mut hash);
             }
             Step::Health(health) => health.hash(&mut hash),
         }
+        *slot = hash.0;
+    }
+
+    fn support_point(&mut self, _: usize, evidence: &SupportEvidence) {
+        let Some(slot) = self.0.get_mut(Stage::Support as usize) else { return };
+        let mut hash = Fnv(*slot);
+        evidence.hash(&mut hash);
         *slot = hash.0;
     }
 }

@@ -14,7 +14,7 @@ use crate::params::{ParamError, Params, Parts};
 use crate::query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, Query};
 use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim, Rejection};
-use crate::support::evidence::SUPPORT_EVIDENCE;
+use crate::support::evidence::{SUPPORT_EVIDENCE, TYPICAL_DETAIL_Q8};
 use crate::support::{self, FITTED_SUPPORT, Grid, Support, SupportPoint, most_support_points};
 use core::fmt;
 use heapless::Vec;
@@ -64,7 +64,7 @@ pub struct Scratch<
     marks: [u32; MARKS],
     chain: [u16; lines::MAX_POSITIONS],
     strengths: [u8; lines::MAX_POSITIONS],
-    rows: [[[u8; ROW]; BAND_ROWS]; PLANES],
+    rows: Words<[[[u8; ROW]; BAND_ROWS]; PLANES]>,
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
     candidates: Vec<Candidate, CANDIDATES>,
@@ -74,7 +74,14 @@ pub struct Scratch<
     work: Workspace,
     /// Row of the right image that matched row 0 of the left one in the last run.
     row_offset: i32,
+    /// Detail of the left image in the last run, [`SupportKind::Detail`](crate::SupportKind::Detail).
+    detail_q8: i16,
 }
+
+/// Bytes that begin at a whole word, which kernels load several of at a time.
+#[derive(Debug)]
+#[repr(align(4))]
+struct Words<T>(T);
 
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
     Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
@@ -90,7 +97,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             marks: [0; MARKS],
             chain: [0; lines::MAX_POSITIONS],
             strengths: [0; lines::MAX_POSITIONS],
-            rows: [[[0; ROW]; BAND_ROWS]; PLANES],
+            rows: Words([[[0; ROW]; BAND_ROWS]; PLANES]),
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),
@@ -99,6 +106,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             support: Vec::new(),
             work: Workspace::EMPTY,
             row_offset: 0,
+            detail_q8: 0, // as all of it: what is not zero would lie in flash
         }
     }
 
@@ -178,6 +186,7 @@ struct Memory<'a> {
     support: &'a mut VecView<SupportPoint>,
     work: &'a mut Workspace,
     row_offset: &'a mut i32,
+    detail_q8: &'a mut i16,
 }
 
 /// The output without its capacities.
@@ -283,7 +292,7 @@ impl Plan {
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
             chain: &mut scratch.chain,
             strengths: &mut scratch.strengths,
-            rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
+            rows: scratch.rows.0.as_flattened_mut().as_flattened_mut(),
             left: &mut scratch.left,
             right: &mut scratch.right,
             candidates: &mut scratch.candidates,
@@ -292,6 +301,7 @@ impl Plan {
             support: &mut scratch.support,
             work: &mut scratch.work,
             row_offset: &mut scratch.row_offset,
+            detail_q8: &mut scratch.detail_q8,
         };
         let lists = Lists {
             matches: &mut out.matches,
@@ -320,7 +330,7 @@ impl Plan {
             candidates: &mut scratch.candidates,
             places: &scratch.places,
             order: &mut scratch.order,
-            support: Support::new(&self.params, self.dims, &scratch.support),
+            support: Support::new(&self.params, self.dims, &scratch.support, scratch.detail_q8),
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
         };
         report.claim_points(|point| {
@@ -343,7 +353,7 @@ impl Plan {
     ) {
         let mut witnessed = Witnessed {
             candidates: &scratch.candidates,
-            support: Support::new(&self.params, self.dims, &scratch.support),
+            support: Support::new(&self.params, self.dims, &scratch.support, scratch.detail_q8),
             models: self.models,
             dims: self.dims,
             rig: self.params.rig,
@@ -400,7 +410,7 @@ impl Plan {
             dims: self.dims,
             candidates: &scratch.candidates,
             row_offset: scratch.row_offset,
-            rows: scratch.rows.as_flattened_mut().as_flattened_mut(),
+            rows: scratch.rows.0.as_flattened_mut().as_flattened_mut(),
             work: &mut scratch.work,
         }
     }
@@ -411,7 +421,7 @@ impl Plan {
         &self,
         scratch: &'s Scratch<R, M, S, C, N>,
     ) -> Support<'s> {
-        Support::new(&self.params, self.dims, &scratch.support)
+        Support::new(&self.params, self.dims, &scratch.support, scratch.detail_q8)
     }
 
     /// Says whether this scratch memory is large enough for the planned size.
@@ -457,6 +467,7 @@ impl Plan {
         m.support.clear();
         m.candidates.clear();
         let mut m = m;
+        *m.detail_q8 = TYPICAL_DETAIL_Q8;
         let row_offset_q5 = if self.params.parts == Parts::Support {
             focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
         } else {
@@ -471,8 +482,8 @@ impl Plan {
             self.match_segments([left, right], &sought, &mut m, out.counts, observer);
         }
 
-        support::believe(m.support, Grid::new(&self.params, self.dims), self.support_model);
-        observer.ended(Step::Support(m.support));
+        support::believe(m.support, Grid::new(&self.params, self.dims), *m.detail_q8, self.support_model);
+        observer.ended(Step::Consistency(m.candidates, m.support));
         let report = Report {
             params: &self.params,
             models: self.models,
@@ -480,7 +491,7 @@ impl Plan {
             candidates: m.candidates,
             places: m.places,
             order: m.order,
-            support: Support::new(&self.params, self.dims, m.support),
+            support: Support::new(&self.params, self.dims, m.support, *m.detail_q8),
             marks: m.marks,
         };
         report.run(out.matches, out.points, out.counts);
@@ -540,9 +551,10 @@ impl Plan {
     fn match_support(&self, images: [Gray<'_>; 2], sought: &Sought, m: &mut Memory<'_>, observer: &mut impl Observer) {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset: *m.row_offset, model: self.support_model };
-        matching.run(sought.areas(), m.rows, m.support, |place, evidence| {
-            observer.ended(Step::SupportPoint(place, evidence));
+        *m.detail_q8 = matching.run(sought.areas(), m.rows, m.support, |place, evidence| {
+            observer.support_point(place, evidence);
         });
+        observer.ended(Step::Support(m.support));
     }
 
     /// Three matchings of each left segment, aggregation, ownership; then what the claims and the support points say of each other.
@@ -554,7 +566,7 @@ impl Plan {
         counts: &mut Counts,
         observer: &mut impl Observer,
     ) {
-        let support = Support::new(&self.params, self.dims, m.support);
+        let support = Support::new(&self.params, self.dims, m.support, *m.detail_q8);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
         let reached = sought.reached(m.left, self.disparities());
         let Some(mut band) = Band::new(images, *m.row_offset, reached.as_deref(), m.rows) else { return };
@@ -574,9 +586,8 @@ impl Plan {
                 }
             }
         }
-        consistency::place(m.candidates, m.places);
+        consistency::weigh_neighbours(m.candidates, m.places);
         surroundings::ask(m.candidates, Grid::new(&self.params, self.dims), m.support);
-        observer.ended(Step::Consistency(m.candidates));
     }
 
     /// First disparity, and the one after the last, px.

@@ -98,7 +98,7 @@ impl<const N: usize> Model<N> {
 
 impl Model {
     /// The log-odds with the evidence by support points added, Q8.
-    pub(crate) fn with_heard_q8(&self, score_q8: i16, heard_q8: [i16; 2]) -> i32 {
+    pub(crate) fn with_heard_q8(&self, score_q8: i16, heard_q8: [i16; 4]) -> i32 {
         i32::from(score_q8) + self.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
     }
 

@@ -95,68 +95,59 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
-/// Half the sum of absolute differences between a window of ranks and the rows in which it is sought: entry i meets `rows[k][i..i + 8]`.
-/// Entries that a row is too short for stay.
-pub fn rank_costs(window: &[[u8; STRIP]; RANK_ROWS], rows: &[&[u8]; RANK_ROWS], costs: &mut [u8]) {
-    let long = rows.iter().map(|row| (row.len() + 1).saturating_sub(STRIP)).min().unwrap_or(0);
-    let Some(costs) = costs.get_mut(..long.min(costs.len())) else { return };
-    let start = 0;
-    for (block, costs) in costs.chunks_mut(LANES).enumerate() {
-        let start = start + block * LANES;
-        let mut sums = [0_u8; LANES];
-        for (window, row) in window.iter().zip(rows) {
-            let mut others = [0; LANES + STRIP - 1];
-            let there = row.get(start..).unwrap_or(&[]);
-            if let Some(whole) = there.first_chunk::<{ LANES + STRIP - 1 }>() {
-                others = *whole;
-            } else {
-                others.iter_mut().zip(there).for_each(|(other, &there)| *other = there);
-            }
-            for (&ours, others) in window.iter().zip(others.windows(LANES)) {
-                for (sum, &other) in sums.iter_mut().zip(others) {
-                    *sum = sum.wrapping_add(ours.max(other) - ours.min(other));
-                }
-            }
-        }
-        for (cost, sum) in costs.iter_mut().zip(sums) {
-            *cost = sum >> 1;
-        }
+/// Ranks of [`RANK_ROWS`] rows at one column.
+pub type RankColumn = [u8; RANK_ROWS];
+
+/// Cost of a window of ranks along the columns among which it is sought: entry i is half the sum of absolute differences to `columns[i..i + 8]`,
+/// whose lower eight bits count, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
+pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
+        let ranks = window.as_flattened().iter().zip(columns.as_flattened());
+        let sum = ranks.fold(0_u8, |sum, (&ours, &theirs)| sum.wrapping_add(ours.abs_diff(theirs)));
+        *cost = ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8;
     }
 }
 
-/// Takes a path of semi-global matching one point on, in place: `path[d]` becomes `costs[d] + min(path[d], path[d - 1] + P1, path[d + 1] + P1,
-/// lowest + P2) - lowest`, saturating, where `lowest` is the lowest of `path`, and becomes `sums[d]` (`first`) or is added to it, saturating; as
-/// far as the shortest of the three goes. Gives the lowest of the new ones. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
-pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8], sums: &mut [u8], first: bool) -> u8 {
-    let jump = lowest.saturating_add(JUMP_PENALTY);
-    let length = path.len().min(costs.len()).min(sums.len());
-    let (Some(path), Some(sums)) = (path.get_mut(..length), sums.get_mut(..length)) else { return u8::MAX };
-    if first {
-        sums.fill(0);
-    }
+/// Takes a path of semi-global matching one point on, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
+/// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; as far as the shorter of both goes. Costs contain P2. Gives
+/// the lowest of the new ones. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
+///
+/// Worked out as `costs[d] - max(gain[d], gain[d - 1] - P1, gain[d + 1] - P1)` with `gain = lowest + P2 - path`, none of them below 0.
+pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
+    let reach = lowest.saturating_add(JUMP_PENALTY);
+    let length = path.len().min(costs.len());
+    let Some(path) = path.get_mut(..length) else { return u8::MAX };
     let mut lows = [u8::MAX; LANES];
     // The last entry of the block before, as it was.
     let mut before = u8::MAX;
-    for ((start, costs), sums) in (0..).step_by(LANES).zip(costs.chunks(LANES)).zip(sums.chunks_mut(LANES)) {
+    for (start, costs) in (0..).step_by(LANES).zip(costs.chunks(LANES)) {
         let Some(rest) = path.get_mut(start..) else { break };
         let mut padded = [u8::MAX; LANES + 2];
         padded.iter_mut().skip(1).zip(&*rest).for_each(|(padded, &cost)| *padded = cost);
         padded[0] = before;
         before = padded[LANES];
-        let (left, same, right) = (lanes(&padded, 0), lanes(&padded, 1), lanes(&padded, 2));
-        let mut new = [0; LANES];
-        for ((new, &same), (&left, &right)) in new.iter_mut().zip(&same).zip(left.iter().zip(&right)) {
-            let step = left.min(right).saturating_add(STEP_PENALTY);
-            *new = step.min(same).min(jump).wrapping_sub(lowest);
+        let gains = padded.map(|path| reach.saturating_sub(path));
+        let (left, same, right) = (lanes(&gains, 0), lanes(&gains, 1), lanes(&gains, 2));
+        let mut most = [0; LANES];
+        for ((most, &same), (&left, &right)) in most.iter_mut().zip(&same).zip(left.iter().zip(&right)) {
+            *most = left.max(right).saturating_sub(STEP_PENALTY).max(same);
         }
-        let block = rest.iter_mut().zip(new).zip(costs).zip(sums).zip(&mut lows);
-        for ((((path, new), &cost), sum), low) in block {
-            *path = new.saturating_add(cost);
-            *sum = sum.saturating_add(*path);
+        for (((path, most), &cost), low) in rest.iter_mut().zip(most).zip(costs).zip(&mut lows) {
+            *path = cost.wrapping_sub(most);
             *low = (*low).min(*path);
         }
     }
     lowest_byte(&lows)
+}
+
+/// Adds two curves to a third, saturating, as far as the shortest goes; gives the lowest sum.
+pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
+    let mut lowest = u8::MAX;
+    for (sum, (&a, &b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+        *sum = sum.saturating_add(a).saturating_add(b);
+        lowest = lowest.min(*sum);
+    }
+    lowest
 }
 
 /// Sixteen neighbouring bytes.
@@ -169,6 +160,12 @@ fn lanes(bytes: &[u8; LANES + 2], first: usize) -> [u8; LANES] {
 #[must_use]
 pub fn lowest_byte(costs: &[u8]) -> u8 {
     costs.iter().fold(u8::MAX, |lowest, &cost| lowest.min(cost))
+}
+
+/// Index of the first byte that is not above `bound`.
+#[must_use]
+pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
+    costs.iter().position(|&cost| cost <= bound)
 }
 
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every

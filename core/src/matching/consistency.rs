@@ -1,13 +1,30 @@
-//! Which claims contradict each other: at most one of two that want the same place in the right image is right.
+//! Agreement and contradiction among the claims of segments.
 //!
-//! In: every claim's place and disparity. Out: the pairs that want the same place with different disparities.
+//! In: every claim's place and disparity. Out: evidence of agreement for each; the pairs that want the same place in the right image with
+//! different disparities, of which at most one is right.
+//!
+//! ```text
+//! agreement = log2(1 + sum of weight * nearness over the neighbours that agree)
+//! ```
+//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much. It counts
+//! most for what is too thin for support points: both edges of a pole, piece by piece.
+//!
+//! # Bounds
+//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at hand.
 //!
 //! # Cost
-//! Quadratic in the claims of some 20 rows.
+//! Quadratic in the claims of [`TOPS_REACH`] rows.
 
-use super::{Candidate, Side, narrow};
+use super::evidence::log2_mean_q8;
+use super::{Candidate, Side, about_length, narrow};
 use crate::lines::MAX_ROWS;
 
+/// Distance at which a neighbour counts nothing, px.
+const REACH: i32 = 40;
+/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one on top.
+const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
+/// Agreement of a neighbour at hand with full weight.
+const FULL: i32 = (256 * REACH) >> 5;
 /// Distance of a claim's centre from its edge, px.
 const OFF_EDGE: i32 = 4;
 /// Largest difference of rows and of right columns at which two claims explain the same place, px.
@@ -33,7 +50,8 @@ pub(crate) struct Claim {
     pub(crate) d_q6: i16,
     /// 0 = no claim.
     pub(crate) weight_q8: u16,
-    /// Weight when a surface is sought: that of an object's claim falls to the border of a box.
+    /// Sum of weight times nearness of the neighbours that agree, in 1/320 of one at hand with full weight; when a surface is sought, its weight,
+    /// which falls to the border of a box.
     pub(crate) agreeing: u16,
 }
 
@@ -59,6 +77,23 @@ impl Place {
         Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, claims }
     }
 
+    /// Lets the claims of two segments speak of each other.
+    fn weigh(&mut self, other: &mut Self) {
+        let dx = i32::from(other.x - self.x);
+        if dx.abs() >= REACH {
+            return;
+        }
+        let distance = about_length(dx, i32::from(other.y - self.y));
+        if distance >= REACH {
+            return;
+        }
+        for own in &mut self.claims {
+            for theirs in &mut other.claims {
+                own.weigh(theirs, distance);
+            }
+        }
+    }
+
     /// Column in the right image that one side's claim wants, 1/64 px.
     fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
         let off = if self.near_horizontal {
@@ -78,12 +113,45 @@ impl Claim {
     fn new(side: &Side) -> Self {
         Self { d_q6: narrow(side.sum_q6() >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
     }
+
+    fn weigh(&mut self, other: &mut Self, distance: i32) {
+        // 0.06 px per px is 4/64.
+        if self.weight_q8 == 0
+            || other.weight_q8 == 0
+            || (i32::from(other.d_q6) - i32::from(self.d_q6)).abs() > 64 + 4 * distance
+        {
+            return;
+        }
+        let nearness = (REACH - distance) as u32; // of REACH
+        let word = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
+        self.agreeing = self.agreeing.saturating_add(word(other.weight_q8));
+        other.agreeing = other.agreeing.saturating_add(word(self.weight_q8));
+    }
 }
 
-/// Fills `places`, one per candidate.
-pub(crate) fn place(candidates: &[Candidate], places: &mut [Place]) {
+/// Fills `places`, one per candidate (candidates in the order of their tops), and sets every side's agreement with other segments.
+pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place]) {
     for (candidate, place) in candidates.iter().zip(places.iter_mut()) {
         *place = Place::new(candidate);
+    }
+    let places = places.get_mut(..candidates.len()).unwrap_or(&mut []);
+    for i in 0..places.len() {
+        let Some((place, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+        for neighbour in after {
+            if i32::from(neighbour.top - place.top) > TOPS_REACH {
+                break;
+            }
+            place.weigh(neighbour);
+        }
+    }
+    for (candidate, place) in candidates.iter_mut().zip(places.iter_mut()) {
+        for (side, claim) in candidate.sides.iter_mut().zip(&mut place.claims) {
+            if let Some(side) = side {
+                let [.., segments] = &mut side.heard_q8;
+                *segments = narrow(log2_mean_q8(claim.agreeing.into(), FULL));
+            }
+            claim.agreeing = 0;
+        }
     }
 }
 

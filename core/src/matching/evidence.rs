@@ -46,10 +46,16 @@ pub enum Kind {
     Range,
     /// log2(1 + grey step).
     Contrast,
+    /// [`SupportKind::Detail`](crate::SupportKind::Detail) of the left image.
+    Detail,
     /// log2(1 + support points nearby that agree).
     SupportAgreeing,
-    /// Share of those that contradict.
-    SupportConflicting,
+    /// Share of those that are farther: the claim may be of something thin before a surface.
+    SupportFarther,
+    /// Share of those that are nearer.
+    SupportNearer,
+    /// log2(1 + segments nearby that agree).
+    SegmentsAgreeing,
     /// The edge itself: cost at the disparity / best elsewhere.
     EdgeRatio,
     /// Distance of the pixel from the edge, px.
@@ -81,8 +87,11 @@ impl Kind {
         "slope against its direction, px per px",
         "log2(1 + disparities compared)",
         "log2(1 + grey step)",
+        "log2(1 + ranks that change along a window of the image, on average)",
         "log2(1 + support points nearby that agree)",
-        "share of those that contradict",
+        "share of those that are farther",
+        "share of those that are nearer",
+        "log2(1 + segments nearby that agree)",
         "the edge itself: cost at the disparity / best elsewhere",
         "distance of the pixel from the edge, px",
         "1 for the pixels next to an edge whose two sides are not known to be one surface",
@@ -90,7 +99,8 @@ impl Kind {
 }
 
 /// Evidence by support points, known when all segments are matched.
-pub(crate) const HEARD: [Kind; 2] = [Kind::SupportAgreeing, Kind::SupportConflicting];
+pub(crate) const HEARD: [Kind; 4] =
+    [Kind::SupportAgreeing, Kind::SupportFarther, Kind::SupportNearer, Kind::SegmentsAgreeing];
 
 /// Number of entries.
 pub const EVIDENCE: usize = Kind::NextToEdge as usize + 1;
@@ -112,7 +122,7 @@ impl Evidence {
 
     /// The same evidence with what others say.
     #[must_use]
-    pub fn with_heard(mut self, heard_q8: [i16; 2]) -> Self {
+    pub fn with_heard(mut self, heard_q8: [i16; 4]) -> Self {
         for (kind, value) in HEARD.into_iter().zip(heard_q8) {
             self.set(kind, value.into());
         }
@@ -131,6 +141,7 @@ impl Evidence {
 }
 
 /// `log2(1 + sum / count)` in Q8, by the leading bit and a straight line between powers of two (error below 0.09).
+#[inline]
 pub(crate) fn log2_mean_q8(sum: u32, count: i32) -> i32 {
     let mean_q4 = u32::try_from(count).ok().and_then(|count| (sum << 4).checked_div(count)).unwrap_or(0);
     let x_q4 = mean_q4 + 16;

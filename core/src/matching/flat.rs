@@ -98,6 +98,7 @@ pub(crate) fn match_flat(
     shared.set(Kind::Length, log2_mean_q8(count.unsigned_abs(), 1));
     shared.set(Kind::Lean, line.slope_q12.abs() >> 4);
     shared.set(Kind::Range, log2_mean_q8(range.1.unsigned_abs(), 1));
+    shared.set(Kind::Detail, context.detail_q8());
     shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
 
     let [above_rows, below_rows] = side_rows(&line);

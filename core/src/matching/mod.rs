@@ -132,8 +132,8 @@ pub struct Side {
     pub disparity_q6: [i16; 2],
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
     pub across_q10: i16,
-    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportConflicting`].
-    pub heard_q8: [i16; 2],
+    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportFarther`], [`Kind::SupportNearer`]; and by other segments, [`Kind::SegmentsAgreeing`].
+    pub heard_q8: [i16; 4],
     /// What the neighbours make of its word: 1 ..= 256.
     pub(crate) weight_q8: u16,
     /// Log-odds of the side and of the edge, neighbours left out.
@@ -152,7 +152,7 @@ impl Side {
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
-            heard_q8: [0; 2],
+            heard_q8: [0; 4],
             weight_q8: weight.clamp(1, 256) as u16,
             score_q8: narrow(model.score_q8(&evidence.0)),
             edge_score_q8: narrow(edge_model.score_q8(&evidence.0)),
@@ -238,6 +238,11 @@ impl<'a> MatchContext<'a> {
         let (low, high) = (low - more / 2, high + more - more / 2);
         let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
         (end - first >= MIN_RANGE).then_some(Self { min_disparity: first, max_disparity: end, ..*self })
+    }
+
+    /// Detail of the left image, Q8.
+    pub(crate) fn detail_q8(&self) -> i32 {
+        self.support.detail_q8.into()
     }
 
     /// First disparity and number of disparities that a left window at this column can have: the match lies at usable columns

@@ -31,7 +31,7 @@ use heapless::Vec;
 
 /// Most rows of the band that a half's window and a census column look at: neighbouring rows say nearly the same
 /// (leave one out: no change in any score against twice as many).
-const HALF_ROWS: i32 = 3;
+const HALF_ROWS: i32 = 2;
 const CENSUS_ROWS: i32 = 4;
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
@@ -118,6 +118,7 @@ pub(crate) fn match_steep(
     shared.set(Kind::FeatureGap, feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2));
     shared.set(Kind::Lean, extent.line.slope_q12().abs() >> 4);
     shared.set(Kind::Range, log2_mean_q8(windows.range(), 1));
+    shared.set(Kind::Detail, context.detail_q8());
     shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
     shared.set(Kind::EdgeRatio, windows.edge_ratio_q8(window.best.at));
 

@@ -5,12 +5,12 @@
 //! ```text
 //! weight    = how sure the point is * nearness to the middle of the side's window
 //! agreeing  = log2(1 + sum of the weights of those that agree)
-//! conflict  = conflicting / (agreeing + conflicting + 0.2)
+//! farther   = those that are farther / (all + 0.2), nearer the same: a claim before a surface may be of something thin, one behind it is not
 //! ```
 //! A point agrees when its disparity differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of distance.
 //!
 //! # Bounds
-//! Sureness is at most 255, nearness 20 * 20: a point weighs below 2^17; at most 6 * 9 points are asked.
+//! Sureness is at most 255, nearness 14 * 14: a point weighs below 2^14; at most 3 * 9 points are asked.
 //!
 //! # Cost
 //! Some 25 instructions a point, 15 points a side.
@@ -38,70 +38,68 @@ pub(crate) fn ask(candidates: &mut [Candidate], grid: Grid, points: &mut [Suppor
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let ([x0, x1], [y0, y1]) = ([x0, x1].map(|q5| q5 >> 5), [y0, y1].map(|q5| q5 >> 5));
         let flat = candidate.segment.near_horizontal;
+        let (along, across) = if flat { ([x0, x1], [y0, y1]) } else { ([y0, y1], [x0, x1]) };
         for (side, sign) in candidate.sides.iter_mut().zip([-1, 1]) {
             let Some(side) = side else { continue };
             let off = sign * WINDOW_MIDDLE;
-            let (dx, dy) = if flat { (0, off) } else { (off, 0) };
             let [d0, d1] = side.disparity_q6.map(i32::from);
-            let line = Line { sign, ends: [[x0 + dx, y0 + dy], [x1 + dx, y1 + dy]], disparity_q6: [d0, d1], flat };
-            let (agreeing, conflicting) = line.ask(grid, points, side.weight_q8.into());
-            let [said, against] = &mut side.heard_q8;
+            let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], flat };
+            let [agreeing, farther, nearer] = line.ask(grid, points, side.weight_q8.into());
+            let share = |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
+            let [said, behind, before, _] = &mut side.heard_q8;
             *said = narrow(log2_mean_q8(agreeing.unsigned_abs(), FULL));
-            *against = narrow(quotient(conflicting >> 2, (agreeing + conflicting + LITTLE) >> 10));
+            (*behind, *before) = (share(farther), share(nearer));
         }
     }
 }
 
-/// The middle line of a side's window, with its disparities.
+/// The middle line of a side's window, with its disparities; `along` and `across` are y and x, or x and y where it is near horizontal.
 struct Line {
-    ends: [[i32; 2]; 2],
+    along: [i32; 2],
+    across: [i32; 2],
     disparity_q6: [i32; 2],
     sign: i32,
     flat: bool,
 }
 
 impl Line {
-    /// Weights of the points that agree and of those that contradict.
-    fn ask(&self, grid: Grid, points: &mut [SupportPoint], side_weight_q8: i32) -> (i32, i32) {
-        let [[x0, y0], [x1, y1]] = self.ends;
-        let [d0, d1] = self.disparity_q6;
-        let (mut agreeing, mut conflicting) = (0, 0);
+    /// Weights of the points that agree, of those that are farther and of those that are nearer.
+    fn ask(&self, grid: Grid, points: &mut [SupportPoint], side_weight_q8: i32) -> [i32; 3] {
+        let [from, to] = self.along;
+        let [first, last] = [from.min(to), from.max(to)];
+        // Per px along the line: px and 1/64 px, in Q8.
+        let slope_q8 = |[a, b]: [i32; 2]| quotient((b - a) << 8, to - from);
+        let (across_q8, disparity_q8) = (slope_q8(self.across), slope_q8(self.disparity_q6));
         // On the other side of the edge another surface may begin.
-        let (before, after) = if self.sign < 0 { (REACH, WINDOW_MIDDLE) } else { (WINDOW_MIDDLE, REACH) };
-        let ((left, right), (up, down)) =
-            if self.flat { ((REACH, REACH), (before, after)) } else { ((before, after), (REACH, REACH)) };
-        let columns = grid.columns_within(x0.min(x1) - left, x0.max(x1) + right);
-        for row in grid.rows_within(y0.min(y1) - up, y0.max(y1) + down) {
-            for column in columns.clone() {
-                let (x, y) = (grid.x(column), Grid::y(row));
-                let place = row * grid.columns + column;
+        let (before, after) = if self.sign < 0 { (REACH - 1, WINDOW_MIDDLE) } else { (WINDOW_MIDDLE, REACH - 1) };
+        let rows_along = |from, to| if self.flat { grid.columns_within(from, to) } else { grid.rows_within(from, to) };
+        let rows_across = |from, to| if self.flat { grid.rows_within(from, to) } else { grid.columns_within(from, to) };
+        let pixel = |column: usize, is_column: bool| if is_column { grid.x(column) } else { Grid::y(column) };
+        let [mut agreeing, mut farther, mut nearer] = [0; 3];
+        for i in rows_along(first - REACH + 1, last + REACH - 1) {
+            // The foot of the points on the line, along the segment's direction.
+            let along = pixel(i, self.flat);
+            let foot = along.max(first).min(last);
+            let beyond = (along - foot).abs();
+            let edge = self.across[0] + ((across_q8 * (foot - from)) >> 8);
+            let disparity_q6 = self.disparity_q6[0] + ((disparity_q8 * (foot - from)) >> 8);
+            for k in rows_across(edge - before, edge + after) {
+                let place = if self.flat { k * grid.columns + i } else { i * grid.columns + k };
                 let Some(point) = points.get_mut(place).filter(|point| point.is_matched()) else { continue };
-                // The foot of the point on the line, along the segment's direction.
-                let (along, from, to) = if self.flat { (x, x0, x1) } else { (y, y0, y1) };
-                let foot = along.max(from.min(to)).min(from.max(to));
-                let part = |a: i32, b: i32| a + quotient((b - a) * (foot - from), to - from);
-                let (across, beyond) =
-                    if self.flat { (y - part(y0, y1), along - foot) } else { (x - part(x0, x1), along - foot) };
-                if across * self.sign < -WINDOW_MIDDLE {
-                    continue; // on the other side of the edge
-                }
-                let (across, beyond) = (across.abs(), beyond.abs());
-                if across >= REACH || beyond >= REACH {
-                    continue;
-                }
-                let weight = (i32::from(point.sure_q8) * (REACH - across) * (REACH - beyond)) >> 2;
-                let apart = (i32::from(point.disparity_q6) - part(d0, d1)).abs();
-                let word = (side_weight_q8 * (REACH - across) * (REACH - beyond)) >> 11;
+                let across = (pixel(k, !self.flat) - edge).abs();
+                let nearness = (REACH - across) * (REACH - beyond);
+                let apart = i32::from(point.disparity_q6) - disparity_q6;
                 let [for_it, against_it] = &mut point.heard;
-                let (sum, heard) = if apart <= 64 + 4 * (across + beyond) {
+                let (sum, heard) = if apart.abs() <= 64 + 4 * (across + beyond) {
                     (&mut agreeing, for_it)
                 } else {
-                    (&mut conflicting, against_it)
+                    (if apart < 0 { &mut farther } else { &mut nearer }, against_it)
                 };
-                *sum += weight;
-                *heard = heard.saturating_add(u8::try_from(word).unwrap_or(u8::MAX));
+                *sum += (i32::from(point.sure_q8) * nearness) >> 2;
+                let word = (side_weight_q8 * nearness) >> 11;
+                *heard = heard.saturating_add(word as u8); // at most 256 * 14 * 14 / 2^11
             }
         }
-        (agreeing, conflicting)
+        [agreeing, farther, nearer]
     }
 }

@@ -283,7 +283,7 @@ mod tests {
     fn ask(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
         let (mut places, mut order, mut marks) = ([Place::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
         let (places, order, marks) = (&mut places[..], &mut order, &mut marks[..]);
-        let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[]);
+        let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[], 0);
         Witnessed { candidates, support, models: &FITTED, dims: DIMS, rig: None, places, order, marks }.depth_of(region)
     }
 

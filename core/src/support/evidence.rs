@@ -5,15 +5,23 @@
 use super::SupportPoint;
 use super::paths::Answer;
 use crate::confidence::Model;
-use crate::kernel::lowest_byte;
+use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte};
 use crate::matching::curve::subpixel_q6;
 use crate::matching::evidence::log2_mean_q8;
+use crate::matching::narrow;
 use core::ops::Range;
 
 /// Disparities on both sides of the best that are not its rivals.
 const NEIGHBOURHOOD: usize = 2;
 /// Least uniqueness of a point, log2(second-best / best) of the paths' sum, 1/256: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
+/// [`SupportKind::Detail`] where nothing was looked at: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
+pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
+/// What models have seen of it: nobody knows what lies beyond.
+const LEAST_DETAIL_Q8: i16 = 900;
+const MOST_DETAIL_Q8: i16 = 1160;
+/// Least that the window is worse 1 px to either side for an equal place elsewhere to be a repetition, and not a blank wall.
+const LEAST_DEPTH: u8 = 2;
 /// Disparities of neighbours that agree differ by at most this, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
@@ -31,6 +39,8 @@ pub enum SupportKind {
     Range,
     /// log2(1 + how much worse the window is 1 px away).
     Curvature,
+    /// log2(1 + ranks of the left window that differ from the one a column on).
+    Changes,
     /// Square of `PathsRatio`.
     PathsRatioSquared,
     /// Square of `WindowRatio`.
@@ -43,6 +53,8 @@ pub enum SupportKind {
     SegmentsAgreeing,
     /// log2(1 + claims of segments nearby that contradict).
     SegmentsConflicting,
+    /// log2(1 + ranks that change in the mean window of the image): little in a blurred one, much in a noisy one.
+    Detail,
 }
 
 impl SupportKind {
@@ -53,17 +65,19 @@ impl SupportKind {
         "log2(1 + the window's cost)",
         "log2(1 + disparities compared)",
         "log2(1 + how much worse the window is 1 px away)",
+        "log2(1 + ranks that change along the window)",
         "square of the first",
         "square of the second",
         "log2(1 + neighbours that agree)",
         "log2(1 + neighbours that contradict)",
         "log2(1 + claims of segments nearby that agree)",
         "log2(1 + claims of segments nearby that contradict)",
+        "log2(1 + ranks that change along a window, on average)",
     ];
 }
 
 /// Number of entries.
-pub const SUPPORT_EVIDENCE: usize = SupportKind::SegmentsConflicting as usize + 1;
+pub const SUPPORT_EVIDENCE: usize = SupportKind::Detail as usize + 1;
 
 /// One number per [`SupportKind`], Q8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -85,88 +99,103 @@ pub(super) struct Found {
     pub(super) evidence: SupportEvidence,
 }
 
-/// The lowest of some costs, and where it stands.
-struct Lowest {
-    at: usize,
-    cost: u8,
-}
-
-/// The first lowest of some costs, whose number is a multiple of four.
-fn lowest(costs: &[u8]) -> Lowest {
-    let cost = lowest_byte(costs);
-    let (ones, tops) = (0x0101_0101_u32, 0x8080_8080);
-    let zeros = |word: u32| word.wrapping_sub(ones) & !word & tops;
-    for (word, at) in costs.as_chunks::<4>().0.iter().zip((0..).step_by(4)) {
-        // The lowest marked byte is zero, whatever is marked above it.
-        let equal = zeros(u32::from_le_bytes(*word) ^ ones.wrapping_mul(cost.into()));
-        if equal != 0 {
-            return Lowest { at: at + equal.trailing_zeros() as usize / 8, cost };
-        }
+/// The lowest cost outside of the neighbourhood of `at`, which is covered.
+fn second_best(costs: &mut [u8], at: usize) -> u8 {
+    let end = (at + NEIGHBOURHOOD + 1).min(costs.len());
+    if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
+        near.fill(u8::MAX);
     }
-    Lowest { at: 0, cost }
+    lowest_byte(costs)
 }
 
-/// The lowest cost in a range and outside of the neighbourhood of `at`.
-fn rival(costs: &[u8], range: &Range<usize>, at: usize) -> u8 {
-    let before = range.start..at.saturating_sub(NEIGHBOURHOOD).max(range.start);
-    let after = (at + NEIGHBOURHOOD + 1).min(range.end)..range.end;
-    let lowest = |range: Range<usize>| lowest_byte(costs.get(range).unwrap_or(&[]));
-    lowest(before).min(lowest(after))
+/// Ranks of a window that differ from the one a column on: 0 ..= 28.
+pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
+    let (most, ones) = (0x7f7f_7f7f_u32, 0x0101_0101);
+    let columns = window.map(u32::from_le_bytes);
+    let pairs = columns.iter().zip(columns.iter().skip(1));
+    let of_rows = pairs.fold(0, |sum: u32, (a, b)| sum + (((a ^ b) + most) >> 7 & ones));
+    (of_rows.wrapping_mul(ones) >> 24) as u8
+}
+
+/// Sum over the windows of an image.
+#[derive(Default)]
+pub(super) struct Detail {
+    changes: u32,
+    windows: i32,
+}
+
+impl Detail {
+    pub(super) fn add(&mut self, changes: u8) {
+        self.changes += u32::from(changes);
+        self.windows += 1;
+    }
+
+    /// [`SupportKind::Detail`].
+    pub(super) fn mean_q8(&self) -> i16 {
+        if self.windows == 0 {
+            return TYPICAL_DETAIL_Q8;
+        }
+        narrow(log2_mean_q8(self.changes, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
+    }
 }
 
 /// log2(1 + value), Q8.
-fn log2_q8(value: u32) -> i32 {
-    log2_mean_q8(value, 1)
+fn log2_q8(value: u8) -> i32 {
+    log2_mean_q8(value.into(), 1)
 }
 
 impl Found {
     /// Of the costs in this range of indices, where the window lies on usable pixels; `None` where the paths prefer a place outside
     /// of it, or no place.
-    pub(super) fn new(answer: &Answer<'_>, range: Range<usize>) -> Option<Self> {
-        let Answer { costs, sums } = *answer;
-        let best = lowest(sums);
-        if !range.contains(&best.at) {
-            return None;
-        }
-        let second = rival(sums, &(0..sums.len()), best.at);
-        let cost = |at: usize| if range.contains(&at) { costs.get(at).copied() } else { None };
-        let here = cost(best.at)?;
-        let elsewhere = rival(costs, &range, best.at);
-        let ratio_q8 = |best: u8, rival: u8| log2_q8(best.into()) - log2_q8(rival.into());
-        let paths_q8 = ratio_q8(best.cost, second);
+    pub(super) fn new(answer: Answer<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
+        let Answer { costs, sums, lowest } = answer;
+        let best = place_of_byte(sums, lowest)?;
+        let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
+        let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
             return None;
         }
-        let window_q8 = ratio_q8(here, elsewhere);
-        let sides =
-            [best.at.checked_sub(1).and_then(cost), cost(best.at + 1)].map(|side| u32::from(side.unwrap_or(here)));
-        let curvature = (sides[0] + sides[1]).saturating_sub(2 * u32::from(here));
-        let length = range.len() as i32;
+        let at = best.checked_sub(range.start)?;
+        let costs = costs.get_mut(range)?;
+        let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
+        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));
+        let [one, other] = [before, after].map(|side| u16::from(side.unwrap_or(here)));
+        let curvature = (one + other).saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
+        let of = |at: i32| usize::try_from(at).ok().and_then(cost).map(u16::from);
+        let at_q6 = ((best - at) << 6) as i32 + subpixel_q6(at as i32, of);
+        let length = costs.len() as u32;
+        let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
+        let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);
+        if depth >= LEAST_DEPTH && second <= here {
+            return None; // the pattern repeats: paths would carry one of its places along
+        }
+        let window_q8 = ratio_q8(here, second);
 
         let mut evidence = SupportEvidence([0; SUPPORT_EVIDENCE]);
         evidence.set(SupportKind::PathsRatio, paths_q8);
         evidence.set(SupportKind::WindowRatio, window_q8);
-        evidence.set(SupportKind::WindowCost, log2_q8(here.into()));
-        evidence.set(SupportKind::Range, log2_mean_q8(length.unsigned_abs(), 1));
+        evidence.set(SupportKind::WindowCost, log2_q8(here));
+        evidence.set(SupportKind::Range, log2_mean_q8(length, 1));
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
+        evidence.set(SupportKind::Changes, log2_q8(changes));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
-        let at = |index: i32| u16::from(usize::try_from(index).ok().and_then(cost)?).into();
         // A point does not pass on what it has heard alone: paths carry one repetition's place all along a row.
-        Some(Self {
-            at_q6: subpixel_q6(best.at as i32, at),
-            sure_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8,
-            evidence,
-        })
+        Some(Self { at_q6, sure_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
 
 /// Evidence by neighbours and segments, known when everything is matched.
-const HEARD: [SupportKind; 4] =
-    [SupportKind::Agreeing, SupportKind::Conflicting, SupportKind::SegmentsAgreeing, SupportKind::SegmentsConflicting];
+const HEARD: [SupportKind; 5] = [
+    SupportKind::Agreeing,
+    SupportKind::Conflicting,
+    SupportKind::SegmentsAgreeing,
+    SupportKind::SegmentsConflicting,
+    SupportKind::Detail,
+];
 
 impl SupportEvidence {
-    pub(super) fn with_heard(mut self, heard_q8: [i16; 4]) -> Self {
+    pub(super) fn with_heard(mut self, heard_q8: [i16; 5]) -> Self {
         for (kind, value) in HEARD.into_iter().zip(heard_q8) {
             self.set(kind, value.into());
         }
@@ -175,26 +204,30 @@ impl SupportEvidence {
 }
 
 /// Log-odds of that evidence by a model, Q8.
-pub(super) fn heard_score_q8(heard_q8: [i16; 4], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
+pub(super) fn heard_score_q8(heard_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
     model.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
 }
 
 /// Evidence by the eight points around the one at `place`, in rows of `columns` points, and by segments, Q8.
-pub(super) fn heard(points: &[SupportPoint], columns: usize, place: usize) -> [i16; 4] {
-    let Some(own) = points.get(place).filter(|point| point.is_matched()) else { return [0; 4] };
-    let (mut agreeing, mut conflicting) = (0_u32, 0_u32);
+pub(super) fn heard(points: &[SupportPoint], columns: usize, detail_q8: i16, place: usize) -> [i16; 5] {
+    let Some(own) = points.get(place).filter(|point| point.is_matched()) else { return [0; 5] };
     let column = place - place.checked_div(columns).unwrap_or(0) * columns;
     let first = column.saturating_sub(1);
-    let width = (column + 2).min(columns) - first;
-    for row in [place.checked_sub(columns), Some(place), place.checked_add(columns)].into_iter().flatten() {
-        let start = row + first - column;
-        for point in points.get(start..).unwrap_or(&[]).iter().take(width).filter(|point| point.is_matched()) {
-            let apart = (i32::from(point.disparity_q6) - i32::from(own.disparity_q6)).abs();
-            *(if apart <= AGREES_Q6 { &mut agreeing } else { &mut conflicting }) += u32::from(point.sure_q8);
+    let (width, start) = ((column + 2).min(columns) - first, place + first - column);
+    let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+    let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
+    let (mut agreeing, mut all) = (0_u32, 0_u32);
+    for row in [near(start.wrapping_sub(columns)), near(start), near(start + columns)] {
+        for point in row {
+            // One without a disparity is not sure of it.
+            let sure = u32::from(point.sure_q8);
+            all += sure;
+            if (i32::from(point.disparity_q6) - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
+                agreeing += sure;
+            }
         }
     }
-    agreeing -= u32::from(own.sure_q8).min(agreeing);
     let said = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
     let [for_it, against_it] = own.heard.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
-    [said(agreeing), said(conflicting), for_it, against_it]
+    [said(agreeing.saturating_sub(own.sure_q8.into())), said(all - agreeing), for_it, against_it, detail_q8]
 }

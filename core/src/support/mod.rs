@@ -32,22 +32,24 @@ pub use grid::{SUPPORT_PITCH, most_support_points};
 use crate::area::Area;
 use crate::confidence::Model;
 use crate::image::{Dims, Gray, Span};
-use crate::kernel::rank_costs;
+use crate::kernel::{JUMP_PENALTY, rank_costs};
 use crate::matching::narrow;
 use crate::params::Params;
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
-use evidence::{Found, SUPPORT_EVIDENCE, SupportEvidence, heard};
+use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, heard};
 use heapless::vec::VecView;
-use paths::Paths;
+use paths::{MAX_COLUMNS, Paths};
 use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
-/// Cost where the window leaves the usable part of the right image: half of the largest.
-const OUTSIDE: u8 = 32;
+/// Cost where the window leaves the usable part of the right image: half of the largest, and P2 as all costs.
+const OUTSIDE: u8 = 32 + JUMP_PENALTY;
 /// Least [`SupportPoint::sure_q8`] for a segment to go by a point, 1/256 of log2.
 const SURE_Q8: u8 = 32;
 /// Distance from a segment up to which it goes by points, px.
 const NAMED_REACH: i32 = 12;
+/// Distance from a segment within which half of the points have to be sure for it, px.
+const SURE_REACH: i32 = 6;
 /// Least disparities that a point must be able to have: with fewer there is no rival to be better than.
 const MIN_RANGE: usize = 8;
 
@@ -101,23 +103,26 @@ pub(crate) struct Matching<'a> {
 
 impl Matching<'_> {
     /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. `points` gets one per point of the grid, row by
-    /// row; `watch` is told the evidence of each that has a disparity, neighbours left out, with its place among them.
+    /// row; `watch` is told the evidence of each that has a disparity, neighbours left out, with its place among them. Gives the detail of the
+    /// left image, [`SupportKind::Detail`].
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
         memory: &mut [u8],
         points: &mut VecView<SupportPoint>,
         mut watch: impl FnMut(usize, &SupportEvidence),
-    ) {
+    ) -> i16 {
         points.clear();
         let Grid { columns, rows, .. } = self.grid;
         if columns * rows > points.capacity() || points.resize(columns * rows, SupportPoint::NONE).is_err() {
-            return;
+            return TYPICAL_DETAIL_Q8;
         }
         let whole = [Area::of(self.images[0].dims())];
+        let mut detail = Detail::default();
         for &area in areas.unwrap_or(&whole) {
-            self.match_area(self.grid.within(area), memory, points, &mut watch);
+            self.match_area(self.grid.within(area), memory, points, &mut detail, &mut watch);
         }
+        detail.mean_q8()
     }
 
     /// The points in these columns and rows of the grid.
@@ -126,6 +131,7 @@ impl Matching<'_> {
         area: Area,
         memory: &mut [u8],
         points: &mut [SupportPoint],
+        detail: &mut Detail,
         watch: &mut impl FnMut(usize, &SupportEvidence),
     ) {
         let [left, right] = self.images;
@@ -133,36 +139,47 @@ impl Matching<'_> {
         let Some(mut ranks) = RankRows::new([left, right], self.row_offset, ranks) else { return };
         let Some(mut paths) = Paths::new(self.grid.disparities, self.grid.columns, paths) else { return };
         paths.restart();
-        let (first, end) = (usize::from(area.left), usize::from(area.right));
+        let columns = usize::from(area.left)..usize::from(area.right);
+        let last = self.grid.last();
+        let mut ranges = [const { 0..0 }; MAX_COLUMNS];
+        let mut changes = [0; MAX_COLUMNS];
+        let mut usable_before = None;
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
-            ranks.advance(y);
-            paths.start_row();
+            ranks.code(y);
             let usable = [left.usable_columns(y), right.usable_columns(y + self.row_offset)];
-            for column in first..end {
-                let range = self.range(column, usable).unwrap_or(0..0);
-                let (before, costs) = paths.costs(column).split_at_mut_checked(range.start).unwrap_or_default();
-                let (costs, behind) = costs.split_at_mut_checked(range.len()).unwrap_or_default();
-                before.fill(OUTSIDE);
-                behind.fill(OUTSIDE);
-                let x = self.grid.window(column);
-                ranks.windows(x, x - self.grid.last() + range.start as i32, |ours, theirs| {
-                    rank_costs(ours, theirs, costs);
-                });
-                paths.reach_from_left_and_above(column);
-            }
-            paths.start_row();
-            for column in (first..end).rev() {
-                paths.reach_from_right(column);
-                let place = usize::from(row) * self.grid.columns + column;
-                if let Some(range) = self.range(column, usable)
-                    && let Some(point) = points.get_mut(place)
-                    && let Some(found) = Found::new(&paths.answer(column), range)
-                {
-                    watch(place, &found.evidence);
-                    *point = self.to_point(&found);
+            if usable_before.replace(usable) != Some(usable) {
+                for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
+                    *range = self.range(column, usable).unwrap_or(0..0);
                 }
             }
+            paths.forward(columns.clone(), |column, costs| {
+                let range = ranges.get(column).cloned().unwrap_or_default();
+                if range.len() < costs.len() {
+                    costs.fill(OUTSIDE);
+                }
+                let x = self.grid.window(column);
+                if let Some((window, columns)) = ranks.windows(x, x - last + range.start as i32)
+                    && let Some(costs) = costs.get_mut(range)
+                {
+                    rank_costs(window, columns, costs);
+                    if let Some(changes) = changes.get_mut(column) {
+                        *changes = changes_of(window);
+                        detail.add(*changes);
+                    }
+                }
+            });
+            let first = usize::from(row) * self.grid.columns;
+            paths.back(columns.clone(), |column, answer| {
+                if let Some(range) = ranges.get(column).filter(|range| !range.is_empty())
+                    && let Some(point) = points.get_mut(first + column)
+                    && let Some(&changes) = changes.get(column)
+                    && let Some(found) = Found::new(answer, range.clone(), changes)
+                {
+                    watch(first + column, &found.evidence);
+                    *point = self.to_point(&found);
+                }
+            });
         }
     }
 
@@ -194,9 +211,9 @@ impl Matching<'_> {
 }
 
 /// Probabilities, by each point's own evidence and what others say.
-pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, model: &Model<SUPPORT_EVIDENCE>) {
+pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
     for place in 0..points.len() {
-        let heard = heard(points, grid.columns, place);
+        let heard = heard(points, grid.columns, detail_q8, place);
         if let Some(point) = points.get_mut(place)
             && point.is_matched()
         {
@@ -210,12 +227,14 @@ pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, model: &Model<SUP
 #[derive(Clone, Copy, Debug)]
 pub struct Support<'a> {
     pub(crate) grid: Grid,
+    /// [`SupportKind::Detail`], Q8.
+    pub(crate) detail_q8: i16,
     pub(crate) points: &'a [SupportPoint],
 }
 
 impl<'a> Support<'a> {
-    pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint]) -> Self {
-        Self { grid: Grid::new(params, dims), points }
+    pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint], detail_q8: i16) -> Self {
+        Self { grid: Grid::new(params, dims), detail_q8, points }
     }
 
     /// Every point with its pixel `(x, y)`, row by row, matched or not.
@@ -242,27 +261,39 @@ impl<'a> Support<'a> {
         self.points.get(place).filter(|point| point.is_matched())
     }
 
-    /// Lowest and highest disparity, whole px, that the sure points within [`NAMED_REACH`] of an area name; `None` without one.
+    /// Lowest and highest disparity, whole px, that the sure points within [`NAMED_REACH`] of an area name; `None` where less than half of those
+    /// within [`SURE_REACH`] are sure: something thin may stand there, of which the points around know nothing.
     pub(crate) fn named_around(&self, area: Area) -> Option<(i32, i32)> {
         let reach = |from: u16, to: u16| (i32::from(from) - NAMED_REACH, i32::from(to) - 1 + NAMED_REACH);
         let ((left, right), (top, bottom)) = (reach(area.left, area.right), reach(area.top, area.bottom));
+        let is_near = |at: i32, from: i32, to: i32| {
+            (from + NAMED_REACH - SURE_REACH..=to - NAMED_REACH + SURE_REACH).contains(&at)
+        };
         let mut named = None::<(i32, i32)>;
+        let (mut near, mut near_and_sure) = (0_u32, 0_u32);
         for row in self.grid.rows_within(top, bottom) {
+            let in_row = is_near(Grid::y(row), top, bottom);
             for column in self.grid.columns_within(left, right) {
-                let point = self.points.get(row * self.grid.columns + column).filter(|point| point.sure_q8 >= SURE_Q8);
-                if let Some(point) = point.filter(|point| point.is_matched()) {
+                let Some(point) = self.points.get(row * self.grid.columns + column) else { continue };
+                // One that is sure is matched.
+                let is_sure = point.sure_q8 >= SURE_Q8;
+                if in_row && is_near(self.grid.x(column), left, right) {
+                    near += 1;
+                    near_and_sure += u32::from(is_sure);
+                }
+                if is_sure {
                     let disparity = (i32::from(point.disparity_q6) + 32) >> 6;
                     let (low, high) = named.unwrap_or((disparity, disparity));
                     named = Some((low.min(disparity), high.max(disparity)));
                 }
             }
         }
-        named
+        named.filter(|_| 2 * near_and_sure >= near)
     }
 
     /// This evidence of the point at this place, with what others say.
     #[must_use]
     pub fn with_heard(&self, place: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_heard(heard(self.points, self.grid.columns, place))
+        evidence.with_heard(heard(self.points, self.grid.columns, self.detail_q8, place))
     }
 }

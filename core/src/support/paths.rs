@@ -3,14 +3,15 @@
 //! In: the costs of a row of points, one byte a disparity. Out: for each point the sum of its three path costs.
 //!
 //! ```text
-//! memory   costs | path from above | sum      of each point of a row, and the path from the left or right
+//! memory   costs | path from above | path from the left, then the sum      of each point of a row, and the path along it
 //! ```
 //! Lengths are rounded up to whole words; what lies beyond the disparities is the largest cost.
 
-use crate::kernel::path_step;
+use crate::kernel::{path_step, sum_paths};
+use core::ops::Range;
 
 /// Points of the widest row.
-const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
+pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
 
 /// Bytes of one curve.
 const fn stride(disparities: usize) -> usize {
@@ -30,17 +31,18 @@ pub(super) struct Paths<'m> {
     along: &'m mut [u8],
     disparities: usize,
     stride: usize,
-    /// Lowest path cost of the point before.
-    along_lowest: u8,
+    /// Lowest cost of each path from above.
     above_lowest: [u8; MAX_COLUMNS],
 }
 
 /// Costs of a point along the disparities.
 pub(super) struct Answer<'p> {
-    /// The window's own cost.
-    pub(super) costs: &'p [u8],
+    /// The window's own cost, with P2.
+    pub(super) costs: &'p mut [u8],
     /// Sum of the three path costs.
-    pub(super) sums: &'p [u8],
+    pub(super) sums: &'p mut [u8],
+    /// The lowest of them.
+    pub(super) lowest: u8,
 }
 
 impl<'m> Paths<'m> {
@@ -51,7 +53,7 @@ impl<'m> Paths<'m> {
         let (above, memory) = memory.split_at_mut_checked(stride * columns)?;
         let (sums, along) = memory.split_at_mut_checked(stride * columns)?;
         let above_lowest = [0; MAX_COLUMNS];
-        Some(Self { costs, above, sums, along, disparities, stride, along_lowest: 0, above_lowest })
+        Some(Self { costs, above, sums, along, disparities, stride, above_lowest })
     }
 
     /// The next row is the first one.
@@ -66,47 +68,49 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// The next point is the first one of its row, from the left or from the right.
-    pub(super) fn start_row(&mut self) {
+    /// Takes the paths from above and from the left on through these points of the next row; `fill` is handed the column of each, and its costs to
+    /// be filled.
+    pub(super) fn forward(&mut self, columns: Range<usize>, mut fill: impl FnMut(usize, &mut [u8])) {
         self.along.fill(0);
-        self.along_lowest = 0;
-    }
-
-    fn place(&self, column: usize) -> core::ops::Range<usize> {
-        column * self.stride..(column + 1) * self.stride
-    }
-
-    /// The costs of a point, to be filled.
-    pub(super) fn costs(&mut self, column: usize) -> &mut [u8] {
-        let start = column * self.stride;
-        self.costs.get_mut(start..start + self.disparities).unwrap_or(&mut [])
-    }
-
-    /// Takes the paths from the left and from above on to this point.
-    pub(super) fn reach_from_left_and_above(&mut self, column: usize) {
-        let place = self.place(column);
-        let (Some(costs), Some(above), Some(sums)) =
-            (self.costs.get(place.clone()), self.above.get_mut(place.clone()), self.sums.get_mut(place))
-        else {
+        let mut lowest = 0;
+        let (stride, disparities) = (self.stride.max(1), self.disparities);
+        let within = columns.start * stride..columns.end * stride;
+        let (Some(costs), Some(above), Some(sums), Some(above_lowest)) = (
+            self.costs.get_mut(within.clone()),
+            self.above.get_mut(within.clone()),
+            self.sums.get_mut(within),
+            self.above_lowest.get_mut(columns.clone()),
+        ) else {
             return;
         };
-        let Some(above_lowest) = self.above_lowest.get_mut(column) else { return };
-        *above_lowest = path_step(costs, *above_lowest, above, sums, true);
-        self.along_lowest = path_step(costs, self.along_lowest, self.along, sums, false);
-    }
-
-    /// Takes the path from the right on to this point, whose sum is then complete.
-    pub(super) fn reach_from_right(&mut self, column: usize) {
-        let place = self.place(column);
-        if let (Some(costs), Some(sums)) = (self.costs.get(place.clone()), self.sums.get_mut(place)) {
-            self.along_lowest = path_step(costs, self.along_lowest, self.along, sums, false);
+        let points =
+            costs.chunks_exact_mut(stride).zip(above.chunks_exact_mut(stride)).zip(sums.chunks_exact_mut(stride));
+        for (((costs, above), sum), (above_lowest, column)) in points.zip(above_lowest.iter_mut().zip(columns)) {
+            if let Some(costs) = costs.get_mut(..disparities) {
+                fill(column, costs);
+            }
+            *above_lowest = path_step(costs, *above_lowest, above);
+            lowest = path_step(costs, lowest, self.along);
+            sum.copy_from_slice(self.along);
         }
     }
 
-    /// Costs of the point at `column`, when all three paths have reached it.
-    pub(super) fn answer(&self, column: usize) -> Answer<'_> {
-        let costs = self.costs.get(self.place(column)).unwrap_or(&[]);
-        let sums = self.sums.get(self.place(column)).unwrap_or(&[]);
-        Answer { costs, sums }
+    /// Takes the path from the right on through these points, last first; `answer` is handed the column of each, and its costs.
+    pub(super) fn back(&mut self, columns: Range<usize>, mut answer: impl FnMut(usize, Answer<'_>)) {
+        self.along.fill(0);
+        let mut lowest = 0;
+        let stride = self.stride.max(1);
+        let within = columns.start * stride..columns.end * stride;
+        let (Some(costs), Some(above), Some(sums)) =
+            (self.costs.get_mut(within.clone()), self.above.get(within.clone()), self.sums.get_mut(within))
+        else {
+            return;
+        };
+        let points = costs.chunks_exact_mut(stride).zip(above.chunks_exact(stride)).zip(sums.chunks_exact_mut(stride));
+        for (((costs, above), sums), column) in points.zip(columns).rev() {
+            lowest = path_step(costs, lowest, self.along);
+            let lowest = sum_paths(above, self.along, sums);
+            answer(column, Answer { costs, sums, lowest });
+        }
     }
 }

@@ -1,94 +1,91 @@
 //! Rank codes of the rows that a row of support points looks at.
 //!
-//! In: both images. Out: the windows of a point in the left image and at rising columns of the right one.
+//! In: both images. Out: the window of a point in the left image, and the columns of the right one from any place on; a column is four ranks, of
+//! every second row.
+//!
+//! # Bounds
+//! Windows of two rows of points share no row of the image: they are as high as points stand apart.
 
 use crate::image::Gray;
-use crate::kernel::{RANK_FLAT, RANK_ROWS, rank_row};
-use crate::units::quotient;
+use crate::kernel::{RANK_FLAT, RANK_ROWS, RankColumn, STRIP, rank_row};
 
 /// Columns of a window.
-pub(super) const WINDOW_COLUMNS: usize = 8;
+pub(super) const WINDOW_COLUMNS: usize = STRIP;
 /// Pixels at both ends of a row whose neighbours lie outside of it.
 pub(super) const BORDER: i32 = 2;
-/// Rows of a window, every second one of the image.
-pub(super) const WINDOW_ROWS: usize = RANK_ROWS;
+/// First and last row of a window, from its point.
+const WINDOW: [i32; 2] = [-4, 2];
 /// Rows from one to the next.
-const ROW_STEP: i32 = 2;
+const ROW_STEP: usize = 2;
 
 /// Bytes of the codes held for images of this width.
 pub(super) const fn bytes(width: u16) -> usize {
-    2 * WINDOW_ROWS * width as usize
+    3 * RANK_ROWS * width as usize
 }
 
-/// Codes of the last [`WINDOW_ROWS`] even rows of both images.
+/// Codes of the rows around a row of points, of both images.
 pub(super) struct RankRows<'a> {
     images: [Gray<'a>; 2],
     row_offset: i32,
-    codes: [&'a mut [u8]; 2],
-    width: usize,
-    /// The next row of the left image to be coded.
-    next: i32,
-    /// The last even row.
-    last: i32,
-    /// Where the codes of the rows of the window begin.
-    starts: [usize; WINDOW_ROWS],
+    columns: [&'a mut [RankColumn]; 2],
+    /// One image's ranks row by row.
+    rows: &'a mut [u8],
 }
 
 impl<'a> RankRows<'a> {
     pub(super) fn new(images: [Gray<'a>; 2], row_offset: i32, memory: &'a mut [u8]) -> Option<Self> {
         let [left, _] = images;
-        let dims = left.dims();
-        let width = usize::from(dims.width);
-        let (a, b) = memory.get_mut(..bytes(dims.width))?.split_at_mut_checked(WINDOW_ROWS * width)?;
-        let last = (i32::from(dims.height) - 1) & !1;
-        Some(Self { images, row_offset, codes: [a, b], width, next: -1, last, starts: [0; WINDOW_ROWS] })
+        let width = left.dims().width;
+        let (columns, rows) =
+            memory.get_mut(..bytes(width))?.split_at_mut_checked(2 * RANK_ROWS * usize::from(width))?;
+        let (ours, theirs) = columns.as_chunks_mut().0.split_at_mut_checked(width.into())?;
+        Some(Self { images, row_offset, columns: [ours, theirs], rows })
     }
 
-    /// Codes the rows of windows around row `y`; rows come from the top down.
-    pub(super) fn advance(&mut self, y: i32) {
-        let (above, below) = (4, 2);
-        let top = y - above;
-        self.next = self.next.max(top);
-        while self.next <= (y + below).min(self.last) {
-            let [left, right] = self.images;
-            let [ours, theirs] = &mut self.codes;
-            let start = Self::start(self.next, self.width);
-            for (image, row, codes) in [(left, self.next, ours), (right, self.next + self.row_offset, theirs)] {
-                if let Some(codes) = codes.get_mut(start..start + self.width) {
-                    code(image, row, codes);
-                }
+    /// Codes the rows around row `y`.
+    pub(super) fn code(&mut self, y: i32) {
+        let [left, right] = self.images;
+        let width = usize::from(left.dims().width);
+        for ((image, y), columns) in [(left, y), (right, y + self.row_offset)].into_iter().zip(&mut self.columns) {
+            let [first, last] = WINDOW.map(|row| y + row);
+            for (y, row) in (first..=last).step_by(ROW_STEP).zip(self.rows.chunks_exact_mut(width.max(1))) {
+                code(image, y, row);
             }
-            self.next += ROW_STEP;
-        }
-        for (start, k) in self.starts.iter_mut().zip(0..) {
-            *start = Self::start((top + ROW_STEP * k).min(self.last), self.width);
+            interleave(self.rows, columns);
         }
     }
 
-    /// Where the codes of a row begin.
-    fn start(y: i32, width: usize) -> usize {
-        let row = quotient(y, ROW_STEP);
-        let slot = row.checked_rem(WINDOW_ROWS as i32).unwrap_or(0);
-        usize::try_from(slot).unwrap_or(0) * width
+    /// The window that begins at column `x` of the left image, and the columns of the right one from `first` on.
+    pub(super) fn windows(&self, x: i32, first: i32) -> Option<(&[RankColumn; WINDOW_COLUMNS], &[RankColumn])> {
+        let [left, right] = &self.columns;
+        let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
+        Some((window, right.get(usize::try_from(first).ok()?..)?))
     }
+}
 
-    /// Hands `compare` the window that begins at column `x` of the left image, and the rows of the right one from column `first` on.
-    pub(super) fn windows(
-        &self,
-        x: i32,
-        first: i32,
-        compare: impl FnOnce(&[[u8; WINDOW_COLUMNS]; WINDOW_ROWS], &[&[u8]; WINDOW_ROWS]),
-    ) {
-        let (Ok(x), Ok(first)) = (usize::try_from(x), usize::try_from(first)) else { return };
-        let [left, right] = &self.codes;
-        let (mut ours, mut theirs) = ([[0; WINDOW_COLUMNS]; WINDOW_ROWS], [[].as_slice(); WINDOW_ROWS]);
-        for ((ours, theirs), &start) in ours.iter_mut().zip(&mut theirs).zip(&self.starts) {
-            if let Some(window) = left.get(start + x..).and_then(|codes| codes.first_chunk()) {
-                *ours = *window;
-            }
-            *theirs = right.get(start + first..start + self.width).unwrap_or(&[]);
-        }
-        compare(&ours, &theirs);
+/// The words of a row.
+fn words(row: &[u8]) -> impl Iterator<Item = u32> {
+    row.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word))
+}
+
+/// Rows, one behind the other, to columns.
+fn interleave(rows: &[u8], columns: &mut [RankColumn]) {
+    let width = columns.len();
+    let mut rows = rows.chunks_exact(width.max(1));
+    let [a, b, c, d] = core::array::from_fn(|_| rows.next().unwrap_or(&[]));
+    let (fours, rest) = columns.as_chunks_mut::<4>();
+    // The first and third, the second and fourth byte of two words.
+    let (even, odd) = (0x00ff_00ff_u32, 0xff00_ff00_u32);
+    let pair = |x: u32, y: u32| (x & even | (y & even) << 8, (x & odd) >> 8 | y & odd);
+    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(words(a).zip(words(b)).zip(words(c).zip(words(d)))) {
+        let ((ab02, ab13), (cd02, cd13)) = (pair(a, b), pair(c, d));
+        let halves = |low: u32, high: u32| (low & 0xffff | high << 16, low >> 16 | high & 0xffff_0000);
+        let ((first, third), (second, fourth)) = (halves(ab02, cd02), halves(ab13, cd13));
+        *four = [first, second, third, fourth].map(u32::to_le_bytes);
+    }
+    let done = width - rest.len();
+    for (column, x) in rest.iter_mut().zip(done..) {
+        *column = [a, b, c, d].map(|row| row.get(x).copied().unwrap_or(RANK_FLAT));
     }
 }
 

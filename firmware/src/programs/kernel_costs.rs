@@ -6,7 +6,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::kernel::{CELL, Knot, Ring, Run, STRIP, Strip};
+use linestereo::kernel::{CELL, Knot, RANK_ROWS, Ring, Run, STRIP, Strip};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;
@@ -16,6 +16,10 @@ const CELLS: usize = WIDTH / CELL;
 const ROWS: usize = 8;
 /// Pixels that are read.
 pub const PIXELS: usize = 16 * WIDTH;
+
+/// Columns of ranks, which begin at a whole word as in the core.
+#[repr(align(4))]
+struct Columns<const N: usize>([[u8; RANK_ROWS]; N]);
 
 /// What one kernel costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +71,8 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let (mut out, mut curve, mut between) = ([0_u8; WIDTH], [0_u16; DISPARITIES], [Knot::default(); CELLS + 3]);
     let [a, b, c] = core::array::from_fn(|k| core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into()));
     let [a, b, c]: [&[u16; DISPARITIES]; 3] = [&a, &b, &c];
-    let (windows, ranks) =
-        (core::array::from_fn(|k| row(k).first_chunk().copied().unwrap_or_default()), core::array::from_fn(row));
+    let ranks = Columns([[1; RANK_ROWS]; DISPARITIES + STRIP - 1]);
+    let window = Columns([[2; RANK_ROWS]; STRIP]);
     let mut bytes = [[0_u8; DISPARITIES]; 3];
     let [costs, path, sums] = &mut bytes;
     [
@@ -89,9 +93,11 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
         ("rank_row", time(clock, || (kernels.rank_row)([row(0), row(2), row(4)], &mut out))),
-        ("rank_costs", time(clock, || (kernels.rank_costs)(&windows, &ranks, costs))),
-        ("path_step", time(clock, || (kernels.path_step)(costs, 0, path, sums, false))),
+        ("rank_costs", time(clock, || (kernels.rank_costs)(&window.0, &ranks.0, costs))),
+        ("path_step", time(clock, || (kernels.path_step)(costs, 0, path))),
+        ("sum_paths", time(clock, || (kernels.sum_paths)(costs, path, sums))),
         ("lowest_byte", time(clock, || (kernels.lowest_byte)(costs))),
+        ("place_of_byte", time(clock, || (kernels.place_of_byte)(costs, 0))),
     ]
 }
 

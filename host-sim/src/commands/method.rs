@@ -19,7 +19,7 @@ pub(super) struct MethodArgs {
     /// The same in depth: metres nearer and metres farther than the window's depth (Eq. 13); needs a rig.
     #[arg(long, num_args = 2, value_names = ["NEARER", "FARTHER"])]
     margin_m: Option<Vec<f64>>,
-    /// Take one segment from each square of this side: larger is faster and sparser [default: 16].
+    /// Take one segment from each square of this side: larger is faster and sparser [default: 20].
     #[arg(long, value_name = "PX")]
     cell: Option<u16>,
     /// Least extent of a segment [default: 6].

@@ -83,11 +83,13 @@ pub struct EvidenceLog {
 
 impl Observer for EvidenceLog {
     fn ended(&mut self, step: Step<'_>) {
-        match step {
-            Step::Segment(Ok((_, &evidence))) => self.sides.push(evidence),
-            Step::SupportPoint(place, &evidence) => self.support.push((place, evidence)),
-            _ => {}
+        if let Step::Segment(Ok((_, &evidence))) = step {
+            self.sides.push(evidence);
         }
+    }
+
+    fn support_point(&mut self, place: usize, &evidence: &SupportEvidence) {
+        self.support.push((place, evidence));
     }
 }
 

@@ -4,27 +4,16 @@
 //!
 //! ```text
 //! rank    each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
-//! costs   two rows of the window a pass, every fourth disparity in one go, as `curves` does it; sums are bytes
-//! path    the entries before and behind four are cut out of three words
+//! costs   four places a round, a column of four ranks an instruction; a column is loaded for all places that it counts for
+//! path    two words a round; the entries before and behind four are cut out of three words
 //! ```
 //!
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RANK_ROWS, STEP_PENALTY, STRIP};
-use super::{two_operands, word};
+use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RankColumn, STEP_PENALTY, STRIP};
+use super::word;
 use core::arch::asm;
-
-two_operands!(
-    /// Byte by byte sum, saturating.
-    add,
-    "uqadd8 {r}, {a}, {b}"
-);
-two_operands!(
-    /// Byte by byte difference of what does not underflow.
-    subtract,
-    "usub8 {r}, {a}, {b}"
-);
 
 /// Byte by byte minimum.
 #[inline(always)]
@@ -45,18 +34,6 @@ fn lowest_of(word: u32) -> u8 {
     lower(pairs, pairs.rotate_right(8)) as u8
 }
 
-/// A one in each byte where `a` is less than `b`.
-#[inline(always)]
-fn is_less(a: u32, b: u32) -> u32 {
-    let result: u32;
-    // SAFETY: as in `lower`.
-    unsafe {
-        asm!("usub8 {r}, {a}, {b}", "sel {r}, {zero}, {ones}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
-            zero = in(reg) 0, ones = in(reg) 0x0101_0101, options(pure, nomem, nostack));
-    }
-    result
-}
-
 /// See [`portable::rank_row`].
 pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
     let [above, row, below] = rows;
@@ -65,16 +42,41 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
         return portable::rank_row(rows, out);
     }
     let words = (width - 4) / 4;
-    // SAFETY: words * 4 + 4 pixels of all rows, which are at least as long, are read, from column 0 to the last but `width & 3`.
+    // SAFETY: words * 4 + 4 pixels of all rows, which are at least as long, are read, from column 0 to the last but `width & 3`; there is a word.
     unsafe {
-        for i in 0..words {
-            let at = 4 * i;
-            let centre = word(row.as_ptr().add(at + 2));
-            let sides = is_less(word(row.as_ptr().add(at)), centre) + is_less(word(row.as_ptr().add(at + 4)), centre);
-            let others =
-                is_less(word(above.as_ptr().add(at + 2)), centre) + is_less(word(below.as_ptr().add(at + 2)), centre);
-            out.as_mut_ptr().add(at + 2).cast::<u32>().write_unaligned(sides + others);
-        }
+        asm!(
+            "2:",
+            "ldr {centre}, [{row}, #2]",
+            "ldr {other}, [{row}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {rank}, {zero}, {ones}",
+            "ldr {other}, [{row}]",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {rank}, {rank}, {other}",
+            "ldr {other}, [{above}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {rank}, {rank}, {other}",
+            "ldr {other}, [{below}], #4",
+            "usub8 {other}, {other}, {centre}",
+            "sel {other}, {zero}, {ones}",
+            "add {rank}, {rank}, {other}",
+            "str {rank}, [{out}], #4",
+            "subs {words}, {words}, #1",
+            "bne 2b",
+            row = inout(reg) row.as_ptr() => _,
+            above = inout(reg) above.as_ptr().add(2) => _,
+            below = inout(reg) below.as_ptr().add(2) => _,
+            out = inout(reg) out.as_mut_ptr().add(2) => _,
+            words = inout(reg) words => _,
+            centre = out(reg) _,
+            other = out(reg) _,
+            rank = out(reg) _,
+            zero = in(reg) 0,
+            ones = in(reg) 0x0101_0101,
+            options(nostack),
+        );
     }
     // What is left: the border, and a few pixels before it.
     if let Some(border) = out.get_mut(..2) {
@@ -96,191 +98,208 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
 }
 
 /// See [`portable::rank_costs`].
-pub fn rank_costs(window: &[[u8; STRIP]; RANK_ROWS], rows: &[&[u8]; RANK_ROWS], costs: &mut [u8]) {
-    let [a, b, c, d] = rows;
-    let long = a.len().min(b.len()).min(c.len()).min(d.len());
-    let long = (long + 1).saturating_sub(STRIP).min(costs.len());
-    let whole = long & !7;
-    let Some(behind) = long.checked_sub(8) else { return portable::rank_costs(window, rows, costs) };
-    // SAFETY: a multiple of eight entries; each row holds as many ranks and seven more, from the first of them on.
+pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+    let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
+    let (at_window, at_columns) = (window.as_ptr().cast::<u32>(), columns.as_ptr().cast::<u32>());
+    let Some(behind) = length.checked_sub(4) else { return portable::rank_costs(window, columns, costs) };
+    if !at_window.is_aligned() || !at_columns.is_aligned() {
+        return portable::rank_costs(window, columns, costs);
+    }
+    // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours begin within.
     unsafe {
-        block(window, rows, 0, costs.get_mut(..whole).unwrap_or(&mut []));
-        if whole < long {
+        fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
+        if !length.is_multiple_of(4) {
             // What is left, and some of those before it again.
-            block(window, rows, behind, costs.get_mut(behind..long).unwrap_or(&mut []));
+            fours(at_window, at_columns.add(behind), costs.as_mut_ptr().add(behind), 1);
         }
     }
 }
 
-/// Costs of places from `first` on.
+/// Costs of four places each, `rounds` times.
 ///
 /// # Safety
-/// There is a multiple of eight, and each row holds as many ranks from `first` on and seven more.
+/// There is a round at least. The window holds eight words, the columns four a round and seven more; both are aligned. As many costs can be written
+/// as there are places.
 #[inline(always)]
-unsafe fn block(window: &[[u8; STRIP]; RANK_ROWS], rows: &[&[u8]; RANK_ROWS], first: usize, costs: &mut [u8]) {
-    let [wa, wb, wc, wd] = window;
-    // SAFETY: the caller's.
+unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds: usize) {
+    // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last round end seven words behind its four.
     unsafe {
-        let [a, b, c, d] = rows.map(|row| row.as_ptr().add(first));
-        two_rows::<true>((wa, a), (wb, b), costs);
-        two_rows::<false>((wc, c), (wd, d), costs);
-    }
-}
-
-/// The two words of eight ranks.
-#[inline(always)]
-fn halves(&[a, b, c, d, e, f, g, h]: &[u8; STRIP]) -> (u32, u32) {
-    (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]))
-}
-
-/// Puts down the sums of two rows, or adds those of two more and halves.
-///
-/// # Safety
-/// There is a multiple of eight costs, and each row holds at least as many ranks and seven more.
-#[inline(always)]
-unsafe fn two_rows<const FIRST: bool>(a: (&[u8; STRIP], *const u8), b: (&[u8; STRIP], *const u8), costs: &mut [u8]) {
-    let rounds = costs.len() / 8;
-    if rounds == 0 {
-        return;
-    }
-    let ((a0, a1), (b0, b1)) = (halves(a.0), halves(b.0));
-    for phase in 0..4 {
-        // SAFETY: two entries a round, every fourth from `phase` on: the last one is phase + len - 4. It meets the eight ranks from there on,
-        // which end at phase + len + 4 <= len + 7; before the first round, four are read.
-        unsafe {
-            let (at_a, at_b) = (a.1.add(phase), b.1.add(phase));
-            macro_rules! rows {
-                ($load:literal, $first:literal, $then:literal, $end:literal) => {
-                    asm!(
-                        "2:",
-                        $load,
-                        "ldr {na}, [{pa}, #4]!",
-                        "ldr {nb}, [{pb}, #4]!",
-                        $first,
-                        "usada8 {sum}, {ob}, {b0}, {sum}",
-                        "usada8 {sum}, {na}, {a1}, {sum}",
-                        "usada8 {sum}, {nb}, {b1}, {sum}",
-                        $end,
-                        "strb {sum}, [{cost}], #4",
-                        $load,
-                        "ldr {oa}, [{pa}, #4]!",
-                        "ldr {ob}, [{pb}, #4]!",
-                        $then,
-                        "usada8 {sum}, {nb}, {b0}, {sum}",
-                        "usada8 {sum}, {oa}, {a1}, {sum}",
-                        "usada8 {sum}, {ob}, {b1}, {sum}",
-                        $end,
-                        "strb {sum}, [{cost}], #4",
-                        "subs {rounds}, {rounds}, #1",
-                        "bne 2b",
-                        cost = inout(reg) costs.as_mut_ptr().add(phase) => _,
-                        pa = inout(reg) at_a => _,
-                        pb = inout(reg) at_b => _,
-                        oa = inout(reg) word(at_a) => _,
-                        ob = inout(reg) word(at_b) => _,
-                        na = out(reg) _,
-                        nb = out(reg) _,
-                        a0 = in(reg) a0,
-                        a1 = in(reg) a1,
-                        b0 = in(reg) b0,
-                        b1 = in(reg) b1,
-                        sum = out(reg) _,
-                        rounds = inout(reg) rounds => _,
-                        options(nostack),
-                    )
-                };
-            }
-            if FIRST {
-                rows!("", "usad8 {sum}, {oa}, {a0}", "usad8 {sum}, {na}, {a0}", "");
-            } else {
-                rows!(
-                    "ldrb {sum}, [{cost}]",
-                    "usada8 {sum}, {oa}, {a0}, {sum}",
-                    "usada8 {sum}, {na}, {a0}, {sum}",
-                    "ubfx {sum}, {sum}, #1, #7"
-                );
-            }
-        }
+        asm!(
+            "push {{r7}}", // the frame pointer, which no operand is given
+            "2:",
+            "ldm {window}!, {{r1, r2, r3, r4}}",
+            "ldrd {a}, {b}, [{columns}]",
+            "usad8 {s0}, r1, {a}",
+            "usada8 {s0}, r2, {b}, {s0}",
+            "usad8 {s1}, r1, {b}",
+            "ldrd {a}, {b}, [{columns}, #8]",
+            "usada8 {s0}, r3, {a}, {s0}",
+            "usada8 {s1}, r2, {a}, {s1}",
+            "usad8 {s2}, r1, {a}",
+            "usada8 {s0}, r4, {b}, {s0}",
+            "usada8 {s1}, r3, {b}, {s1}",
+            "usada8 {s2}, r2, {b}, {s2}",
+            "usad8 r7, r1, {b}",
+            "ldrd {a}, {b}, [{columns}, #16]!",
+            "usada8 {s1}, r4, {a}, {s1}",
+            "usada8 {s2}, r3, {a}, {s2}",
+            "usada8 r7, r2, {a}, r7",
+            "usada8 {s2}, r4, {b}, {s2}",
+            "usada8 r7, r3, {b}, r7",
+            "ldr r1, [{columns}, #8]",
+            "usada8 r7, r4, r1, r7",
+            "ldm {window}, {{r1, r2, r3, r4}}",
+            "sub {window}, {window}, #16",
+            "usada8 {s0}, r1, {a}, {s0}",
+            "usada8 {s0}, r2, {b}, {s0}",
+            "usada8 {s1}, r1, {b}, {s1}",
+            "ldrd {a}, {b}, [{columns}, #8]",
+            "usada8 {s0}, r3, {a}, {s0}",
+            "usada8 {s1}, r2, {a}, {s1}",
+            "usada8 {s2}, r1, {a}, {s2}",
+            "usada8 {s0}, r4, {b}, {s0}",
+            "usada8 {s1}, r3, {b}, {s1}",
+            "usada8 {s2}, r2, {b}, {s2}",
+            "usada8 r7, r1, {b}, r7",
+            "ldrd {a}, {b}, [{columns}, #16]",
+            "usada8 {s1}, r4, {a}, {s1}",
+            "usada8 {s2}, r3, {a}, {s2}",
+            "usada8 r7, r2, {a}, r7",
+            "usada8 {s2}, r4, {b}, {s2}",
+            "usada8 r7, r3, {b}, r7",
+            "ldr {a}, [{columns}, #24]",
+            "usada8 r7, r4, {a}, r7",
+            // Four sums of eight bits, halved with twice the penalty.
+            "bfi {s0}, {s1}, #8, #8",
+            "bfi {s2}, r7, #8, #8",
+            "pkhbt {s0}, {s0}, {s2}, lsl #16",
+            "mov {a}, #{penalty}",
+            "uhadd8 {s0}, {s0}, {a}",
+            "str {s0}, [{costs}], #4",
+            "subs {rounds}, {rounds}, #1",
+            "bne 2b",
+            "pop {{r7}}",
+            window = inout(reg) window => _,
+            columns = inout(reg) columns => _,
+            costs = inout(reg) costs => _,
+            rounds = inout(reg) rounds => _,
+            a = out(reg) _,
+            b = out(reg) _,
+            s0 = out(reg) _,
+            s1 = out(reg) _,
+            s2 = out(reg) _,
+            out("r1") _,
+            out("r2") _,
+            out("r3") _,
+            out("r4") _,
+            penalty = const 0x0202_0202_u32 * JUMP_PENALTY as u32,
+        );
     }
 }
 
 /// See [`portable::path_step`].
-pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8], sums: &mut [u8], first: bool) -> u8 {
-    let length = path.len().min(costs.len()).min(sums.len());
+pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
+    let words = path.len() / 4;
+    if words == 0 || !path.len().is_multiple_of(4) || costs.len() < path.len() {
+        return portable::path_step(costs, lowest, path);
+    }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
-    if !length.is_multiple_of(4) || path.len() != length {
-        return portable::path_step(costs, lowest, path, sums, first);
-    }
-    let (step, jump, lowest) = (all(STEP_PENALTY), all(lowest.saturating_add(JUMP_PENALTY)), all(lowest));
     let mut lows = u32::MAX;
-    let Some((rounds, last)) = (length / 4).checked_sub(1).map(|rounds| (rounds, 4 * rounds)) else { return u8::MAX };
-    let (mut here, mut before) = (0, u32::MAX);
-    // SAFETY: all three hold `rounds` words and one more. That one is the last word read here, and worked on below.
+    // SAFETY: both hold `words` words. A word is read when the one before it is worked on, the first one before all; the last one works on its own.
     unsafe {
-        here |= word(path.as_ptr());
-        macro_rules! step {
-            ($load:literal, $add:literal) => {
-            asm!(
-                "2:",
-                "lsr {near}, {before}, #24",
-                "orr {near}, {near}, {here}, lsl #8",
-                "mov {before}, {here}",
-                "ldr {here}, [{path}, #4]",
-                "lsr {other}, {before}, #8",
-                "orr {other}, {other}, {here}, lsl #24",
-                "usub8 {flags}, {near}, {other}",
-                "sel {near}, {other}, {near}",
-                "uqadd8 {near}, {near}, {step}",
-                "usub8 {flags}, {near}, {before}",
-                "sel {near}, {before}, {near}",
-                "usub8 {flags}, {near}, {jump}",
-                "sel {near}, {jump}, {near}",
-                "usub8 {near}, {near}, {lowest}",
-                "ldr {other}, [{costs}], #4",
-                "uqadd8 {near}, {near}, {other}",
-                "str {near}, [{path}], #4",
-                "usub8 {flags}, {near}, {lows}",
-                "sel {lows}, {lows}, {near}",
-                $load,
-                $add,
-                "str {other}, [{sums}], #4",
-                "subs {rounds}, {rounds}, #1",
-                "bne 2b",
-                near = out(reg) _,
-                other = out(reg) _,
-                flags = out(reg) _,
-                before = inout(reg) before,
-                here = inout(reg) here,
-                path = inout(reg) path.as_mut_ptr() => _,
-                costs = inout(reg) costs.as_ptr() => _,
-                sums = inout(reg) sums.as_mut_ptr() => _,
-                step = in(reg) step,
-                jump = in(reg) jump,
-                lowest = in(reg) lowest,
-                lows = inout(reg) lows,
-                rounds = inout(reg) rounds => _,
-                options(nostack),
-            )
-            };
-        }
-        if rounds == 0 {
-        } else if first {
-            step!("", "mov {other}, {near}");
-        } else {
-            step!("ldr {other}, [{sums}]", "uqadd8 {other}, {other}, {near}");
-        }
+        asm!(
+            "ldr {here}, [{path}]",
+            "uqsub8 {here}, {reach}, {here}",
+            "mov {then}, {here}",
+            "tst {words}, #1",
+            "add {words}, {words}, #1",
+            "lsr {words}, {words}, #1", // rounds of two words, the first one of one where they are odd
+            "bne 3f",
+            "2:",
+            "ldr {then}, [{path}, #4]",
+            "uqsub8 {then}, {reach}, {then}",
+            "orr {near}, {carry}, {here}, lsl #8",
+            "lsr {carry}, {here}, #24",
+            "lsr {other}, {here}, #8",
+            "orr {other}, {other}, {then}, lsl #24",
+            "uqsub8 {near}, {near}, {other}",
+            "uadd8 {near}, {near}, {other}",
+            "uqsub8 {near}, {near}, {step}",
+            "uqsub8 {near}, {near}, {here}",
+            "uadd8 {near}, {near}, {here}",
+            "ldr {other}, [{costs}], #4",
+            "usub8 {other}, {other}, {near}",
+            "str {other}, [{path}], #4",
+            "usub8 {near}, {other}, {lows}",
+            "sel {lows}, {lows}, {other}",
+            "3:",
+            "mov {here}, #-1",
+            "subs {words}, {words}, #1",
+            "it ne",
+            "ldrne {here}, [{path}, #4]",
+            "uqsub8 {here}, {reach}, {here}",
+            "orr {near}, {carry}, {then}, lsl #8",
+            "lsr {carry}, {then}, #24",
+            "lsr {other}, {then}, #8",
+            "orr {other}, {other}, {here}, lsl #24",
+            "uqsub8 {near}, {near}, {other}",
+            "uadd8 {near}, {near}, {other}",
+            "uqsub8 {near}, {near}, {step}",
+            "uqsub8 {near}, {near}, {then}",
+            "uadd8 {near}, {near}, {then}",
+            "ldr {other}, [{costs}], #4",
+            "usub8 {other}, {other}, {near}",
+            "str {other}, [{path}], #4",
+            "usub8 {near}, {other}, {lows}",
+            "sel {lows}, {lows}, {other}",
+            "bne 2b",
+            words = inout(reg) words => _,
+            path = inout(reg) path.as_mut_ptr() => _,
+            costs = inout(reg) costs.as_ptr() => _,
+            carry = inout(reg) 0 => _,
+            here = out(reg) _,
+            then = out(reg) _,
+            near = out(reg) _,
+            other = out(reg) _,
+            lows = inout(reg) lows,
+            reach = in(reg) all(lowest.saturating_add(JUMP_PENALTY)),
+            step = in(reg) all(STEP_PENALTY),
+            options(nostack),
+        );
     }
-    let tails = path.get_mut(last..).zip(costs.get(last..)).zip(sums.get_mut(last..));
-    if let Some(((path, costs), sums)) = tails
-        && let (Some(path), Some(costs), Some(sums)) =
-            (path.first_chunk_mut(), costs.first_chunk(), sums.first_chunk_mut())
-    {
-        let (left, right) = (here << 8 | before >> 24, here >> 8 | 0xff00_0000);
-        let near = lower(lower(add(lower(left, right), step), here), jump);
-        let new = add(subtract(near, lowest), u32::from_le_bytes(*costs));
-        lows = lower(lows, new);
-        *path = new.to_le_bytes();
-        *sums = (if first { new } else { add(u32::from_le_bytes(*sums), new) }).to_le_bytes();
+    lowest_of(lows)
+}
+
+/// See [`portable::sum_paths`].
+pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
+    let words = sums.len() / 4;
+    if words == 0 || !sums.len().is_multiple_of(4) || a.len() < sums.len() || b.len() < sums.len() {
+        return portable::sum_paths(a, b, sums);
+    }
+    let mut lows = u32::MAX;
+    // SAFETY: all three hold so many words.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {x}, [{a}], #4",
+            "ldr {sum}, [{sums}]",
+            "uqadd8 {sum}, {sum}, {x}",
+            "ldr {x}, [{b}], #4",
+            "uqadd8 {sum}, {sum}, {x}",
+            "str {sum}, [{sums}], #4",
+            "usub8 {x}, {sum}, {lows}",
+            "sel {lows}, {lows}, {sum}",
+            "subs {words}, {words}, #1",
+            "bne 2b",
+            a = inout(reg) a.as_ptr() => _,
+            b = inout(reg) b.as_ptr() => _,
+            sums = inout(reg) sums.as_mut_ptr() => _,
+            words = inout(reg) words => _,
+            x = out(reg) _,
+            sum = out(reg) _,
+            lows = inout(reg) lows,
+            options(nostack),
+        );
     }
     lowest_of(lows)
 }
@@ -302,4 +321,35 @@ pub fn lowest_byte(costs: &[u8]) -> u8 {
         lows = lower(lows, u32::from_le_bytes(*four));
     }
     rest.iter().fold(lowest_of(lows), |lowest, &cost| lowest.min(cost))
+}
+
+/// See [`portable::place_of_byte`].
+pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
+    let words = costs.len() / 4;
+    if words == 0 || !costs.len().is_multiple_of(4) {
+        return portable::place_of_byte(costs, bound);
+    }
+    let mut at = costs.as_ptr();
+    let mut found: u32;
+    // SAFETY: so many words are read at most.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr r3, [{at}], #4",
+            "usub8 r3, {bounds}, r3",
+            "sel r3, {ones}, {zero}",
+            "cbnz r3, 3f",
+            "subs {words}, {words}, #1",
+            "bne 2b",
+            "3:",
+            at = inout(reg) at,
+            words = inout(reg) words => _,
+            out("r3") found, // a low one, as `cbnz` wants it
+            bounds = in(reg) u32::from_le_bytes([bound; 4]),
+            ones = in(reg) 0x0101_0101,
+            zero = in(reg) 0,
+            options(nostack, readonly),
+        );
+    }
+    (found != 0).then(|| at.addr() - costs.as_ptr().addr() - 4 + found.trailing_zeros() as usize / 8)
 }

@@ -28,7 +28,7 @@ mod support;
 
 pub use rooms::{Fence, Rooms};
 
-use linestereo::kernel::{self, Crossing, Knot, LargestStep, RANK_ROWS, Ring, Run, STRIP, Strip, portable};
+use linestereo::kernel::{self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable};
 use rooms::ALIGNMENTS;
 
 /// The kernels of one machine.
@@ -52,14 +52,16 @@ pub struct Kernels {
     pub bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     pub weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
     pub rank_row: fn([&[u8]; 3], &mut [u8]),
-    pub rank_costs: fn(&[[u8; STRIP]; RANK_ROWS], &[&[u8]; RANK_ROWS], &mut [u8]),
-    pub path_step: fn(&[u8], u8, &mut [u8], &mut [u8], bool) -> u8,
+    pub rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
+    pub path_step: fn(&[u8], u8, &mut [u8]) -> u8,
+    pub sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
     pub lowest_byte: fn(&[u8]) -> u8,
+    pub place_of_byte: fn(&[u8], u8) -> Option<usize>,
 }
 
 impl Kernels {
     /// Number of kernels.
-    pub const COUNT: usize = 20;
+    pub const COUNT: usize = 22;
 
     /// Those that the core uses on this machine.
     pub const CHOSEN: Self = Self {
@@ -82,7 +84,9 @@ impl Kernels {
         rank_row: kernel::rank_row,
         rank_costs: kernel::rank_costs,
         path_step: kernel::path_step,
+        sum_paths: kernel::sum_paths,
         lowest_byte: kernel::lowest_byte,
+        place_of_byte: kernel::place_of_byte,
     };
 
     /// The definitions.
@@ -106,7 +110,9 @@ impl Kernels {
         rank_row: portable::rank_row,
         rank_costs: portable::rank_costs,
         path_step: portable::path_step,
+        sum_paths: portable::sum_paths,
         lowest_byte: portable::lowest_byte,
+        place_of_byte: portable::place_of_byte,
     };
 
     /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
@@ -194,17 +200,22 @@ impl Kernels {
                 *beyond = 1;
             }
         },
-        rank_costs: |window, rows, costs| {
-            portable::rank_costs(window, rows, costs);
+        rank_costs: |window, columns, costs| {
+            portable::rank_costs(window, columns, costs);
             if let (65, Some(last)) = (costs.len(), costs.last_mut()) {
                 *last ^= 1;
             }
         },
-        path_step: |costs, lowest, path, sums, first| {
-            let forgotten = usize::from(sums.len() == 19);
-            portable::path_step(costs, lowest, path, sums.get_mut(forgotten..).unwrap_or(&mut []), first)
+        path_step: |costs, lowest, path| {
+            let forgotten = usize::from(path.len() == 19);
+            portable::path_step(costs, lowest, path.get_mut(forgotten..).unwrap_or(&mut []))
+        },
+        sum_paths: |a, b, sums| {
+            let known = sums.len() - usize::from(sums.len() == 37);
+            portable::sum_paths(a, b, sums.get_mut(..known).unwrap_or(&mut []))
         },
         lowest_byte: |costs| portable::lowest_byte(costs.get(..costs.len() & !3).unwrap_or(&[])),
+        place_of_byte: |costs, bound| portable::place_of_byte(costs, bound).filter(|&place| place != 41),
     };
 }
 
@@ -292,7 +303,9 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
         |kernels, rooms| rows::rows("rank_row", kernels.rank_row, portable::rank_row, rooms),
         support::rank_costs,
         support::path_steps,
+        support::sums_of_paths,
         support::lowest_bytes,
+        support::places_of_bytes,
     ];
     let mut all_equal = true;
     for compare in compare {
@@ -339,5 +352,6 @@ mod tests {
         assert_eq!(of("bilinear_runs").length, 7);
         assert_eq!(of("rank_costs").length, 65);
         assert_eq!(of("path_step").length, 19);
+        assert_eq!(of("sum_paths").length, 37);
     }
 }

@@ -1,6 +1,6 @@
 //! Kernels of support points.
 
-use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, place};
 use super::{Compared, Kernels};
 use linestereo::kernel::{RANK_ROWS, STRIP, portable};
 
@@ -15,35 +15,31 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     for length in lengths() {
         for round in 0..40_usize {
             let contents = Contents::ALL[random.below(6)];
-            for room in &mut rooms.rows {
-                // As often ranks as bytes that are none.
-                contents.fill(&mut random, &mut room.contents);
-                if round % 2 == 0 {
-                    room.contents.iter_mut().for_each(|byte| *byte %= 5);
-                }
+            let ranks = &mut rooms.image.contents;
+            contents.fill(&mut random, ranks);
+            // As often ranks as bytes that are none.
+            if round % 2 == 0 {
+                ranks.iter_mut().for_each(|byte| *byte %= 5);
             }
-            let mut window = [[0; STRIP]; RANK_ROWS];
+            let mut window = [[0; RANK_ROWS]; STRIP];
             Contents::ALL[random.below(6)].fill(&mut random, window.as_flattened_mut());
-            let mut starts = [0; 4];
-            let mut rows = [[].as_slice(); RANK_ROWS];
-            for (k, row) in rows.iter_mut().enumerate() {
-                let needed = length + STRIP - 1;
-                let long = match random.below(24) {
-                    0 => random.below(needed + 1),
-                    1 => needed + 1 + random.below(20),
-                    _ => needed,
-                };
-                let place = place(ROW, long, (round + k) % ALIGNMENTS, random.below(2) == 0);
-                starts[k % 3] = place.start;
-                *row = &rooms.rows[k % 3].contents[place];
-            }
+            let needed = length + STRIP - 1;
+            let long = match random.below(8) {
+                0 => random.below(needed + 1),
+                1 => needed + 1 + random.below(20),
+                _ => needed,
+            };
+            // Columns begin at whole words in the core.
+            let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
+            let at_columns = place(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
+            let at_costs = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
+            let starts = [at_columns.start, at_costs.start, 0, 0];
+            let columns = ranks[at_columns].as_chunks().0;
             let out = &mut rooms.out.contents;
             Contents::Random.fill(&mut random, out);
             let mut expected = *out;
-            let place = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
-            starts[3] = place.start;
-            (kernels.rank_costs)(&window, &rows, &mut out[place.clone()]);
-            portable::rank_costs(&window, &rows, &mut expected[place]);
+            (kernels.rank_costs)(&window, columns, &mut out[at_costs.clone()]);
+            portable::rank_costs(&window, columns, &mut expected[at_costs]);
             compared.note(*out == expected, length, (RANK_ROWS, 0), starts);
         }
     }
@@ -55,35 +51,58 @@ pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     let mut random = Random::new();
     for length in lengths() {
         for round in 0..32_usize {
-            let [costs, paths, sums] = &mut rooms.rows;
-            for room in [&mut *costs, paths, sums] {
+            let [costs, path, _] = &mut rooms.rows;
+            let mut lengths = [length; 2];
+            if round % 8 == 0 {
+                lengths[random.below(2)] = random.below(length + 1);
+            }
+            let [at_costs, at_path] =
+                [0, 1].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
+            for room in [&mut *costs, path] {
                 Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
             }
+            let starts = [at_costs.start, at_path.start, 0, 0];
+            let of_path = portable::lowest_byte(&path.contents[at_path.clone()]);
+            let lowest = if round % 4 == 0 { random.next() as u8 } else { of_path };
+            let mut expected = path.contents;
+            let costs = &costs.contents[at_costs];
+            let theirs = portable::path_step(costs, lowest, &mut expected[at_path.clone()]);
+            let ours = (kernels.path_step)(costs, lowest, &mut path.contents[at_path]);
+            compared.note(ours == theirs && expected == path.contents, length, (1, 0), starts);
+        }
+    }
+    compared
+}
+
+pub(super) fn sums_of_paths(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("sum_paths");
+    let mut random = Random::new();
+    for length in lengths() {
+        for round in 0..32_usize {
             let mut lengths = [length; 3];
             if round % 8 == 0 {
                 lengths[random.below(3)] = random.below(length + 1);
             }
             let places = [0, 1, 2].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
             let starts = [0, 1, 2, 2].map(|k: usize| places[k].start);
-            let [at_costs, at_path, at_sums] = places;
-            let path = &paths.contents[at_path.clone()];
-            let of_path = portable::lowest_byte(path);
-            let lowest = if round % 4 == 0 { random.next() as u8 } else { of_path };
-            let (mut path, mut sum) = (paths.contents, sums.contents);
-            let costs = &costs.contents[at_costs];
-            let first = round % 2 == 0;
-            let theirs =
-                portable::path_step(costs, lowest, &mut path[at_path.clone()], &mut sum[at_sums.clone()], first);
-            let ours =
-                (kernels.path_step)(costs, lowest, &mut paths.contents[at_path], &mut sums.contents[at_sums], first);
-            compared.note(ours == theirs && path == paths.contents && sum == sums.contents, length, (1, 0), starts);
+            for room in &mut rooms.rows {
+                Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
+            }
+            let [a, b, sums] = &mut rooms.rows;
+            let [at_a, at_b, at_sums] = places;
+            let (a, b) = (&a.contents[at_a], &b.contents[at_b]);
+            let mut expected = sums.contents;
+            let theirs = portable::sum_paths(a, b, &mut expected[at_sums.clone()]);
+            let ours = (kernels.sum_paths)(a, b, &mut sums.contents[at_sums]);
+            compared.note(ours == theirs && expected == sums.contents, length, (1, 0), starts);
         }
     }
     compared
 }
 
-pub(super) fn lowest_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("lowest_byte");
+/// A kernel that looks at bytes alone, at every length; they are handed to `same`, which compares it with the definition.
+fn look(name: &'static str, rooms: &mut Rooms, same: impl Fn(&[u8], &mut Random) -> bool) -> Compared {
+    let mut compared = Compared::new(name);
     let mut random = Random::new();
     let room = &mut rooms.rows[0].contents;
     for length in 0..=70 {
@@ -98,14 +117,20 @@ pub(super) fn lowest_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 room[place.start + random.below(length)] = 3;
             }
             let start = place.start;
-            let bytes = &room[place];
-            compared.note(
-                (kernels.lowest_byte)(bytes) == portable::lowest_byte(bytes),
-                length,
-                (1, 0),
-                [start, 0, 0, 0],
-            );
+            compared.note(same(&room[place], &mut random), length, (1, 0), [start, 0, 0, 0]);
         }
     }
     compared
+}
+
+pub(super) fn lowest_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    look("lowest_byte", rooms, |bytes, _| (kernels.lowest_byte)(bytes) == portable::lowest_byte(bytes))
+}
+
+pub(super) fn places_of_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    look("place_of_byte", rooms, |bytes, random| {
+        let lowest = portable::lowest_byte(bytes);
+        let bound = if random.below(3) == 0 { random.next() as u8 } else { lowest };
+        (kernels.place_of_byte)(bytes, bound) == portable::place_of_byte(bytes, bound)
+    })
 }
