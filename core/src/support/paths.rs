@@ -91,7 +91,7 @@ impl<'m> Paths<'m> {
             }
             *above_lowest = path_step(costs, *above_lowest, above);
             lowest = path_step(costs, lowest, self.along);
-            sum.copy_from_slice(self.along);
+            sum.iter_mut().zip(&*self.along).for_each(|(sum, &along)| *sum = along);
         }
     }
 
