@@ -17,7 +17,7 @@ const NEIGHBOURHOOD: usize = 2;
 const LEAST_UNIQUE_Q8: i32 = 16;
 /// [`SupportKind::Detail`] where nothing was looked at: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
 pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
-/// What models have seen of it: nobody knows what lies beyond.
+/// Range of [`SupportKind::Detail`] that models were fitted on, log2 in Q8: beyond it a line says nothing.
 const LEAST_DETAIL_Q8: i16 = 900;
 const MOST_DETAIL_Q8: i16 = 1160;
 /// Least that the window is worse 1 px to either side for an equal place elsewhere to be a repetition, and not a blank wall.
