@@ -409,6 +409,7 @@ impl Plan {
             images,
             dims: self.dims,
             candidates: &scratch.candidates,
+            support: Support::new(&self.params, self.dims, &scratch.support, scratch.detail_q8),
             row_offset: scratch.row_offset,
             rows: scratch.rows.0.as_flattened_mut().as_flattened_mut(),
             work: &mut scratch.work,

@@ -14,20 +14,18 @@ pub enum PixelKind {
     GuidedRatio,
     /// |searched back - answer|, px, at most 4.
     BackGap,
-    /// Searching back: cost at the disparity / best cost elsewhere.
-    BackRatio,
     /// log2(1 + mean gradient around the pixel).
     Texture,
     /// log2(1 + features nearby that agree).
     Support,
-    /// Share of features nearby that contradict.
-    Conflict,
-    /// Distance of the nearest feature that agrees, of the distance at which features say nothing.
-    Distance,
     /// log2(1 + surfaces that end at an edge next to the pixel, which lies beyond, and have this disparity).
     Across,
     /// How far the answer lies outside of what features nearby span, px, at most 4.
     Outside,
+    /// log2(1 + support points nearby that agree).
+    PointsAgreeing,
+    /// Share of support points nearby that contradict.
+    PointsConflicting,
 }
 
 impl PixelKind {
@@ -37,18 +35,17 @@ impl PixelKind {
         "windows and census together: cost at the disparity / best cost elsewhere",
         "the same, elsewhere being what features nearby leave possible",
         "|searched back - answer|, px",
-        "searching back: cost at the disparity / best cost elsewhere",
         "log2(1 + mean gradient around the pixel)",
         "log2(1 + features nearby that agree)",
-        "share of features nearby that contradict",
-        "distance of the nearest feature that agrees",
         "log2(1 + surfaces that end at an edge before the pixel and agree)",
         "outside of what features nearby span, px",
+        "log2(1 + support points nearby that agree)",
+        "share of support points nearby that contradict",
     ];
 }
 
 /// Number of entries.
-pub const PIXEL_EVIDENCE: usize = PixelKind::Outside as usize + 1;
+pub const PIXEL_EVIDENCE: usize = PixelKind::PointsConflicting as usize + 1;
 
 /// One number per [`PixelKind`], Q8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,28 +6,27 @@ use crate::confidence::Model;
 /// The model that plans use unless they are given another.
 #[rustfmt::skip]
 pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {
-    bias_q12: 25531,
+    bias_q12: 17510,
     coefficients_q12: [
-        -3928, // census: cost at the disparity / best cost elsewhere
-        -8325, // windows and census together: cost at the disparity / best cost elsewhere
-        -6160, // the same, elsewhere being what features nearby leave possible
-        -1350, // |searched back - answer|, px
-        -2957, // searching back: cost at the disparity / best cost elsewhere
-        -1868, // log2(1 + mean gradient around the pixel)
-        1245, // log2(1 + features nearby that agree)
-        -4961, // share of features nearby that contradict
-        1238, // distance of the nearest feature that agrees
-        -2587, // log2(1 + surfaces that end at an edge before the pixel and agree)
-        -984, // outside of what features nearby span, px
+        -2662, // census: cost at the disparity / best cost elsewhere
+        -6511, // windows and census together: cost at the disparity / best cost elsewhere
+        -6098, // the same, elsewhere being what features nearby leave possible
+        -1297, // |searched back - answer|, px
+        -1737, // log2(1 + mean gradient around the pixel)
+        352, // log2(1 + features nearby that agree)
+        -3035, // log2(1 + surfaces that end at an edge before the pixel and agree)
+        -1917, // outside of what features nearby span, px
+        2981, // log2(1 + support points nearby that agree)
+        -4020, // share of support points nearby that contradict
     ],
     probability_q16: [
-        29, 47, 77, 124, 201, 326, 527, 850, 1367, 2189, 3477,
-        5458, 8415, 12636, 18296, 25281, 33065, 40816, 47714, 53266, 56861, 59521,
-        61884, 63352, 64796, 65289, 65469, 65518, 65526, 65527, 65529, 65531, 65533,
+        30, 48, 78, 125, 203, 328, 529, 852, 1368, 2187, 3468,
+        5437, 8372, 12559, 18176, 25114, 32862, 40600, 47511, 53093, 55745, 57913,
+        61672, 63638, 64869, 65305, 65498, 65524, 65526, 65527, 65529, 65531, 65533,
     ],
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 512, 346, 168, 85, 48, 36, 27, 21,
-        18, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
+        512, 512, 512, 440, 287, 161, 85, 51, 38, 30, 24,
+        19, 16, 14, 13, 12, 11, 11, 11, 11, 11, 11,
     ],
 };

@@ -1,11 +1,13 @@
 //! The closest features: what the sides of segments near a pixel say of its disparity.
 //!
-//! In: the candidates of a run, a pixel, the region that it belongs to, if any. Out: a [`Guide`]: what each side nearby says, with a weight.
+//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`Guide`]: disparities of the sides
+//! and the points nearby, with their weights.
 //!
 //! ```text
 //! a side speaks only for pixels on its side of the edge, and only for pixels of the same region
 //! what it says:  its line of disparity at the place next to the pixel, continued across the edge by its slant
 //! its weight:    credibility (2 p - 1) * (1 - distance / reach)^2
+//! a support point speaks likewise, for all pixels around it
 //! ```
 //! A side that owns its edge alone, next to the pixel and turned away from it, is a surface that ends there: an answer that agrees with it is
 //! most likely what a window saw of that surface, and the pixel's own is behind.
@@ -22,6 +24,7 @@ use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
 use crate::matching::{Candidate, Side, about_length};
 use crate::objects::Region;
+use crate::support::{Support, SupportPoint};
 use crate::units::quotient;
 use heapless::Vec;
 
@@ -29,6 +32,9 @@ use heapless::Vec;
 const REACH: i32 = 48;
 /// Features that are listened to; the weightiest.
 const WORDS: usize = 16;
+/// Distance at which a support point says nothing, px, and how many stand within it at most.
+const POINT_REACH: i32 = 16;
+const POINTS: usize = 16;
 /// Pixels off the edge up to which a side's slant is continued.
 const CONTINUED: i32 = 12;
 /// Distance up to which a surface that ends before the pixel counts, px, and how many are remembered.
@@ -66,15 +72,17 @@ pub(super) struct Guide {
     words: Vec<Word, WORDS>,
     /// Of surfaces that end before the pixel.
     ends: Vec<Word, ENDS>,
+    /// Of support points.
+    points: Vec<Word, POINTS>,
 }
 
 /// What a guide makes of an answer, Q8.
 pub(super) struct Verdict {
     pub(super) support_q8: i32,
-    pub(super) conflict_q8: i32,
-    pub(super) distance_q8: i32,
     pub(super) across_q8: i32,
     pub(super) outside_q8: i32,
+    pub(super) points_agreeing_q8: i32,
+    pub(super) points_conflicting_q8: i32,
 }
 
 /// The place of a segment next to a pixel.
@@ -104,7 +112,12 @@ impl Foot {
 
 impl Guide {
     /// Of the candidates, in the order of their tops.
-    pub(super) fn new(candidates: &[Candidate], (x, y): (i32, i32), region: Option<&Region<'_>>) -> Self {
+    pub(super) fn new(
+        candidates: &[Candidate],
+        support: Support<'_>,
+        (x, y): (i32, i32),
+        region: Option<&Region<'_>>,
+    ) -> Self {
         let mut guide = Self::default();
         let first = candidates.partition_point(|candidate| candidate.segment.top() < y - REACH - MAX_ROWS);
         for candidate in candidates.get(first..).unwrap_or(&[]) {
@@ -112,6 +125,12 @@ impl Guide {
                 break;
             }
             guide.listen(candidate, (x, y), region);
+        }
+        for (u, v, point) in support.around((x, y), POINT_REACH) {
+            let distance = about_length(x - u, y - v);
+            if distance < POINT_REACH && region.is_none_or(|region| region.contains(u, v)) {
+                let _ = guide.points.push(Word::of_point(point, distance)); // no more stand there
+            }
         }
         guide
     }
@@ -163,15 +182,20 @@ impl Guide {
         }
     }
 
+    /// Words of both kinds that weigh something.
+    fn heard(&self) -> impl Iterator<Item = &Word> {
+        self.words.iter().chain(&self.points).filter(|word| word.weight_q8 > 0)
+    }
+
     fn span_q6(&self) -> (i32, i32) {
-        let each = || self.words.iter().map(|word| word.d_q6);
+        let each = || self.heard().map(|word| word.d_q6);
         (each().min().unwrap_or(i32::MIN), each().max().unwrap_or(i32::MAX))
     }
 
     /// First and last of `range` that the features leave possible: what they span and 1 px more; all, when too few say something.
     pub(super) fn possible(&self, (first, len): (i32, i32)) -> (i32, i32) {
         let last = first + len - 1;
-        let weight: i32 = self.words.iter().map(|word| word.weight_q8).sum();
+        let weight: i32 = self.heard().map(|word| word.weight_q8).sum();
         if weight < ENOUGH_Q8 {
             return (first, last);
         }
@@ -180,31 +204,32 @@ impl Guide {
     }
 
     pub(super) fn verdict(&self, d_q6: i32) -> Verdict {
-        let (mut agreeing, mut against, mut nearest) = (0_i32, 0_i32, REACH);
-        for word in &self.words {
-            if (word.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * word.distance {
-                agreeing += word.weight_q8;
-                nearest = nearest.min(word.distance);
-            } else {
-                against += word.weight_q8;
-            }
-        }
+        let (agreeing, _) = weigh(&self.words, d_q6);
+        let (points_agreeing, points_against) = weigh(&self.points, d_q6);
         let ends = self.ends.iter().filter(|word| (word.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
         let across: i32 = ends.map(|word| word.weight_q8).sum();
         let (low_q6, high_q6) = self.span_q6();
-        let outside_q6 = if self.words.is_empty() {
+        let outside_q6 = if self.heard().next().is_none() {
             FAR_OUTSIDE_Q6 / 2
         } else {
             (low_q6 - d_q6).max(d_q6 - high_q6).clamp(0, FAR_OUTSIDE_Q6)
         };
         Verdict {
             support_q8: log2_mean_q8(agreeing.unsigned_abs(), ENOUGH_Q8),
-            conflict_q8: quotient(against << 8, agreeing + against + LITTLE_Q8),
-            distance_q8: quotient(nearest << 8, REACH),
             across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
             outside_q8: outside_q6 << 2,
+            points_agreeing_q8: log2_mean_q8(points_agreeing.unsigned_abs(), ENOUGH_Q8),
+            points_conflicting_q8: quotient(points_against << 8, points_agreeing + points_against + LITTLE_Q8),
         }
     }
+}
+
+/// Weights of the words that agree with a disparity, and of those that contradict it.
+fn weigh(words: &[Word], d_q6: i32) -> (i32, i32) {
+    words.iter().fold((0, 0), |(agreeing, against), word| {
+        let agrees = (word.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * word.distance;
+        if agrees { (agreeing + word.weight_q8, against) } else { (agreeing, against + word.weight_q8) }
+    })
 }
 
 /// Does another surface begin at the edge, as far as is known?
@@ -212,15 +237,25 @@ fn has_two_surfaces(candidate: &Candidate) -> bool {
     candidate.sides_apart_q6().is_none_or(|apart| apart > TWO_SURFACES_Q6)
 }
 
+/// Weight of a word with this probability at this distance, Q8.
+fn weight_q8(probability_q16: u16, distance: i32, reach: i32) -> i32 {
+    let credible_q8 = (i32::from(probability_q16) - (1 << 15)).max(0) >> 7;
+    let nearness = reach - distance;
+    quotient(credible_q8 * nearness * nearness, reach * reach)
+}
+
 impl Word {
+    fn of_point(point: &SupportPoint, distance: i32) -> Self {
+        let weight_q8 = weight_q8(point.probability_q16, distance, POINT_REACH);
+        Self { d_q6: point.disparity_q6.into(), weight_q8, distance }
+    }
+
     fn new(side: &Side, foot: &Foot, off: i32, distance: i32) -> Self {
-        let credible_q8 = (i32::from(side.probability_q16) - (1 << 15)).max(0) >> 7;
-        let nearness = REACH - distance;
         let [d0, d1] = side.disparity_q6.map(i32::from);
         let edge_q6 = d0 + quotient((d1 - d0) * foot.along, foot.length);
         Self {
             d_q6: edge_q6 + ((i32::from(side.across_q10) * off.min(CONTINUED)) >> 4),
-            weight_q8: quotient(credible_q8 * nearness * nearness, REACH * REACH),
+            weight_q8: weight_q8(side.probability_q16, distance, REACH),
             distance,
         }
     }

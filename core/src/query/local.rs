@@ -116,14 +116,13 @@ pub(super) fn place(
     back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, own, range_back.0), costs));
     let returned = back.minimum().at;
     evidence.set(PixelKind::BackGap, gap_q8(returned << 6, d_q6));
-    evidence.set(PixelKind::BackRatio, ratio_q8(back.minimum_near(own, 1).cost, back.rival(own)));
 
     let verdict = guide.verdict(d_q6);
     evidence.set(PixelKind::Support, verdict.support_q8);
-    evidence.set(PixelKind::Conflict, verdict.conflict_q8);
-    evidence.set(PixelKind::Distance, verdict.distance_q8);
     evidence.set(PixelKind::Across, verdict.across_q8);
     evidence.set(PixelKind::Outside, verdict.outside_q8);
+    evidence.set(PixelKind::PointsAgreeing, verdict.points_agreeing_q8);
+    evidence.set(PixelKind::PointsConflicting, verdict.points_conflicting_q8);
     (d_q6, evidence)
 }
 

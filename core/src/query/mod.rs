@@ -1,10 +1,10 @@
-//! Depth at a pixel that lies on no segment: the closest features and a match on demand around it.
+//! Depth at a pixel that lies on no segment: the closest features and support points, and a match on demand around it.
 //!
-//! In: a run's candidates and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`], or why it is
+//! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`], or why it is
 //! [`NotKnown`].
 //!
 //! ```text
-//! guide:  what the sides of segments nearby say of the pixel, those of the same region where it is known          (guide)
+//! guide:  what sides of segments and support points nearby say of the pixel, those of the same region if known    (guide)
 //! patch:  gradients and census codes of the rows around the pixel, in the columns that a search reads              (patch)
 //! local:  windows that the pixel does not lie in the middle of, and census, over every disparity and back          (local)
 //! answer: evidence -> probability of being within 1 px and standard deviation, by one fitted line and its tables  (evidence, fitted)
@@ -32,6 +32,7 @@ use crate::matching::evidence::log2_mean_q8;
 use crate::matching::{Candidate, MIN_RANGE, Workspace, narrow};
 use crate::objects::Region;
 use crate::params::Params;
+use crate::support::Support;
 use crate::units::{Confidence, Depth, Disparity};
 use core::fmt;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
@@ -138,6 +139,7 @@ pub(crate) struct Query<'a> {
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) dims: Dims,
     pub(crate) candidates: &'a [Candidate],
+    pub(crate) support: Support<'a>,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
     pub(crate) rows: &'a mut [u8],
@@ -203,7 +205,7 @@ impl Query<'_> {
         if sum * 2 < BLANK * count.unsigned_abs() {
             return Err(NotKnown::NoTexture);
         }
-        let guide = Guide::new(self.candidates, (x, y), region);
+        let guide = Guide::new(self.candidates, self.support, (x, y), region);
         let range_back = |at: i32| (least, most.min(end - (middle - at)) - least);
         let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &guide, &mut self.work.curves);
         evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));

@@ -245,9 +245,28 @@ impl<'a> Support<'a> {
 
     /// The matched points in an area, with their pixels.
     pub(crate) fn within(&self, area: Area) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
+        let Area { left, top, right, bottom } = area;
+        self.between((left.into(), i32::from(right) - 1), (top.into(), i32::from(bottom) - 1))
+    }
+
+    /// The matched points at most `reach` px from a pixel in both directions, with their pixels.
+    pub(crate) fn around(
+        &self,
+        (x, y): (i32, i32),
+        reach: i32,
+    ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
+        self.between((x - reach, x + reach), (y - reach, y + reach))
+    }
+
+    /// The matched points between two columns and two rows of pixels, all included, with their pixels.
+    fn between(
+        &self,
+        (left, right): (i32, i32),
+        (top, bottom): (i32, i32),
+    ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
         let (grid, points) = (self.grid, self.points);
-        let columns = grid.columns_within(area.left.into(), i32::from(area.right) - 1);
-        grid.rows_within(area.top.into(), i32::from(area.bottom) - 1).flat_map(move |row| {
+        let columns = grid.columns_within(left, right);
+        grid.rows_within(top, bottom).flat_map(move |row| {
             columns.clone().filter_map(move |column| {
                 let point = points.get(row * grid.columns + column).filter(|point| point.is_matched())?;
                 Some((grid.x(column), Grid::y(row), point))
