@@ -425,6 +425,14 @@ impl Plan {
         Support::new(&self.params, self.dims, &scratch.support, scratch.detail_q8)
     }
 
+    /// The support points of the last run with this plan and memory that reach the least confidence, as they stand in the list of points.
+    pub fn support_points<'s, const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
+        &self,
+        scratch: &'s Scratch<R, M, S, C, N>,
+    ) -> impl Iterator<Item = PointClaim> + use<'s, R, M, S, C, N> {
+        self.support(scratch).claims(self.params.min_confidence)
+    }
+
     /// Says whether this scratch memory is large enough for the planned size.
     pub fn check_scratch<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
         &self,

@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 use core::fmt::Write;
-use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, Sector};
+use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, PointClaim, Sector};
 use linestereo_wire::mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 
@@ -31,11 +31,11 @@ pub struct Direction {
 }
 
 impl Directions {
-    /// Of the matches of a pair with this health.
+    /// Of the matches and points of a pair with this health.
     #[must_use]
-    pub fn new(plan: ObstaclePlan, matches: &[Match], health: HealthFlags) -> Self {
+    pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[PointClaim], health: HealthFlags) -> Self {
         let mut obstacles = Obstacles::new();
-        obstacles.see(&plan, matches, health, 0);
+        obstacles.see(&plan, matches, points.iter().copied(), health, 0);
         Self { plan, obstacles }
     }
 

@@ -1,10 +1,10 @@
-//! Matched segments -> how far the nearest obstacle is in each direction: what an autopilot asks for.
+//! Matched segments and support points -> how far the nearest obstacle is in each direction: what an autopilot asks for.
 //!
-//! In: an [`ObstaclePlan`] (the view as sectors, made once), the matches of a pair, its health, when it was captured. Out: an [`Obstacles`],
+//! In: an [`ObstaclePlan`] (the view as sectors, made once), the matches and support points of a pair, its health, when it was captured. Out: an [`Obstacles`],
 //! which says of each [`Sector`] of the full turn around the vehicle: an obstacle at this distance, free, unknown, or outside the view.
 //!
 //! ```text
-//! per match, in each sector that it crosses:
+//! per match, in each sector that it crosses, and per support point (at most 0.8 probable: neighbours share paths, and are wrong together):
 //!   within the range and the height band     joins the nearest claims of the sector
 //!   behind them                              speaks for free
 //! per sector, from the nearest claim on:
@@ -18,19 +18,17 @@
 //! # What the words mean
 //! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a camera
 //!   that looks horizontally. What tilts the camera tilts sectors and height band with it.
-//! - **Free**: credible segments were seen *behind* the range through this sector, none within it, and the whole sector is seen by both
+//! - **Free**: credible segments or support points were seen *behind* the range through this sector, none within it, and the whole sector is seen by both
 //!   cameras from the near limit on. It does not mean that nothing is there: a wall without texture, a wire along the rows and whatever is
-//!   nearer than the near limit `f*B/max_disparity` have no credible segment. Nothing is free because nothing was seen: that is unknown.
+//!   nearer than the near limit `f*B/max_disparity` have nothing credible. Nothing is free because nothing was seen: that is unknown.
 //! - **Unknown**: too little was seen, or it is too old.
 //! - **Outside**: never in view of this camera. Sectors seen in part show obstacles, but are never free; nor are those near the left border,
 //!   where the right camera does not see what is near.
 //!
 //! # Measured
-//! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 148 show an obstacle, none of them nearer than all that is
-//! there by 10 %; 26 are farther than the nearest tenth of the sector's pixels by 25 %, whose surface has no credible segment. With ranges that
-//! most of the scene lies behind, 62 are free, in 4 of them something is within the range, the nearest at 0.79 of it; without the quarter
-//! beyond the range 7 of 33 instead of 3 of 14 at one of these ranges. With a limit of 0.1, where any claim is enough: 2 obstacles that are not
-//! there, 12 more of 148 seen in time. Rows: asking for half of them leaves 51 free, 3 wrongly.
+//! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an obstacle (segments alone: 149), none of them nearer
+//! than all that is there by 10 %; 15 (37) are farther than the nearest tenth of the sector's pixels by 25 %, whose surface has nothing credible.
+//! With ranges that most of the scene lies behind, 18 (48) are free, and in 4 (26) of these at least a hundredth of the pixels is within the range.
 //!
 //! # Bounds
 //! At most [`MAX_IN_VIEW`] sectors are in view (less than half a turn), 72 in a turn. Nearness (disparity plus offset, times the cosine of the
@@ -42,7 +40,8 @@
 mod plan;
 
 use crate::health::HealthFlags;
-use crate::result::Match;
+use crate::result::{Match, Point, PointClaim, Source};
+use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use plan::PARTS;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
@@ -51,6 +50,9 @@ pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 const KEPT: usize = 6;
 /// Claims agree within this and a sixteenth of their nearness, 1/64 px.
 const AGREE_Q6: i32 = 64;
+
+/// Doubt about a support point at least, Q16: neighbours share paths and are wrong together.
+const POINT_DOUBT_Q16: u16 = 13107;
 
 /// Parts of the rows, and those of them in which something behind has to be seen for a sector to be free.
 const PARTS_OF_ROWS: i32 = 8;
@@ -63,7 +65,7 @@ pub enum Sector {
     Outside,
     /// In view, but nothing credible was seen, or it is too old.
     Unknown,
-    /// Credible segments behind the range, none within it. What has no credible segment is not seen: a blank wall may stand there.
+    /// Credible segments or support points behind the range, none within it. What has none is not seen: a blank wall may stand there.
     Free {
         /// Probability that they are right.
         confidence: Confidence,
@@ -106,7 +108,7 @@ impl Known {
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
 /// let plan = ObstacleParams::new(300.0).plan(&params, dims)?;
 /// let mut obstacles = Obstacles::new();
-/// obstacles.see(&plan, &[], HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
+/// obstacles.see(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
 /// assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown); // ahead
 /// assert_eq!(obstacles.sector(&plan, 36, 0), Sector::Outside); // behind
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -130,21 +132,33 @@ impl Obstacles {
         Self { known: [Known::NONE; MAX_IN_VIEW], is_fit: false }
     }
 
-    /// Takes the matches of a pair that was captured at this time (microseconds of a clock that does not run backwards) and has these
+    /// Takes the matches of a pair, and its support points among `points`, that was captured at this time (microseconds of a clock that does not run backwards) and has these
     /// [flags](crate::PairHealth::flags). Of a pair that is not fit to be used no sector gets anything.
     #[inline(never)]
-    pub fn see(&mut self, plan: &ObstaclePlan, matches: &[Match], health: HealthFlags, time_us: u64) {
+    pub fn see(
+        &mut self,
+        plan: &ObstaclePlan,
+        matches: &[Match],
+        points: impl IntoIterator<Item = PointClaim>,
+        health: HealthFlags,
+        time_us: u64,
+    ) {
         let now_ms = milliseconds(time_us);
         self.is_fit = (health.bits() & plan.unfit.bits()) == 0;
         let mut found = [Claims::NONE; MAX_IN_VIEW];
         if self.is_fit {
-            for one in matches {
-                let doubt = u16::MAX - one.confidence.to_bits();
-                plan.for_each_sector(one, |sector, ray| {
+            let mut add = |piece: &Piece, doubt: u16| {
+                plan.for_each_sector(piece, |sector, ray| {
                     if let Some(claims) = found.get_mut(sector) {
                         claims.add(ray, doubt);
                     }
                 });
+            };
+            for one in matches {
+                add(&Piece::of_match(one), u16::MAX - one.confidence.to_bits());
+            }
+            for point in points.into_iter().filter(|point| point.source == Source::Support) {
+                add(&Piece::of_point(&point), (u16::MAX - point.confidence.to_bits()).max(POINT_DOUBT_Q16));
             }
         }
         for ((known, claims), sector) in self.known.iter_mut().zip(&found).zip(0_u32..) {
@@ -204,7 +218,29 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// What a match says of one sector.
+/// A straight piece of something with a depth: its ends, x and y in 1/32 px, disparity in 1/64 px.
+struct Piece {
+    ends: [[i32; 3]; 2],
+}
+
+impl Piece {
+    fn of_match(one: &Match) -> Self {
+        let bits = |p: Position| i32::from(p.to_bits());
+        let end = |end: Point, disparity: Disparity| [bits(end.x), bits(end.y), disparity.to_bits().into()];
+        let [a, b] = one.ends;
+        let [da, db] = one.disparity;
+        Self { ends: [end(a, da), end(b, db)] }
+    }
+
+    /// The rows up to the points above and below it.
+    fn of_point(point: &PointClaim) -> Self {
+        let half = i32::from(SUPPORT_PITCH / 2);
+        let (x, y, disparity) = (i32::from(point.x), i32::from(point.y), i32::from(point.disparity.to_bits()));
+        Self { ends: [y - half, y + half - 1].map(|y| [x << 5, y << 5, disparity]) }
+    }
+}
+
+/// What a piece says of one sector.
 #[derive(Clone, Copy)]
 enum Ray {
     /// Something within the range and the height band; nearness, 1/64 px.
@@ -273,13 +309,10 @@ fn both(doubt: u16, other: u16) -> u16 {
 }
 
 impl ObstaclePlan {
-    /// Calls `claim` with the sectors in view that a match crosses, and how near it is there.
-    fn for_each_sector(&self, one: &Match, mut claim: impl FnMut(usize, Ray)) {
-        let bits = |p: Position| i32::from(p.to_bits());
-        let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
-        let [da, db] = one.disparity.map(|d: Disparity| i32::from(d.to_bits()) + self.offset_q6);
-        let ((x0, y0, d0), (x1, y1, d1)) =
-            if a.0 <= b.0 { ((a.0, a.1, da), (b.0, b.1, db)) } else { ((b.0, b.1, db), (a.0, a.1, da)) };
+    /// Calls `claim` with the sectors in view that a piece crosses, and how near it is there.
+    fn for_each_sector(&self, piece: &Piece, mut claim: impl FnMut(usize, Ray)) {
+        let [a, b] = piece.ends.map(|[x, y, d]| (x, y, d + self.offset_q6));
+        let ((x0, y0, d0), (x1, y1, d1)) = if a.0 <= b.0 { (a, b) } else { (b, a) };
         let (from, to) = (self.sector_of(x0), self.sector_of(x1));
         // Along the segment: what is linear in x.
         let at = |v0: i32, v1: i32, x: i32| v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0));

@@ -35,6 +35,7 @@ use crate::image::{Dims, Gray, Span};
 use crate::kernel::{JUMP_PENALTY, rank_costs};
 use crate::matching::narrow;
 use crate::params::Params;
+use crate::result::{PointClaim, Source};
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
 use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, heard};
@@ -241,6 +242,16 @@ impl<'a> Support<'a> {
     pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
         self.points.iter().enumerate().map(move |(place, point)| (grid.pixel(place), point))
+    }
+
+    /// The points that are at least so probable, as they stand in the list of points; some of a pixel for which a segment has a more probable
+    /// point, which that list does not have twice.
+    pub fn claims(&self, least: Confidence) -> impl Iterator<Item = PointClaim> + use<'a> {
+        let probable = self.iter().filter(move |(_, point)| point.confidence() >= least && point.is_matched());
+        probable.map(|((x, y), point)| {
+            let (disparity, confidence) = (point.disparity(), point.confidence());
+            PointClaim { x, y, disparity, confidence, source: Source::Support }
+        })
     }
 
     /// The matched points in an area, with their pixels.

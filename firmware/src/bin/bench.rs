@@ -22,7 +22,7 @@ fn bench() -> linestereo_firmware::startup::Exit {
         if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None, None) {
             bench::line(&mut table, case, &costs, memory.results());
             let Some(view) = selftest::view(&case) else { continue };
-            let [see, tell, bytes] = bench::measure_autopilot(memory, &clock, &view);
+            let [see, tell, bytes] = bench::measure_autopilot(memory, &plan, &clock, &view);
             let _ =
                 core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
         }

@@ -34,6 +34,9 @@ pub trait Lists {
 
     /// What the last pair gave.
     fn results(&self) -> Results<'_>;
+
+    /// The support points of the last pair that are probable enough.
+    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim>;
 }
 
 /// The core's memory with its capacities.
@@ -97,5 +100,9 @@ impl<
     fn results(&self) -> Results<'_> {
         let Output { matches, points, counts, row_offset_q5 } = &self.output;
         Results { matches, points, counts, row_offset_q5: *row_offset_q5 }
+    }
+
+    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim> {
+        plan.support_points(&self.scratch)
     }
 }

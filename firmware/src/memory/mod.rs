@@ -48,6 +48,9 @@ pub trait Memory {
     /// What the last run gave.
     fn results(&self) -> Results<'_>;
 
+    /// The support points of the last run, which had this plan, that are probable enough.
+    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim>;
+
     /// Every point of the last run, which had this plan.
     fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim));
 
@@ -148,6 +151,10 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
 
     fn results(&self) -> Results<'_> {
         self.lists.results()
+    }
+
+    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim> {
+        self.lists.support_points(plan)
     }
 
     fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim)) {

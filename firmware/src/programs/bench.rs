@@ -42,12 +42,12 @@ impl<C: Clock> Observer for StageClock<'_, C> {
 }
 
 /// What the obstacles of the last pair cost, as those of a good one, and telling an autopilot of them; and the bytes of the latter.
-pub fn measure_autopilot(memory: &impl Memory, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
+pub fn measure_autopilot(memory: &impl Memory, plan: &Plan, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut count = Count(0);
     let start = clock.now();
-    autopilot.see(memory.results().matches, HealthFlags::GOOD, 0);
+    autopilot.see(memory.results().matches, memory.support_points(plan), HealthFlags::GOOD, 0);
     let seen = clock.now();
     autopilot.turn(0, &mut count);
     let told = clock.now();

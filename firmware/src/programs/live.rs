@@ -242,7 +242,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let objects = self.session.objects(memory, &plan, &health);
         let results = memory.results();
         self.autopilot.set_view(self.session.directions(pair.dims));
-        self.autopilot.see(results.matches, health.flags, now_us); // of the clock of its turns
+        self.autopilot.see(results.matches, memory.support_points(&plan), health.flags, now_us); // of the clock of its turns
         let head = FrameHead::new(0, time_us, pair.dims, captured, results.counts).with_pair(&health);
         self.write_frame(head, Some((results.matches, &objects)));
         Some(())

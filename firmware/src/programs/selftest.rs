@@ -9,7 +9,7 @@ use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
 use crate::watch::Watch;
-use linestereo::{HealthFlags, Match, ObstacleParams, ObstaclePlan, Params, Rig, Stage, StageDigests};
+use linestereo::{HealthFlags, ObstacleParams, ObstaclePlan, Params, Plan, Rig, Stage, StageDigests};
 
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";
@@ -58,7 +58,7 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     for (place, stage) in all.iter_mut().zip(Stage::ALL) {
         *place = digests.of(stage);
     }
-    *all.last_mut()? = autopilot(&view(case)?, memory.results().matches, health.flags);
+    *all.last_mut()? = autopilot(&view(case)?, memory, &plan, health.flags);
     Some(all)
 }
 
@@ -68,13 +68,13 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
     ObstacleParams::new(300.0).plan(&params, case.dims).ok()
 }
 
-/// Digest of what an autopilot is told: of the matches as those of a good pair, then of the pair as it is.
-fn autopilot(view: &ObstaclePlan, matches: &[Match], flags: HealthFlags) -> u32 {
+/// Digest of what an autopilot is told: of matches and support points as those of a good pair, then of the pair as it is.
+fn autopilot(view: &ObstaclePlan, memory: &impl Memory, plan: &Plan, flags: HealthFlags) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut digest = Fnv(0x811c_9dc5);
     for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
-        autopilot.see(matches, health, time_us);
+        autopilot.see(memory.results().matches, memory.support_points(plan), health, time_us);
         autopilot.turn(time_us, &mut digest);
     }
     digest.0

@@ -77,7 +77,7 @@ impl SectorArgs {
             ObstacleError::NoRig => anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig"),
             ObstacleError::OutOfRange { name, .. } => anyhow!("{error}; change {}", option_behind(name)),
         })?;
-        Ok(Some(Directions::new(plan, &result.matches, result.health.of_pair())))
+        Ok(Some(Directions::new(plan, &result.matches, &result.points, result.health.of_pair())))
     }
 }
 

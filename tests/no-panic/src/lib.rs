@@ -9,7 +9,7 @@ use linestereo::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
-use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
+use linestereo::{HealthFlags, Match, PointClaim, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError, Params, PixelDepth, Plan,
     Region, Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, most_support_points, row_bytes,
@@ -218,9 +218,10 @@ pub fn proof_obstacles(
     obstacles: &mut Obstacles,
     plan: &ObstaclePlan,
     matches: &[Match],
+    points: &[PointClaim],
     health: HealthFlags,
     time_us: u64,
 ) -> usize {
-    obstacles.see(plan, matches, health, time_us);
+    obstacles.see(plan, matches, points.iter().copied(), health, time_us);
     obstacles.sectors(plan, time_us).filter(|sector| matches!(sector, Sector::Obstacle { .. })).count()
 }
