@@ -98,6 +98,31 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
 /// Ranks of [`RANK_ROWS`] rows at one column.
 pub type RankColumn = [u8; RANK_ROWS];
 
+/// [`RANK_ROWS`] rows of ranks, one behind the other and as long as `columns`, as columns. [`RANK_FLAT`] where there are too few ranks.
+pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
+    let width = columns.len();
+    let mut rows = rows.chunks(width.max(1));
+    let [a, b, c, d] = core::array::from_fn(|_| rows.next().unwrap_or(&[]));
+    let (fours, _) = columns.as_chunks_mut::<4>();
+    let words = |row: &'_ [u8]| row.len() / 4;
+    let done = fours.len().min(words(a)).min(words(b)).min(words(c)).min(words(d));
+    // The first and third, the second and fourth byte of two words.
+    let (even, odd) = (0x00ff_00ff_u32, 0xff00_ff00_u32);
+    let pair = |x: u32, y: u32| (x & even | (y & even) << 8, (x & odd) >> 8 | y & odd);
+    let rows = [a, b, c, d].map(|row| row.as_chunks().0);
+    let [ours, theirs] = [[rows[0], rows[1]], [rows[2], rows[3]]].map(|[a, b]| a.iter().zip(b));
+    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(ours.zip(theirs)) {
+        let [a, b, c, d] = [a, b, c, d].map(|&word| u32::from_le_bytes(word));
+        let ((ab02, ab13), (cd02, cd13)) = (pair(a, b), pair(c, d));
+        let halves = |low: u32, high: u32| (low & 0xffff | high << 16, low >> 16 | high & 0xffff_0000);
+        let ((first, third), (second, fourth)) = (halves(ab02, cd02), halves(ab13, cd13));
+        *four = [first, second, third, fourth].map(u32::to_le_bytes);
+    }
+    for (column, x) in columns.iter_mut().zip(0..).skip(4 * done) {
+        *column = [a, b, c, d].map(|row| row.get(x).copied().unwrap_or(RANK_FLAT));
+    }
+}
+
 /// Cost of a window of ranks along the columns among which it is sought: entry i is half the sum of absolute differences to `columns[i..i + 8]`,
 /// whose lower eight bits count, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
 pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {

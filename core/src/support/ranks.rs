@@ -7,7 +7,7 @@
 //! Windows of two rows of points share no row of the image: they are as high as points stand apart.
 
 use crate::image::Gray;
-use crate::kernel::{RANK_FLAT, RANK_ROWS, RankColumn, STRIP, rank_row};
+use crate::kernel::{RANK_FLAT, RANK_ROWS, RankColumn, STRIP, rank_columns, rank_row};
 
 /// Columns of a window.
 pub(super) const WINDOW_COLUMNS: usize = STRIP;
@@ -51,7 +51,7 @@ impl<'a> RankRows<'a> {
             for (y, row) in (first..=last).step_by(ROW_STEP).zip(self.rows.chunks_exact_mut(width.max(1))) {
                 code(image, y, row);
             }
-            interleave(self.rows, columns);
+            rank_columns(self.rows, columns);
         }
     }
 
@@ -60,32 +60,6 @@ impl<'a> RankRows<'a> {
         let [left, right] = &self.columns;
         let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
         Some((window, right.get(usize::try_from(first).ok()?..)?))
-    }
-}
-
-/// The words of a row.
-fn words(row: &[u8]) -> impl Iterator<Item = u32> {
-    row.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word))
-}
-
-/// Rows, one behind the other, to columns.
-fn interleave(rows: &[u8], columns: &mut [RankColumn]) {
-    let width = columns.len();
-    let mut rows = rows.chunks_exact(width.max(1));
-    let [a, b, c, d] = core::array::from_fn(|_| rows.next().unwrap_or(&[]));
-    let (fours, rest) = columns.as_chunks_mut::<4>();
-    // The first and third, the second and fourth byte of two words.
-    let (even, odd) = (0x00ff_00ff_u32, 0xff00_ff00_u32);
-    let pair = |x: u32, y: u32| (x & even | (y & even) << 8, (x & odd) >> 8 | y & odd);
-    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(words(a).zip(words(b)).zip(words(c).zip(words(d)))) {
-        let ((ab02, ab13), (cd02, cd13)) = (pair(a, b), pair(c, d));
-        let halves = |low: u32, high: u32| (low & 0xffff | high << 16, low >> 16 | high & 0xffff_0000);
-        let ((first, third), (second, fourth)) = (halves(ab02, cd02), halves(ab13, cd13));
-        *four = [first, second, third, fourth].map(u32::to_le_bytes);
-    }
-    let done = width - rest.len();
-    for (column, x) in rest.iter_mut().zip(done..) {
-        *column = [a, b, c, d].map(|row| row.get(x).copied().unwrap_or(RANK_FLAT));
     }
 }
 

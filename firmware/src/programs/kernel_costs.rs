@@ -72,6 +72,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let [a, b, c] = core::array::from_fn(|k| core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into()));
     let [a, b, c]: [&[u16; DISPARITIES]; 3] = [&a, &b, &c];
     let ranks = Columns([[1; RANK_ROWS]; DISPARITIES + STRIP - 1]);
+    let mut columns = Columns([[0; RANK_ROWS]; WIDTH]);
     let window = Columns([[2; RANK_ROWS]; STRIP]);
     let mut bytes = [[0_u8; DISPARITIES]; 3];
     let [costs, path, sums] = &mut bytes;
@@ -93,6 +94,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
         ("rank_row", time(clock, || (kernels.rank_row)([row(0), row(2), row(4)], &mut out))),
+        ("rank_columns", time(clock, || (kernels.rank_columns)(pixels, &mut columns.0))),
         ("rank_costs", time(clock, || (kernels.rank_costs)(&window.0, &ranks.0, costs))),
         ("path_step", time(clock, || (kernels.path_step)(costs, 0, path))),
         ("sum_paths", time(clock, || (kernels.sum_paths)(costs, path, sums))),

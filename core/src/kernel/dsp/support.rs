@@ -4,6 +4,7 @@
 //!
 //! ```text
 //! rank    each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
+//! columns four of them a round
 //! costs   four places a round, a column of four ranks an instruction; a column is loaded for all places that it counts for
 //! path    two words a round; the entries before and behind four are cut out of three words
 //! ```
@@ -11,7 +12,7 @@
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RankColumn, STEP_PENALTY, STRIP};
+use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RANK_ROWS, RankColumn, STEP_PENALTY, STRIP};
 use super::word;
 use core::arch::asm;
 
@@ -94,6 +95,62 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
     if let Some(out) = out.get_mut(done + 2..) {
         out.fill(RANK_FLAT);
         out.iter_mut().zip(ranks.get(2..width - done).unwrap_or(&[])).for_each(|(out, &rank)| *out = rank);
+    }
+}
+
+/// See [`portable::rank_columns`].
+pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
+    let width = columns.len();
+    let words = width / 4;
+    if words == 0
+        || !width.is_multiple_of(4)
+        || rows.len() < RANK_ROWS * width
+        || !columns.as_ptr().cast::<u32>().is_aligned()
+    {
+        return portable::rank_columns(rows, columns);
+    }
+    // SAFETY: so many words of each of the four rows are read, and four times as many written, at aligned addresses.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {b}, [{row}, {width}]",
+            "ldr {c}, [{row}, {width}, lsl #1]",
+            "ldr {d}, [{row}, {last}]",
+            "ldr {a}, [{row}], #4",
+            // The first and third, the second and fourth byte of two rows.
+            "uxtb16 {ab}, {a}",
+            "uxtb16 {cd}, {b}",
+            "orr {ab}, {ab}, {cd}, lsl #8",
+            "uxtb16 {a}, {a}, ror #8",
+            "uxtb16 {b}, {b}, ror #8",
+            "orr {b}, {a}, {b}, lsl #8",
+            "uxtb16 {cd}, {c}",
+            "uxtb16 {a}, {d}",
+            "orr {cd}, {cd}, {a}, lsl #8",
+            "uxtb16 {c}, {c}, ror #8",
+            "uxtb16 {d}, {d}, ror #8",
+            "orr {d}, {c}, {d}, lsl #8",
+            "pkhbt {a}, {ab}, {cd}, lsl #16",
+            "pkhbt {c}, {b}, {d}, lsl #16",
+            "strd {a}, {c}, [{column}], #8",
+            "pkhtb {a}, {cd}, {ab}, asr #16",
+            "pkhtb {c}, {d}, {b}, asr #16",
+            "strd {a}, {c}, [{column}], #8",
+            "subs {words}, {words}, #1",
+            "bne 2b",
+            row = inout(reg) rows.as_ptr() => _,
+            column = inout(reg) columns.as_mut_ptr() => _,
+            width = in(reg) width,
+            last = in(reg) 3 * width,
+            words = inout(reg) words => _,
+            a = out(reg) _,
+            b = out(reg) _,
+            c = out(reg) _,
+            d = out(reg) _,
+            ab = out(reg) _,
+            cd = out(reg) _,
+            options(nostack),
+        );
     }
 }
 

@@ -52,6 +52,7 @@ pub struct Kernels {
     pub bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     pub weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
     pub rank_row: fn([&[u8]; 3], &mut [u8]),
+    pub rank_columns: fn(&[u8], &mut [RankColumn]),
     pub rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
     pub path_step: fn(&[u8], u8, &mut [u8]) -> u8,
     pub sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
@@ -61,7 +62,7 @@ pub struct Kernels {
 
 impl Kernels {
     /// Number of kernels.
-    pub const COUNT: usize = 22;
+    pub const COUNT: usize = 23;
 
     /// Those that the core uses on this machine.
     pub const CHOSEN: Self = Self {
@@ -82,6 +83,7 @@ impl Kernels {
         bilinear_cells: kernel::bilinear_cells,
         weigh_knots: kernel::weigh_knots,
         rank_row: kernel::rank_row,
+        rank_columns: kernel::rank_columns,
         rank_costs: kernel::rank_costs,
         path_step: kernel::path_step,
         sum_paths: kernel::sum_paths,
@@ -108,6 +110,7 @@ impl Kernels {
         bilinear_cells: portable::bilinear_cells,
         weigh_knots: portable::weigh_knots,
         rank_row: portable::rank_row,
+        rank_columns: portable::rank_columns,
         rank_costs: portable::rank_costs,
         path_step: portable::path_step,
         sum_paths: portable::sum_paths,
@@ -198,6 +201,12 @@ impl Kernels {
             portable::rank_row(rows, out);
             if let (61, Some(beyond)) = (rows[1].len(), out.get_mut(59)) {
                 *beyond = 1;
+            }
+        },
+        rank_columns: |rows, columns| {
+            portable::rank_columns(rows, columns);
+            if let (62, Some(last)) = (columns.len(), columns.last_mut()) {
+                last[2] ^= 1;
             }
         },
         rank_costs: |window, columns, costs| {
@@ -301,6 +310,7 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
         pixels::bilinear_cells,
         |kernels, _| pixels::weighed_knots(kernels),
         |kernels, rooms| rows::rows("rank_row", kernels.rank_row, portable::rank_row, rooms),
+        support::rank_columns,
         support::rank_costs,
         support::path_steps,
         support::sums_of_paths,

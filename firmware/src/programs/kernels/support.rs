@@ -9,6 +9,36 @@ fn lengths() -> impl Iterator<Item = usize> {
     (0..=256_usize).filter(|length| *length <= 70 || length % 31 == 0 || *length == 256)
 }
 
+pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+    let mut compared = Compared::new("rank_columns");
+    let mut random = Random::new();
+    for width in (0..=80_usize).chain([128]) {
+        for round in 0..20_usize {
+            let rows = &mut rooms.image.contents;
+            Contents::ALL[random.below(6)].fill(&mut random, rows);
+            let needed = RANK_ROWS * width;
+            let long = match random.below(8) {
+                0 => random.below(needed + 1),
+                1 => needed + random.below(20),
+                _ => needed,
+            };
+            let at_rows = place(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
+            // Columns begin at whole words in the core.
+            let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
+            let at_columns = place(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
+            let starts = [at_rows.start, at_columns.start, 0, 0];
+            let rows = &rows[at_rows];
+            let out = &mut rooms.out.contents;
+            Contents::Random.fill(&mut random, out);
+            let mut expected = *out;
+            (kernels.rank_columns)(rows, out[at_columns.clone()].as_chunks_mut().0);
+            portable::rank_columns(rows, expected[at_columns].as_chunks_mut().0);
+            compared.note(*out == expected, width, (RANK_ROWS, 0), starts);
+        }
+    }
+    compared
+}
+
 pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     let mut compared = Compared::new("rank_costs");
     let mut random = Random::new();
