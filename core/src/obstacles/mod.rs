@@ -40,7 +40,7 @@
 mod plan;
 
 use crate::health::HealthFlags;
-use crate::result::{Match, Point, PointClaim, Source};
+use crate::result::{Match, PointClaim, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use plan::PARTS;
@@ -147,18 +147,19 @@ impl Obstacles {
         self.is_fit = (health.bits() & plan.unfit.bits()) == 0;
         let mut found = [Claims::NONE; MAX_IN_VIEW];
         if self.is_fit {
-            let mut add = |piece: &Piece, doubt: u16| {
-                plan.for_each_sector(piece, |sector, ray| {
+            for one in matches {
+                let doubt = u16::MAX - one.confidence.to_bits();
+                plan.for_each_sector(one, |sector, ray| {
                     if let Some(claims) = found.get_mut(sector) {
                         claims.add(ray, doubt);
                     }
                 });
-            };
-            for one in matches {
-                add(&Piece::of_match(one), u16::MAX - one.confidence.to_bits());
             }
             for point in points.into_iter().filter(|point| point.source == Source::Support) {
-                add(&Piece::of_point(&point), (u16::MAX - point.confidence.to_bits()).max(POINT_DOUBT_Q16));
+                let (sector, ray) = plan.ray_of(&point);
+                if let (Some(claims), Some(ray)) = (found.get_mut(sector), ray) {
+                    claims.add(ray, (u16::MAX - point.confidence.to_bits()).max(POINT_DOUBT_Q16));
+                }
             }
         }
         for ((known, claims), sector) in self.known.iter_mut().zip(&found).zip(0_u32..) {
@@ -218,29 +219,7 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// A straight piece of something with a depth: its ends, x and y in 1/32 px, disparity in 1/64 px.
-struct Piece {
-    ends: [[i32; 3]; 2],
-}
-
-impl Piece {
-    fn of_match(one: &Match) -> Self {
-        let bits = |p: Position| i32::from(p.to_bits());
-        let end = |end: Point, disparity: Disparity| [bits(end.x), bits(end.y), disparity.to_bits().into()];
-        let [a, b] = one.ends;
-        let [da, db] = one.disparity;
-        Self { ends: [end(a, da), end(b, db)] }
-    }
-
-    /// The rows up to the points above and below it.
-    fn of_point(point: &PointClaim) -> Self {
-        let half = i32::from(SUPPORT_PITCH / 2);
-        let (x, y, disparity) = (i32::from(point.x), i32::from(point.y), i32::from(point.disparity.to_bits()));
-        Self { ends: [y - half, y + half - 1].map(|y| [x << 5, y << 5, disparity]) }
-    }
-}
-
-/// What a piece says of one sector.
+/// What a match or a support point says of one sector.
 #[derive(Clone, Copy)]
 enum Ray {
     /// Something within the range and the height band; nearness, 1/64 px.
@@ -267,6 +246,9 @@ impl Claims {
         match ray {
             Ray::Ends(nearness_q6) => {
                 let mut claim = (nearness_q6, doubt);
+                if self.near.last().is_some_and(|last| claim.0 <= last.0) {
+                    return; // most are not among the nearest
+                }
                 for place in &mut self.near {
                     if claim.0 > place.0 {
                         core::mem::swap(place, &mut claim);
@@ -309,10 +291,13 @@ fn both(doubt: u16, other: u16) -> u16 {
 }
 
 impl ObstaclePlan {
-    /// Calls `claim` with the sectors in view that a piece crosses, and how near it is there.
-    fn for_each_sector(&self, piece: &Piece, mut claim: impl FnMut(usize, Ray)) {
-        let [a, b] = piece.ends.map(|[x, y, d]| (x, y, d + self.offset_q6));
-        let ((x0, y0, d0), (x1, y1, d1)) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+    /// Calls `claim` with the sectors in view that a match crosses, and how near it is there.
+    fn for_each_sector(&self, one: &Match, mut claim: impl FnMut(usize, Ray)) {
+        let bits = |p: Position| i32::from(p.to_bits());
+        let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
+        let [da, db] = one.disparity.map(|d: Disparity| i32::from(d.to_bits()) + self.offset_q6);
+        let ((x0, y0, d0), (x1, y1, d1)) =
+            if a.0 <= b.0 { ((a.0, a.1, da), (b.0, b.1, db)) } else { ((b.0, b.1, db), (a.0, a.1, da)) };
         let (from, to) = (self.sector_of(x0), self.sector_of(x1));
         // Along the segment: what is linear in x.
         let at = |v0: i32, v1: i32, x: i32| v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0));
@@ -325,16 +310,37 @@ impl ObstaclePlan {
                 if xa == x0 { (x0, y0, d0) } else { (xa, at(y0, y1, xa), at(d0, d1, xa)) },
                 if xb == x1 { (x1, y1, d1) } else { (xb, at(y0, y1, xb), at(d0, d1, xb)) },
             ];
-            let nearness = ends.map(|(x, _, d)| ((i64::from(d) * i64::from(self.cosine_q15(x))) >> 15) as i32);
-            let [na, nb] = nearness;
-            let (nearness_q6, points) = (na.max(nb), ends.map(|(_, y, d)| (y, d)));
-            let clear_q6 = self.far_q6 - self.far_q6 / 5;
-            if nearness_q6 >= clear_q6 && self.band_meets(points) {
-                claim(place, Ray::Ends(nearness_q6));
-            } else if nearness_q6 < clear_q6 || self.band_has_camera() {
-                claim(place, Ray::Passes(self.parts(ends.map(|(_, y, _)| y))));
+            let [na, nb] = ends.map(|(x, _, d)| self.nearness_q6(x, d));
+            if let Some(ray) = self.ray(na.max(nb), ends.map(|(_, y, d)| (y, d))) {
+                claim(place, ray);
             }
         }
+    }
+
+    /// The sector of a support point, and what it says there: rows up to the next ones above and below.
+    fn ray_of(&self, point: &PointClaim) -> (usize, Option<Ray>) {
+        let half = i32::from(SUPPORT_PITCH / 2);
+        let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
+        let d_q6 = i32::from(point.disparity.to_bits()) + self.offset_q6;
+        let rows = [y - half, y + half - 1].map(|y| (y << 5, d_q6));
+        (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), rows))
+    }
+
+    /// What something so near says of its sector, between two points (row in 1/32 px, disparity plus offset in 1/64 px).
+    fn ray(&self, nearness_q6: i32, points: [(i32, i32); 2]) -> Option<Ray> {
+        let clear_q6 = self.far_q6 - self.far_q6 / 5;
+        if nearness_q6 >= clear_q6 && self.band_meets(points) {
+            Some(Ray::Ends(nearness_q6))
+        } else if nearness_q6 < clear_q6 || self.band_has_camera() {
+            Some(Ray::Passes(self.parts(points.map(|(y, _)| y))))
+        } else {
+            None
+        }
+    }
+
+    /// Nearness of a disparity plus offset (1/64 px) in a column (1/32 px).
+    fn nearness_q6(&self, x_q5: i32, d_q6: i32) -> i32 {
+        ((i64::from(d_q6) * i64::from(self.cosine_q15(x_q5))) >> 15) as i32
     }
 
     /// The place among the sectors in view of a column (1/32 px).
