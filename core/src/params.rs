@@ -31,8 +31,6 @@ pub enum Parts {
     Both,
     /// Support points alone: a third of the work, no edges.
     Support,
-    /// Segments alone, sought at every disparity.
-    Segments,
 }
 
 /// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.

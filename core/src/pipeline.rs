@@ -14,7 +14,7 @@ use crate::params::{ParamError, Params, Parts};
 use crate::query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, Query};
 use crate::report::{Ranked, Report};
 use crate::result::{Counts, Match, PointClaim, Rejection};
-use crate::support::evidence::{SUPPORT_EVIDENCE, TYPICAL_DETAIL_Q8};
+use crate::support::evidence::SUPPORT_EVIDENCE;
 use crate::support::{self, FITTED_SUPPORT, Grid, Support, SupportPoint, most_support_points};
 use core::fmt;
 use heapless::Vec;
@@ -476,7 +476,6 @@ impl Plan {
         m.support.clear();
         m.candidates.clear();
         let mut m = m;
-        *m.detail_q8 = TYPICAL_DETAIL_Q8;
         let row_offset_q5 = if self.params.parts == Parts::Support {
             focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
         } else {
@@ -484,9 +483,7 @@ impl Plan {
         };
         *out.row_offset_q5 = row_offset_q5;
         *m.row_offset = (i32::from(row_offset_q5) + 16) >> 5;
-        if self.params.parts != Parts::Segments {
-            self.match_support([left, right], &sought, &mut m, observer);
-        }
+        self.match_support([left, right], &sought, &mut m, observer);
         if self.params.parts != Parts::Support {
             self.match_segments([left, right], &sought, &mut m, out.counts, observer);
         }

@@ -100,8 +100,6 @@ pub enum PartsUpdate {
     Both,
     /// [`Parts::Support`].
     Support,
-    /// [`Parts::Segments`].
-    Segments,
 }
 
 impl From<Parts> for PartsUpdate {
@@ -109,7 +107,6 @@ impl From<Parts> for PartsUpdate {
         match parts {
             Parts::Both => Self::Both,
             Parts::Support => Self::Support,
-            Parts::Segments => Self::Segments,
         }
     }
 }
@@ -119,7 +116,6 @@ impl From<PartsUpdate> for Parts {
         match parts {
             PartsUpdate::Both => Self::Both,
             PartsUpdate::Support => Self::Support,
-            PartsUpdate::Segments => Self::Segments,
         }
     }
 }

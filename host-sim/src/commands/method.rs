@@ -37,8 +37,6 @@ enum PartsArg {
     Both,
     /// Support points alone.
     Support,
-    /// Segments alone, sought at every disparity.
-    Segments,
 }
 
 impl MethodArgs {
@@ -84,7 +82,6 @@ impl MethodArgs {
             None => params.parts,
             Some(PartsArg::Both) => Parts::Both,
             Some(PartsArg::Support) => Parts::Support,
-            Some(PartsArg::Segments) => Parts::Segments,
         };
         Ok(params)
     }

@@ -153,8 +153,7 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
                 update.parts = Some(match text {
                     "both" => PartsUpdate::Both,
                     "support" => PartsUpdate::Support,
-                    "segments" => PartsUpdate::Segments,
-                    _ => bail!("--send {word}: parts are both, support or segments"),
+                    _ => bail!("--send {word}: parts are both or support"),
                 });
             }
             _ => bail!("--send {word}: {name} is no parameter; there are {}", NAMES.join(", ")),

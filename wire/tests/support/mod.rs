@@ -120,7 +120,7 @@ pub(crate) fn full_update() -> ParamUpdate {
         margin: Some(MarginUpdate::MetresQ16 { nearer: i32::MIN, farther: i32::MIN }),
         min_confidence_q16: Some(u16::MAX),
         reach: Some(u16::MAX),
-        parts: Some(linestereo_wire::PartsUpdate::Segments),
+        parts: Some(linestereo_wire::PartsUpdate::Support),
         rig: Some(RigUpdate { focal_px: f64::MAX, baseline_m: -1e-300, offset_px: f64::INFINITY }),
     }
 }
