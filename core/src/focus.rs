@@ -7,7 +7,7 @@
 //! matched   what can speak of an object in an area: a window's middle lies in it
 //! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every rival is known
 //! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: they tell the row offset
-//! rows      gradients and census codes in the columns that windows reach, searching there and back
+//! rows      gradients and census codes in the columns that windows reach
 //! ```
 //!
 //! # Source

@@ -60,7 +60,7 @@ pub(crate) struct Band<'a> {
     reached: Option<&'a [Reached]>,
 }
 
-/// Pixels of rows that windows may look at, in both directions of search.
+/// Pixels of rows that windows may look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reached {
     /// Rows of the left image.
@@ -70,8 +70,7 @@ pub(crate) struct Reached {
 }
 
 impl Reached {
-    /// By windows of segments that lie in an area, at disparities from `min` to before `max`: the search back may end the whole range to
-    /// either side of where it started.
+    /// By windows of segments that lie in an area, at disparities from `min` to before `max`.
     pub(crate) fn around(area: Area, (min, max): (i32, i32), dims: Dims) -> Self {
         let span = |from: i32, to: i32, size: u16| {
             let inside = |at: i32| u16::try_from(at.max(0)).unwrap_or(u16::MAX).min(size);
@@ -81,8 +80,7 @@ impl Reached {
         let rows =
             span(i32::from(top) - WINDOW_REACH - ROW_STEP, i32::from(bottom) + WINDOW_REACH + ROW_STEP, dims.height);
         let (first, end) = (i32::from(left) - WINDOW_COLUMNS, i32::from(right) + WINDOW_COLUMNS);
-        let range = max - min;
-        let columns = [(first - range, end + range), (first - max, end - min)];
+        let columns = [(first, end), (first - max, end - min)];
         Self { rows, columns: columns.map(|(first, end)| span(first, end, dims.width)) }
     }
 }
