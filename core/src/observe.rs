@@ -22,7 +22,7 @@ pub enum Step<'a> {
     Selection(i32, &'a [Segment]),
     /// All support points, by their own evidence.
     Support(&'a [SupportPoint]),
-    /// Gradients and census of the rows that the next segment needs.
+    /// Gradients and census of the rows that the next segment needs; each was handed to [`Observer::row`].
     Rows,
     /// One segment matched, with the evidence of its sides as far as it is known by now, or the test that it failed.
     Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
@@ -112,6 +112,10 @@ pub trait Observer {
     /// A step has just ended.
     fn ended(&mut self, step: Step<'_>);
 
+    /// A row of gradients and census codes was computed: left gradients, right gradients, right census codes, the right ones mirrored.
+    #[inline]
+    fn row(&mut self, _planes: [&[u8]; 3]) {}
+
     /// A support point was matched: its place in the grid and its evidence, neighbours left out.
     #[inline]
     fn support_point(&mut self, _place: usize, _evidence: &SupportEvidence) {}
@@ -134,6 +138,19 @@ impl StageDigests {
         Self([FNV_OFFSET; Stage::ALL.len()])
     }
 
+    fn add(&mut self, stage: Stage, write: impl FnOnce(&mut Fnv)) {
+        if let Some(slot) = self.0.get_mut(stage as usize) {
+            let mut hash = Fnv(*slot);
+            write(&mut hash);
+            *slot = hash.0;
+        }
+    }
+
+    /// Adds a point to the digest of [`Stage::Report`]: for memories without a list of points, of which the report's own step knows none.
+    pub fn add_point(&mut self, point: &PointClaim) {
+        self.add(Stage::Report, |hash| point.hash(hash));
+    }
+
     /// The digest of one stage.
     #[must_use]
     pub fn of(&self, stage: Stage) -> u32 {
@@ -149,39 +166,37 @@ impl Default for StageDigests {
 
 impl Observer for StageDigests {
     fn ended(&mut self, step: Step<'_>) {
-        let Some(slot) = self.0.get_mut(step.stage() as usize) else { return };
-        let mut hash = Fnv(*slot);
-        match step {
-            Step::LinesLeft(segments) | Step::LinesRight(segments) => each(segments, &mut hash),
+        self.add(step.stage(), |hash| match step {
+            Step::LinesLeft(segments) | Step::LinesRight(segments) => each(segments, hash),
             Step::Selection(offset, segments) => {
                 hash.write_i32(offset);
-                each(segments, &mut hash);
+                each(segments, hash);
             }
-            Step::Rows => {}
-            Step::Support(points) => each(points, &mut hash),
+            Step::Rows => {} // by `row`
+            Step::Support(points) => each(points, hash),
             Step::Segment(Ok((candidate, evidence))) => {
-                candidate.hash(&mut hash);
-                each(evidence, &mut hash);
+                candidate.hash(hash);
+                each(evidence, hash);
             }
             Step::Segment(Err(reason)) => hash.write_u8(reason as u8),
             Step::Consistency(candidates, points) => {
-                each(candidates, &mut hash);
-                each(points, &mut hash);
+                each(candidates, hash);
+                each(points, hash);
             }
             Step::Report(matches, points) => {
-                each(matches, &mut hash);
-                each(points, &mut hash);
+                each(matches, hash);
+                each(points, hash);
             }
-            Step::Health(health) => health.hash(&mut hash),
-        }
-        *slot = hash.0;
+            Step::Health(health) => health.hash(hash),
+        });
+    }
+
+    fn row(&mut self, planes: [&[u8]; 3]) {
+        self.add(Stage::Rows, |hash| planes.iter().for_each(|plane| hash.write(plane)));
     }
 
     fn support_point(&mut self, _: usize, evidence: &SupportEvidence) {
-        let Some(slot) = self.0.get_mut(Stage::Support as usize) else { return };
-        let mut hash = Fnv(*slot);
-        evidence.hash(&mut hash);
-        *slot = hash.0;
+        self.add(Stage::Support, |hash| evidence.hash(hash));
     }
 }
 

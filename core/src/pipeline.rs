@@ -577,7 +577,7 @@ impl Plan {
         let reached = sought.reached(m.left, self.disparities());
         let Some(mut band) = Band::new(images, *m.row_offset, reached.as_deref(), m.rows) else { return };
         for segment in m.left.iter() {
-            band.advance_for(segment);
+            band.advance_for(segment, |planes| observer.row(planes));
             observer.ended(Step::Rows);
             let matched = matching::match_segment(segment, &context, &band, m.work);
             counts.searched_fully += u16::from(!matched.directed);

@@ -3,6 +3,8 @@
 use anyhow::{Context, Result};
 use core::fmt::Write;
 use linestereo::{Dims, Params, Stage};
+use linestereo_firmware::ports::NoClock;
+use linestereo_firmware::programs::rectify::{self, BuiltIn};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
@@ -106,10 +108,18 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("rectify", board)?;
     let mut rigs = BTreeMap::new();
+    let here = rectified_here(board)?;
     for line in std::fs::read_to_string(folder.path().join("table"))?.lines() {
-        let ["rectify", name, ref numbers @ .., _digest] = line.split('\t').collect::<Vec<_>>()[..] else {
+        let ["rectify", name, ref numbers @ .., digest] = line.split('\t').collect::<Vec<_>>()[..] else {
             anyhow::bail!("the table of rectify has an unknown line: {line}")
         };
+        let expected = here.get(name).with_context(|| format!("there is no built-in rig {name}"))?;
+        if digest != expected {
+            anyhow::bail!(
+                "{name} on {}: rectified images have the digest {digest}, on this machine {expected}",
+                board.name
+            );
+        }
         let numbers: Vec<u64> = numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
         let [set_up, rows, dearest_row, band_bytes] = numbers[..] else {
             anyhow::bail!("the table of rectify has an unknown line: {line}")
@@ -117,6 +127,18 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
         rigs.insert(name.to_owned(), Rectified { set_up, rows, dearest_row, band_bytes });
     }
     Ok(rigs)
+}
+
+/// Digests of what this machine rectifies with the built-in rigs in a board's sizes.
+fn rectified_here(board: &Board) -> Result<BTreeMap<String, String>> {
+    let mut workspace = Box::new(rectify::Workspace::new());
+    let rigs = board.sizes.iter().flat_map(|&dims| BuiltIn::ALL.map(|rig| (rig, dims)));
+    let digest = |(rig, dims): (BuiltIn, Dims)| {
+        let measured = rectify::measure(&mut workspace, &NoClock, rig, dims);
+        let digest = measured.map_err(|why| anyhow::anyhow!("{} {dims}: {why:?}", rig.name()))?.digest;
+        Ok((format!("{}_{dims}", rig.name()), format!("{digest:08x}")))
+    };
+    rigs.map(digest).collect()
 }
 
 /// Built-in pairs by their size and kind, such as `128x96` and `128x96_dearest`, without these in their names.

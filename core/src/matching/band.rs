@@ -128,8 +128,9 @@ impl<'a> Band<'a> {
         !right.usable().is_empty()
     }
 
-    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before.
-    pub(crate) fn advance_for(&mut self, segment: &Segment) {
+    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before. `watch` is handed each row that
+    /// was computed: left gradients, right gradients, right census codes, the right ones mirrored.
+    pub(crate) fn advance_for(&mut self, segment: &Segment, watch: impl FnMut([&[u8]; PLANES])) {
         let (_, y0, _, y1) = segment.ends_q5();
         let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
         // Where segments are sought in parts of the image, there are rows between them that none looks at.
@@ -137,11 +138,11 @@ impl<'a> Band<'a> {
         if first > self.next_row {
             (self.first_row, self.next_row) = (first, first);
         }
-        self.advance(((y0.max(y1) + 31) >> 5) + reach);
+        self.advance(((y0.max(y1) + 31) >> 5) + reach, watch);
     }
 
     /// Computes rows up to and including `last`; rows before `last + 1 - BAND_ROWS` are forgotten.
-    fn advance(&mut self, last: i32) {
+    fn advance(&mut self, last: i32, mut watch: impl FnMut([&[u8]; PLANES])) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
             self.next_row += ROW_STEP;
@@ -161,9 +162,15 @@ impl<'a> Band<'a> {
                 gradients(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
             }
-            if let Some(out) = self.census.get_mut(mirrored) {
+            if let Some(out) = self.census.get_mut(mirrored.clone()) {
                 census(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
+            }
+            let Planes { left, right_mirrored } = &self.gradient;
+            if let (Some(left), Some(right), Some(census)) =
+                (left.get(place(left_columns)), right_mirrored.get(mirrored.clone()), self.census.get(mirrored))
+            {
+                watch([left, right, census]);
             }
         }
     }
