@@ -98,7 +98,7 @@ pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Sha
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params, Parts};
-pub use pipeline::{Output, Plan, Scratch, SizeMismatch, mark_words, most_candidates};
+pub use pipeline::{Output, Plan, RunError, Scratch, mark_words, most_candidates};
 pub use query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,

@@ -38,7 +38,7 @@ pub enum Parts {
 pub struct Params {
     /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is: then the rig's offset makes it positive.
     pub min_disparity: i16,
-    /// Disparities searched end before this, px; at least 8 above `min_disparity`, at most 256, smaller than the width. The nearest depth is
+    /// Disparities searched end before this, px; 8 to 256 above `min_disparity`, smaller than the width. The nearest depth is
     /// `f*B/max_disparity`.
     pub max_disparity: u16,
     /// The rectified rig; without one nothing is given in metres.
@@ -47,7 +47,7 @@ pub struct Params {
     pub anchor_gradient: u16,
     /// Least grey step times four along an edge; 4 ..= `anchor_gradient`.
     pub edge_gradient: u16,
-    /// Least extent of a segment in px; 4 ..= 32.
+    /// Least extent of a segment in px; 6 ..= 32. Edges have a position every second pixel: odd extents count as the next even one.
     pub min_extent: u16,
     /// Side of the squares of which each gives its most prominent segment, px; 8 ..= 256. Cost falls with its square.
     pub cell: u16,
@@ -84,7 +84,7 @@ impl Params {
         in_range("max_disparity", self.max_disparity, i32::from(self.min_disparity) + 8, widest)?;
         in_range("anchor_gradient", self.anchor_gradient, 4_i32, 1020_i32)?;
         in_range("edge_gradient", self.edge_gradient, 4_i32, self.anchor_gradient)?;
-        in_range("min_extent", self.min_extent, 4_i32, 32_i32)?;
+        in_range("min_extent", self.min_extent, 6_i32, 32_i32)?;
         in_range("cell", self.cell, 8_i32, 256_i32)?;
         in_range("reach", self.reach, 1_i32, 6_i32)?;
         let percent = (u32::from(self.min_confidence.to_bits()) * 100) >> 16;
@@ -136,15 +136,6 @@ pub enum ParamError {
     },
     /// A margin in metres was asked for, and there is no rig to convert it with.
     MarginNeedsRig,
-    /// The working memory was made for smaller images.
-    ScratchTooSmall {
-        /// What is too small.
-        name: &'static str,
-        /// Size needed.
-        needed: usize,
-        /// Size there.
-        given: usize,
-    },
 }
 
 impl fmt::Display for ParamError {
@@ -154,9 +145,6 @@ impl fmt::Display for ParamError {
                 write!(f, "{name} is {value}, allowed are {low} to {high}")
             }
             Self::MarginNeedsRig => write!(f, "a margin in metres needs a rig (focal length and baseline)"),
-            Self::ScratchTooSmall { name, needed, given } => {
-                write!(f, "{name} of the scratch memory holds {given}, these images need {needed}")
-            }
         }
     }
 }

@@ -20,22 +20,39 @@ use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
 
-/// The only way a planned frame can fail: another size than planned.
+/// A pair that cannot be matched as planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SizeMismatch {
-    /// Size planned for.
-    pub planned: Dims,
-    /// Size given.
-    pub given: Dims,
+pub enum RunError {
+    /// An image has another size than planned.
+    SizeMismatch {
+        /// Size planned for.
+        planned: Dims,
+        /// Size given.
+        given: Dims,
+    },
+    /// The working memory was made for smaller images.
+    ScratchTooSmall {
+        /// Capacity of [`Scratch`] that is too small.
+        name: &'static str,
+        /// Capacity needed.
+        needed: usize,
+        /// Capacity there.
+        given: usize,
+    },
 }
 
-impl fmt::Display for SizeMismatch {
+impl fmt::Display for RunError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "planned for {}, the frame is {}", self.planned, self.given)
+        match self {
+            Self::SizeMismatch { planned, given } => write!(f, "planned for {planned}, the frame is {given}"),
+            Self::ScratchTooSmall { name, needed, given } => {
+                write!(f, "{name} of the scratch memory holds {given}, these images need {needed}")
+            }
+        }
     }
 }
 
-impl core::error::Error for SizeMismatch {}
+impl core::error::Error for RunError {}
 
 /// Words of marks for images of this size: a bit per pixel.
 #[must_use]
@@ -224,8 +241,9 @@ impl Plan {
 
     /// Matches one rectified pair.
     ///
-    /// The memory must be large enough for the planned size: see [`Scratch`]. A smaller one is refused by [`Plan::check_scratch`]; run with it
-    /// all the same, it gives an empty result.
+    /// # Errors
+    /// Images of another size than planned, and a memory that is too small for it ([`Scratch`] says what is enough): nothing is matched, and the
+    /// output stays as it was.
     pub fn run<
         const R: usize,
         const M: usize,
@@ -240,7 +258,7 @@ impl Plan {
         right: Gray<'_>,
         scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
-    ) -> Result<(), SizeMismatch> {
+    ) -> Result<(), RunError> {
         self.run_observed(left, right, scratch, out, &mut ())
     }
 
@@ -260,7 +278,7 @@ impl Plan {
         scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
-    ) -> Result<(), SizeMismatch> {
+    ) -> Result<(), RunError> {
         self.run_on(left, right, &Focus::WHOLE, scratch, out, observer)
     }
 
@@ -287,7 +305,8 @@ impl Plan {
         scratch: &mut Scratch<R, M, S, C, N>,
         out: &mut Output<OS, OP>,
         observer: &mut impl Observer,
-    ) -> Result<(), SizeMismatch> {
+    ) -> Result<(), RunError> {
+        self.check_memory(R, M, N)?;
         let memory = Memory {
             marks: scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []),
             chain: &mut scratch.chain,
@@ -433,23 +452,14 @@ impl Plan {
         self.support(scratch).claims(self.params.min_confidence)
     }
 
-    /// Says whether this scratch memory is large enough for the planned size.
-    pub fn check_scratch<const R: usize, const M: usize, const S: usize, const C: usize, const N: usize>(
-        &self,
-        _: &Scratch<R, M, S, C, N>,
-    ) -> Result<(), ParamError> {
-        let (row, marks) = (row_bytes(self.dims.width), mark_words(self.dims));
-        if R < row {
-            return Err(ParamError::ScratchTooSmall { name: "ROW", needed: row, given: R });
+    /// Are these capacities of a scratch memory large enough for the planned size?
+    fn check_memory(&self, row: usize, marks: usize, support: usize) -> Result<(), RunError> {
+        let needed = [row_bytes(self.dims.width), mark_words(self.dims), most_support_points(self.dims)];
+        let there = [("ROW", row), ("MARKS", marks), ("SUPPORT", support)];
+        match there.into_iter().zip(needed).find(|((_, given), needed)| given < needed) {
+            Some(((name, given), needed)) => Err(RunError::ScratchTooSmall { name, needed, given }),
+            None => Ok(()),
         }
-        if M < marks {
-            return Err(ParamError::ScratchTooSmall { name: "MARKS", needed: marks, given: M });
-        }
-        let support = most_support_points(self.dims);
-        if N < support {
-            return Err(ParamError::ScratchTooSmall { name: "SUPPORT", needed: support, given: N });
-        }
-        Ok(())
     }
 
     #[inline(never)]
@@ -460,10 +470,10 @@ impl Plan {
         m: Memory<'_>,
         out: Lists<'_>,
         observer: &mut impl Observer,
-    ) -> Result<(), SizeMismatch> {
+    ) -> Result<(), RunError> {
         for image in [left, right] {
             if image.dims() != self.dims {
-                return Err(SizeMismatch { planned: self.dims, given: image.dims() });
+                return Err(RunError::SizeMismatch { planned: self.dims, given: image.dims() });
             }
         }
         out.matches.clear();

@@ -102,6 +102,7 @@ impl Report<'_> {
             if matches.push(found).is_ok() {
                 candidate.listed = Some(rank);
             } else {
+                candidate.is_dropped = true;
                 counts.matches_dropped = counts.matches_dropped.saturating_add(1);
             }
         }
@@ -119,7 +120,7 @@ impl Report<'_> {
         counts.points = u32::try_from(points.len()).unwrap_or(u32::MAX);
     }
 
-    /// Hands every point to `put`, most probable sides first, until it says that it takes no more; returns the pixels of the claims left out.
+    /// Hands every point to `put`, most probable sides first, until it says that it takes no more; returns how many were left out.
     pub(crate) fn claim_points(&mut self, mut put: impl FnMut(PointClaim) -> bool) -> u32 {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
@@ -144,10 +145,6 @@ impl Report<'_> {
                         + if next_to_edge { model.coefficient_q8(Kind::NextToEdge) } else { 0 };
                     let probability = model.probability_q16(score);
                     if probability < least {
-                        continue;
-                    }
-                    if !wanted {
-                        left_out = left_out.saturating_add(candidate.segment.pixels().into());
                         continue;
                     }
                     let source = candidate.listed.map_or(Source::Side, Source::Segment);
@@ -279,10 +276,11 @@ impl Candidate {
         self.best(|side| side.edge_probability_q16)
     }
 
-    /// Why its segment is not in the list of matches of the run that made it; `None` when it is listed.
+    /// Why its segment has no match in the run that made it; `None` when it has one, in the list or beyond its capacity.
     #[must_use]
     pub fn rejection(&self) -> Option<Rejection> {
         match (self.listed, self.edge_side()) {
+            _ if self.is_dropped => None,
             (Some(_), _) => None,
             (None, Some(_)) => Some(Rejection::EdgeUnclear),
             (None, None) if self.beaten => Some(Rejection::NotExclusive),

@@ -20,7 +20,7 @@ pub struct Case {
 const DEAREST: Params = Params {
     anchor_gradient: 4,
     edge_gradient: 4,
-    min_extent: 4,
+    min_extent: 6,
     cell: 8,
     min_confidence: Confidence::from_bits(0x1a00),
     reach: 6,

@@ -3,8 +3,8 @@
 use crate::fitting::FittedModels;
 use linestereo::{
     Area, Candidate, Dims, Focus, Gray, HealthLimits, HealthMonitor, Match, NotKnown, ObjectDepth, Observer, Output,
-    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, Scratch, SizeMismatch, Support,
-    mark_words, most_support_points, row_bytes,
+    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, RunError, Scratch, Support, mark_words,
+    most_support_points, row_bytes,
 };
 pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};
@@ -143,7 +143,7 @@ impl Engine {
         &mut self,
         left: Gray<'_>,
         right: Gray<'_>,
-    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
+    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, RunError> {
         self.run_observed(left, right, &mut ())
     }
 
@@ -153,7 +153,7 @@ impl Engine {
         left: Gray<'_>,
         right: Gray<'_>,
         observer: &mut impl Observer,
-    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, SizeMismatch> {
+    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, RunError> {
         let areas = self.areas.as_deref();
         let focus = Focus { areas, row_offset_q5: self.row_offset_q5.filter(|_| areas.is_some()) };
         self.plan.run_on(left, right, &focus, &mut self.scratch, &mut self.output, observer)?;
@@ -164,7 +164,7 @@ impl Engine {
     }
 
     /// Runs the core on one rectified pair that stands alone: its health knows of no other.
-    pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, SizeMismatch> {
+    pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, RunError> {
         self.run_watched(left, right, &mut HealthMonitor::new(), &HealthLimits::DEFAULT, None)
     }
 
@@ -176,7 +176,7 @@ impl Engine {
         monitor: &mut HealthMonitor,
         limits: &HealthLimits,
         times_us: Option<[u64; 2]>,
-    ) -> Result<FrameResult, SizeMismatch> {
+    ) -> Result<FrameResult, RunError> {
         self.run_watched_observed((left, right), monitor, limits, times_us, &mut ())
     }
 
@@ -188,7 +188,7 @@ impl Engine {
         limits: &HealthLimits,
         times_us: Option<[u64; 2]>,
         observer: &mut impl Observer,
-    ) -> Result<FrameResult, SizeMismatch> {
+    ) -> Result<FrameResult, RunError> {
         let mut health = monitor.look(limits, left, right, times_us);
         let empty = FrameResult {
             matches: Vec::new(),

@@ -1,8 +1,8 @@
 //! Sizes, contents, capacities and parameters at their limits. The test profile checks every integer overflow.
 
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Gray, Margin, Output, ParamError, Params, Rejection, Rig, Scratch,
-    SizeMismatch, mark_words, most_support_points, row_bytes,
+    Confidence, Depth, Dims, Disparity, Gray, Margin, Output, ParamError, Params, Rejection, Rig, RunError, Scratch,
+    mark_words, most_support_points, row_bytes,
 };
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -100,8 +100,14 @@ fn full_lists_keep_the_most_confident_and_count_the_rest() {
     assert!(all.matches.len() > 10 && all.points.len() > 200, "{:?}", all.counts);
     assert_eq!(few.matches[..], all.matches[..5]);
     assert_eq!(usize::from(few.counts.matches_dropped), all.matches.len() - 5);
-    // A full list ends the work: what is left out is counted by claims, and a pixel may be claimed twice.
-    assert!(few.points.len() as u32 + few.counts.points_dropped >= all.points.len() as u32, "{:?}", few.counts);
+    assert_eq!(few.points.len() as u32 + few.counts.points_dropped, all.points.len() as u32, "{:?}", few.counts);
+    // Every candidate is listed, dropped or rejected, and each for the reason that was counted.
+    for counts in [all.counts, few.counts] {
+        let rejected: u16 = Rejection::ALL.iter().map(|&reason| counts.rejected(reason)).sum();
+        assert_eq!(counts.segments_left, counts.matched + counts.matches_dropped + rejected, "{counts:?}");
+    }
+    let unclear = memory.candidates().iter().filter(|one| one.rejection() == Some(Rejection::EdgeUnclear)).count();
+    assert_eq!(unclear, usize::from(few.counts.rejected(Rejection::EdgeUnclear)));
     let value = |p: &linestereo::PointClaim| (p.x, p.y, p.disparity, p.confidence);
     assert_eq!(
         few.points.iter().map(value).collect::<Vec<_>>(),
@@ -122,7 +128,7 @@ fn every_parameter_out_of_range_is_named() {
         ("anchor_gradient", Params { anchor_gradient: 1021, ..base }),
         ("edge_gradient", Params { edge_gradient: 3, ..base }),
         ("edge_gradient", Params { edge_gradient: 49, ..base }),
-        ("min_extent", Params { min_extent: 3, ..base }),
+        ("min_extent", Params { min_extent: 5, ..base }),
         ("min_extent", Params { min_extent: 33, ..base }),
         ("cell", Params { cell: 7, ..base }),
         ("cell", Params { cell: 257, ..base }),
@@ -164,7 +170,7 @@ fn a_narrow_margin_in_metres_rejects_what_a_wide_one_accepts() {
 }
 
 #[test]
-fn wrong_sizes_are_refused_and_too_little_memory_is_no_crash() {
+fn wrong_sizes_and_too_little_memory_are_refused() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let plan = Params::default().plan(DIMS).unwrap();
@@ -173,16 +179,15 @@ fn wrong_sizes_are_refused_and_too_little_memory_is_no_crash() {
             Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, 64, { most_support_points(DIMS) }>::new(),
         );
     let mut output = Box::new(Output::<64, 1024>::new());
-    assert_eq!(plan.check_scratch(&memory), Ok(()));
     let other = Dims { width: 160, height: 119 };
     let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
-    let refused = Err(SizeMismatch { planned: DIMS, given: other });
+    let refused = Err(RunError::SizeMismatch { planned: DIMS, given: other });
     assert_eq!(plan.run(small, right, &mut memory, &mut output), refused);
     assert_eq!(plan.run(left, small, &mut memory, &mut output), refused);
     assert_eq!(plan.run(left, right, &mut memory, &mut output), Ok(()));
 
     let mut tiny = Box::new(Scratch::<64, 16, 4, 4, 4>::new());
-    assert!(matches!(plan.check_scratch(&tiny), Err(ParamError::ScratchTooSmall { name: "ROW", .. })));
-    assert_eq!(plan.run(left, right, &mut tiny, &mut output), Ok(()));
-    assert!(output.matches.is_empty());
+    let needed = row_bytes(DIMS.width);
+    let refused = Err(RunError::ScratchTooSmall { name: "ROW", needed, given: 64 });
+    assert_eq!(plan.run(left, right, &mut tiny, &mut output), refused);
 }

@@ -310,6 +310,19 @@ fn a_frozen_camera_is_seen_with_its_first_repetition() {
         }
         let good = HealthFlags::GOOD;
         assert_eq!(seen, [good, good, good, flags, flags, flags, flags, flags, good, good]);
+        // An image of which only some samples stay as they are is another one.
+        let mut other = Rig::new(DIMS, 64);
+        let mut changed = noisy((&pair.left, &pair.right), 1);
+        let seen = [1, 2, 3].map(|n| {
+            let fresh = noisy((&pair.left, &pair.right), n);
+            for (image, fresh) in [(&mut changed.0, fresh.0), (&mut changed.1, fresh.1)] {
+                let sampled = |i: usize| i % 320 % 7 == 3 && i / 320 % 8 == 4;
+                let pixels = image.pixels.iter_mut().zip(fresh.pixels).enumerate().filter(|(i, _)| !sampled(*i));
+                pixels.for_each(|(_, (pixel, fresh))| *pixel = fresh);
+            }
+            other.see(&changed.0, &changed.1, None).flags
+        });
+        assert_eq!(seen, [good; 3]);
         // Those who expect repetitions can say so.
         let mut patient = Rig::new(DIMS, 64);
         patient.limits.frozen_pairs = 2;

@@ -207,7 +207,7 @@ pub enum Refusal {
     },
     /// [`ParamError::MarginNeedsRig`].
     MarginNeedsRig,
-    /// [`ParamError::ScratchTooSmall`].
+    /// The board's memory was made for smaller images.
     MemoryTooSmall {
         /// What is too small.
         name: Name,
@@ -270,11 +270,6 @@ impl From<ParamError> for Refusal {
                 Self::OutOfRange { name: shortened(name), value, low, high }
             }
             ParamError::MarginNeedsRig => Self::MarginNeedsRig,
-            ParamError::ScratchTooSmall { name, needed, given } => Self::MemoryTooSmall {
-                name: shortened(name),
-                needed: u32::try_from(needed).unwrap_or(u32::MAX),
-                given: u32::try_from(given).unwrap_or(u32::MAX),
-            },
         }
     }
 }

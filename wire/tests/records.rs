@@ -325,12 +325,9 @@ fn what_the_core_refuses_is_refused_by_name() {
         let Outcome::Refused(received) = answer.outcome else { panic!("accepted") };
         assert_eq!(received.to_string(), text);
     }
-    let too_small = linestereo::ParamError::ScratchTooSmall {
-        name: "a name that is longer than any of them is",
-        needed: 9,
-        given: 8,
-    };
-    let Refusal::MemoryTooSmall { name, needed: 9, given: 8 } = Refusal::from(too_small) else {
+    let name = "a name that is longer than any of them is";
+    let too_large = linestereo::ParamError::OutOfRange { name, value: 9, low: 1, high: 8 };
+    let Refusal::OutOfRange { name, value: 9, low: 1, high: 8 } = Refusal::from(too_large) else {
         panic!("another refusal")
     };
     assert_eq!(name, "a name that is longer than any o");

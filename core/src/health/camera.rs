@@ -37,7 +37,7 @@ pub(super) struct Look {
     pub(super) health: CameraHealth,
     /// Between the darkest and the brightest sample.
     pub(super) range: u8,
-    /// Of all samples: differs if the images differ, but for one chance in 2^32.
+    /// Of all pixels of the sampled rows: differs if one of them differs, but for one chance in 2^32.
     pub(super) digest: u32,
 }
 
@@ -55,6 +55,9 @@ pub(super) fn look(image: Gray<'_>) -> Look {
         let row = row.get(usize::from(span.start)..usize::from(span.end)).unwrap_or(&[]);
         usable += row.len() as u32;
         all += u32::from(dims.width);
+        let (words, rest) = row.as_chunks();
+        let words = words.iter().map(|&word| u32::from_le_bytes(word));
+        digest = words.chain(rest.iter().map(|&level| level.into())).fold(digest, mix);
         let mut x = across / 2;
         let mut before = row.get(x).copied().unwrap_or(0);
         while let Some(&level) = row.get(x) {
@@ -65,7 +68,6 @@ pub(super) fn look(image: Gray<'_>) -> Look {
             steps += u32::from(level.abs_diff(before));
             low = low.min(level);
             high = high.max(level);
-            digest = (digest ^ u32::from(level)).wrapping_mul(FNV_PRIME);
             before = level;
             x += across;
         }
@@ -85,3 +87,7 @@ pub(super) fn look(image: Gray<'_>) -> Look {
 /// FNV-1a, 32 bits (Fowler, Noll, Vo).
 const FNV_OFFSET: u32 = 0x811c_9dc5;
 const FNV_PRIME: u32 = 0x0100_0193;
+
+fn mix(digest: u32, value: u32) -> u32 {
+    (digest ^ value).wrapping_mul(FNV_PRIME)
+}

@@ -85,11 +85,6 @@ impl Segment {
         y0.min(y1) >> 5
     }
 
-    /// Rows, or columns when near-horizontal, that it touches: at most.
-    pub(crate) fn pixels(&self) -> u16 {
-        u16::try_from((self.extent_q5() >> 5) + 1).unwrap_or(0)
-    }
-
     /// Extent along its direction in 1/32 px.
     pub(crate) fn extent_q5(&self) -> i32 {
         let (x0, y0, x1, y1) = self.ends_q5();

@@ -2,8 +2,8 @@
 
 use crate::ports::Results;
 use linestereo::{
-    Dims, Focus, Gray, NotKnown, ObjectDepth, Observer, Output, PixelDepth, Plan, PointClaim, Region, Scratch,
-    SizeMismatch, Views, mark_words, row_bytes,
+    Dims, Focus, Gray, NotKnown, ObjectDepth, Observer, Output, PixelDepth, Plan, PointClaim, Region, RunError,
+    Scratch, Views, mark_words, row_bytes,
 };
 
 /// [`Scratch`] and [`Output`] without their capacities.
@@ -21,7 +21,7 @@ pub trait Lists {
         pair: [Gray<'_>; 2],
         focus: &Focus<'_>,
         observer: &mut impl Observer,
-    ) -> Result<(), SizeMismatch>;
+    ) -> Result<(), RunError>;
 
     /// Every point of the last pair.
     fn for_each_point(&mut self, plan: &Plan, views: Views<'_>, claim: impl FnMut(PointClaim));
@@ -76,7 +76,7 @@ impl<
         [left, right]: [Gray<'_>; 2],
         focus: &Focus<'_>,
         observer: &mut impl Observer,
-    ) -> Result<(), SizeMismatch> {
+    ) -> Result<(), RunError> {
         plan.run_on(left, right, focus, &mut self.scratch, &mut self.output, observer)
     }
 

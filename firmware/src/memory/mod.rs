@@ -14,7 +14,7 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 use crate::ports::Results;
 use linestereo::{
     Dims, Eye, Focus, Gray, NotKnown, ObjectDepth, Observer, PixelDepth, Plan, PointClaim, Rectification, Region,
-    RowError, SizeMismatch, Span, ViewError, Views,
+    RowError, Span, ViewError, Views,
 };
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
@@ -146,7 +146,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         }
         let usable = usable(&self.rectifiers, self.is_raw);
         let pair = views([&self.left, &self.right], usable, dims)?;
-        self.lists.run(plan, pair, focus, observer).map_err(|SizeMismatch { given, .. }| RunError::Size(given))
+        self.lists.run(plan, pair, focus, observer).map_err(|_| RunError::Size(dims))
     }
 
     fn results(&self) -> Results<'_> {

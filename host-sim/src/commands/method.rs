@@ -22,7 +22,7 @@ pub(super) struct MethodArgs {
     /// Take one segment from each square of this side: larger is faster and sparser [default: 20].
     #[arg(long, value_name = "PX")]
     cell: Option<u16>,
-    /// Least extent of a segment [default: 6].
+    /// Least extent of a segment, 6 to 32, even [default: 6].
     #[arg(long, value_name = "PX")]
     min_extent: Option<u16>,
     /// Parts of the method that match a pair [default: both].

@@ -140,7 +140,6 @@ fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
             anyhow::anyhow!("{error}; change --{}", name.split(' ').next().unwrap_or(name).replace('_', "-"))
         }
         ParamError::MarginNeedsRig => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
-        ParamError::ScratchTooSmall { .. } => anyhow::anyhow!("{error}; reduce the images with --width"),
     })
 }
 

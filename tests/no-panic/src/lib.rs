@@ -12,7 +12,7 @@ use linestereo::{
 use linestereo::{HealthFlags, Match, PointClaim, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError, Params, PixelDepth, Plan,
-    Region, Rejection, Rig, RigError, Scratch, SizeMismatch, ViewError, mark_words, most_support_points, row_bytes,
+    Region, Rejection, Rig, RigError, Scratch, RunError, ViewError, mark_words, most_support_points, row_bytes,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -75,7 +75,7 @@ pub fn proof_run(
     right: Gray<'_>,
     scratch: &mut BoardScratch,
     output: &mut BoardOutput,
-) -> Result<(), SizeMismatch> {
+) -> Result<(), RunError> {
     plan.run(left, right, scratch, output)
 }
 
