@@ -1,8 +1,8 @@
 //! Sparse stereo depth from line segments and support points, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
 //!
 //! Dense stereo spends its work on pixels nobody asks for and is wrong at many of them. Line segments are few, prominent and credible; a sparse
-//! grid of points, matched semi-globally, knows the surfaces between them and where a segment should look. Each segment is matched by three
-//! techniques that have to agree; everything is reported with a probability. What is not credible is not reported.
+//! grid of points, matched semi-globally, knows the surfaces between them and where a segment should look. Each segment is matched by a
+//! window and by census, which have to agree, and by the edge itself in the right image, which is evidence; everything is reported with a probability. What is not credible is not reported.
 //!
 //! ```text
 //! Params -> plan -> Plan            once: every check, every float

@@ -158,6 +158,7 @@ fn sizes_that_do_not_fit_are_refused() {
 
 /// `--nocapture` prints the table of docs/rivals.md.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_are_matched_as_well_as_the_settings_promise() {
     let Some(scenes) = captured::qvga() else { return };
     let usual = Settings { left_right: None, ..Settings::USUAL };

@@ -441,6 +441,7 @@ fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn photographed_boards_give_the_known_rigs() {
     let Some(folder) = captured::folder("calibration_boards/opencv_chessboard") else { return };
     let (found, estimate, vertical) = calibrated(&folder, 0.025);

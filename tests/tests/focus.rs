@@ -55,6 +55,7 @@ fn random(seed: &mut u32, below: u16) -> u16 {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn candidates_around_an_area_are_those_of_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut all, mut same, mut others) = (0, 0, 0);
@@ -83,6 +84,7 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn all_of_the_image_is_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
@@ -98,6 +100,7 @@ fn all_of_the_image_is_the_whole_frame() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn nothing_is_matched_where_nothing_is_asked_for() {
     let Some(scenes) = captured::qvga() else { return };
     let scene = &scenes[0];
@@ -111,6 +114,7 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn more_areas_than_are_told_apart_lose_none() {
     let Some(scenes) = captured::qvga() else { return };
     let scene = &scenes[0];
@@ -129,6 +133,7 @@ fn more_areas_than_are_told_apart_lose_none() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn every_segment_is_counted_once() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
@@ -141,6 +146,7 @@ fn every_segment_is_counted_once() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn objects_have_the_depths_of_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut all, mut same, mut near, mut refusals, mut worst) = (0, 0, 0, 0, 0.0_f64);

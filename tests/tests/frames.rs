@@ -32,6 +32,7 @@ fn pooled(scenes: &[Scene], perturbation: &Perturbation) -> Summary {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn scenes_that_the_model_has_not_seen() {
     let Some(scenes) = captured::qvga() else { return };
     let summary = left_out(&scenes, Params::default());
@@ -48,6 +49,7 @@ fn scenes_that_the_model_has_not_seen() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn one_claim_per_cell_of_scenes_that_the_models_have_not_seen() {
     let Some(scenes) = captured::qvga() else { return };
     let least = Params { min_confidence: Confidence::from_num(0.2), ..Params::default() };
@@ -64,6 +66,7 @@ fn one_claim_per_cell_of_scenes_that_the_models_have_not_seen() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn rows_exposure_and_noise() {
     let Some(scenes) = captured::qvga() else { return };
     let clean = pooled(&scenes, &Perturbation::default());

@@ -101,6 +101,7 @@ const OFFSETS: [f64; 6] = [0.3, 0.7, 1.5, -0.3, -0.7, -1.5];
 /// The promise: a known offset is told within 0.1 px. The frames' own is what they show unmoved: up to 0.08 px (monopoly), which
 /// [`the_frames_own_rows_by_their_ground_truth`] confirms without the estimator.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut largest, mut plain) = (0.0_f64, 0.0_f64);
@@ -132,6 +133,7 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
 /// Rows of the unmoved frames by their ground truth alone, no match and no segment: over all pixels with truth that are visible, the
 /// offset at which the right image at `x - d` is most like the left one in the gradient down the rows.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn the_frames_own_rows_by_their_ground_truth() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
@@ -456,6 +458,7 @@ fn points_beyond_infinity_are_hinted_at() {
 
 /// Captured pairs of a robot's camera, rectified on the device. One has a padded strip of black.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_pairs_have_no_flag() {
     let Some(folder) = captured::folder("oakd_lite") else { return };
     for folder in find_scenes(&folder).unwrap() {
@@ -469,6 +472,7 @@ fn captured_pairs_have_no_flag() {
 
 /// Raw frames of a robot, neither undistorted nor rectified: cameras without a fault, and rows that only a rectification could align.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn raw_sequences_of_a_robot_show_rows_at_most() {
     let Some(folder) = captured::folder("tudelft_stereoboard") else { return };
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_UNEVEN | HealthFlags::ROWS_DRIFT;
@@ -509,6 +513,7 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
 /// Raw frames of a drone, rectified in floating point by its own calibration, at two sizes: what is left of the rows. Of the raw pairs
 /// none meets the bound.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn rows_of_euroc_pairs_after_rectification() {
     let Some(folder) = captured::folder("euroc_micro") else { return };
     let sensors = ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| folder.join(name));

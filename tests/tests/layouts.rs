@@ -559,6 +559,7 @@ type Renamed = (&'static str, Layout, &'static [(&'static str, &'static str)], O
 
 /// Real scenes, under their data set's own names, are what they are with a `scene.json`.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_scenes_in_their_own_layout() {
     let cases: [Renamed; 4] = [
         (
@@ -618,6 +619,7 @@ fn captured_scenes_in_their_own_layout() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_folders_are_recognised() {
     let Some(qvga) = captured::folder("qvga") else { return };
     let found = Dataset::find(&qvga).unwrap();
@@ -638,6 +640,7 @@ fn captured_folders_are_recognised() {
 
 /// Rows of a drone's raw pairs agree once they are loaded, at two sizes, and do not before.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_euroc_pairs_are_rectified() {
     let Some(source) = captured::folder("euroc_micro") else { return };
     let set = tempfile::tempdir().unwrap();

@@ -402,6 +402,7 @@ fn nothing_overflows() {
 /// Real frames, as if a camera with 56 degrees of view had seen them: how often a sector shows something nearer than anything that is there,
 /// or is free although something is there.
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_give_no_ghosts() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut sectors, mut shown, mut ghosts, mut missed, mut free, mut not_free, mut little) = (0, 0, 0, 0, 0, 0, 0);

@@ -342,6 +342,7 @@ fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_that_the_model_has_not_seen() {
     let Some(scenes) = captured::qvga() else { return };
     let pixels: Vec<Vec<AskedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
@@ -366,6 +367,7 @@ fn captured_frames_that_the_model_has_not_seen() {
 }
 
 #[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn faults_of_captured_frames_cost_answers_and_not_truth() {
     let Some(scenes) = captured::qvga() else { return };
     let faults = [

@@ -8,10 +8,10 @@
 //! said stays honest where the line alone would be overconfident.
 //!
 //! # Bounds
-//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 27 products below 2^34 each, summed in `i64`.
+//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 28 products below 2^34 each, summed in `i64`.
 //!
 //! # Cost
-//! 27 multiply-adds and one interpolation per claim.
+//! 28 multiply-adds and one interpolation per claim.
 //!
 //! # Source
 //! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve instead of a second sigmoid.

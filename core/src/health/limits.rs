@@ -32,7 +32,7 @@ pub struct HealthLimits {
     pub row_drift_q8: u16,
     /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not believed. Default 51.
     pub row_spread_q8: u16,
-    /// Least matches that must agree on a difference of rows; fewer say nothing. Default 6.
+    /// Least matches that measure a difference of rows; fewer say nothing. Default 6.
     pub row_witnesses: u8,
     /// Pairs over which the difference of rows is smoothed, and its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),

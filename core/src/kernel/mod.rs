@@ -10,7 +10,7 @@
 //! any other, such as RISC-V               portable
 //! ```
 //!
-//! `firmware/src/programs/kernels.rs` compares the chosen kernels with the portable ones, on boards and on a PC.
+//! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards and on a PC.
 
 pub mod portable;
 

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! seed: SEED positions whose line leaves no residual above TOLERANCE, else move on by one
-//! grow: while the next position lies within TOLERANCE of the line, add it and fit again; two misses in a row end the run
+//! grow: while the next position lies within TOLERANCE of the line, add it and fit again; three misses in a row end the run
 //! ```
 //!
 //! # Bounds

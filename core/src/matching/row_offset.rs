@@ -46,7 +46,7 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
     super::narrow(peak(&votes))
 }
 
-/// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them threefold.
+/// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them by half.
 fn peak(votes: &[u32; BINS]) -> i32 {
     let total: u32 = votes.iter().sum();
     let mut best = (0, 0_i32);

@@ -4,16 +4,17 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use linestereo::{Area, LabelRows, ObjectDepth, RegionError, Run};
+use linestereo::{Area, Focus, LabelRows, ObjectDepth, RegionError, Run, Span, StageDigests, Views};
 use linestereo::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
-use linestereo::{HealthFlags, Match, PointClaim, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError, Params, PixelDepth, Plan,
-    Region, Rejection, Rig, RigError, Scratch, RunError, ViewError, mark_words, most_support_points, row_bytes,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError,
+    Params, PixelDepth, Plan, Region, Rejection, Rig, RigError, RunError, Scratch, ViewError, mark_words,
+    most_support_points, row_bytes,
 };
+use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, PointClaim, Sector};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
@@ -77,6 +78,29 @@ pub fn proof_run(
     output: &mut BoardOutput,
 ) -> Result<(), RunError> {
     plan.run(left, right, scratch, output)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_run_on(
+    plan: &Plan,
+    pair: [Gray<'_>; 2],
+    focus: &Focus<'_>,
+    scratch: &mut BoardScratch,
+    output: &mut BoardOutput,
+    digests: &mut StageDigests,
+) -> Result<(), RunError> {
+    plan.run_on(pair[0], pair[1], focus, scratch, output, digests)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_points(plan: &Plan, views: Views<'_>, scratch: &mut BoardScratch, each: fn(PointClaim)) {
+    plan.for_each_point(views, scratch, each);
+    plan.support_points(scratch).for_each(each);
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_usable<'a>(image: Gray<'a>, usable: &'a [Span]) -> Result<Gray<'a>, ViewError> {
+    image.with_usable(usable)
 }
 
 #[unsafe(no_mangle)]
@@ -209,7 +233,11 @@ pub fn proof_health(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_obstacle_plan(wanted: &ObstacleParams, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
+pub fn proof_obstacle_plan(
+    wanted: &ObstacleParams,
+    params: &Params,
+    dims: Dims,
+) -> Result<ObstaclePlan, ObstacleError> {
     wanted.plan(params, dims)
 }
 
