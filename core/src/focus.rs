@@ -31,7 +31,7 @@ pub struct Focus<'a> {
     /// in any of them nothing is matched.
     pub areas: Option<&'a [Area]>,
     /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame found it
-    /// ([`Output::row_offset_q5`](crate::Output::row_offset_q5)); `None` to find it in what is looked at, where too little may tell it.
+    /// ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to find it in what is looked at, where too little may tell it.
     pub row_offset_q5: Option<i16>,
 }
 

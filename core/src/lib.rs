@@ -26,25 +26,44 @@
 //! ```
 //!
 //! ```
-//! use linestereo::{Dims, Gray, Output, Params, Scratch, mark_words, most_candidates, most_support_points, row_bytes};
+//! use linestereo::{Area, Dims, Gray, Pair, Params, Region, Rig, Scratch, mark_words, most_candidates, most_support_points, row_bytes};
 //!
-//! const DIMS: Dims = Dims { width: 64, height: 48 };
+//! const DIMS: Dims = Dims { width: 160, height: 120 };
 //! // In a static on a board.
 //! type Memory = Scratch<
 //!     { row_bytes(DIMS.width) },
 //!     { mark_words(DIMS) },
-//!     64,
-//!     { most_candidates(DIMS, 16) },
+//!     256,
+//!     { most_candidates(DIMS, Params::DEFAULT.cell) },
 //!     { most_support_points(DIMS) },
 //! >;
 //! let mut scratch = Memory::new();
-//! let mut output: Output<64, 1024> = Output::new();
-//! let plan = Params { max_disparity: 32, ..Params::default() }.plan(DIMS)?;
+//! // 200 px * 0.06 m: what has a disparity of 12 px is 1 m away.
+//! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
+//! let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
 //!
-//! let (left, right) = ([128_u8; 64 * 48], [128_u8; 64 * 48]);
-//! let (left, right) = (Gray::new(&left, DIMS, 64)?, Gray::new(&right, DIMS, 64)?);
-//! plan.run(left, right, &mut scratch, &mut output)?;
-//! assert!(output.matches.is_empty()); // a blank wall has no credible depth
+//! // A wall with bars of many widths, as two cameras see it.
+//! let grey = |x: usize, y: usize| if (x * x / 400 + y / 30) % 2 == 0 { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
+//! let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
+//! let (left, right) = (image(0), image(12));
+//! let pair = Pair { left: Gray::new(&left, DIMS, 160)?, right: Gray::new(&right, DIMS, 160)?, times_us: None };
+//!
+//! let mut matched = matcher.run(pair, None, scratch.view(), &mut ())?;
+//! assert!(matched.health().flags.is_fit());
+//! let metres = |depth: linestereo::Depth| depth.to_num::<f64>();
+//! assert!(matched.segments().len() > 10);
+//! for segment in matched.segments() {
+//!     let [top, bottom] = segment.depth.unwrap();
+//!     assert!((metres(top) - 1.0).abs() < 0.03 && (metres(bottom) - 1.0).abs() < 0.03);
+//! }
+//! // What a detector found, and a pixel.
+//! let region = Region::boxed(1, Area { left: 60, top: 30, right: 120, bottom: 90 }, DIMS)?;
+//! matched.objects(&[region], |object| assert!((metres(object.depth.unwrap()) - 1.0).abs() < 0.03));
+//! assert!((metres(matched.pixel((97, 61), None)?.depth.unwrap()) - 1.0).abs() < 0.03);
+//! // Every pixel with a depth, the most credible first.
+//! let mut points = Vec::new();
+//! matched.points(|point| points.push((point.x, point.y, point.disparity)));
+//! assert!(points.len() > 1000);
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
@@ -69,6 +88,8 @@ mod health;
 mod image;
 pub mod kernel;
 pub mod lines;
+mod matched;
+mod matcher;
 mod matching;
 mod objects;
 mod observe;
@@ -80,6 +101,7 @@ mod rectify;
 mod report;
 mod result;
 mod rig;
+mod scratch;
 mod sort;
 mod support;
 mod units;
@@ -91,6 +113,8 @@ pub use focus::Focus;
 pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
 pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
 pub use lines::Segment;
+pub use matched::{Matched, Summary};
+pub use matcher::{Matcher, Pair};
 pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
@@ -98,7 +122,7 @@ pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Sha
 pub use observe::{Observer, Stage, StageDigests, Step};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params, Parts};
-pub use pipeline::{Output, Plan, RunError, Scratch, mark_words, most_candidates};
+pub use pipeline::Plan;
 pub use query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
@@ -106,6 +130,7 @@ pub use rectify::{
 };
 pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Source, Techniques};
 pub use rig::{Rig, RigError};
+pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
 pub use support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
 pub use support::{FITTED_SUPPORT, SUPPORT_PITCH, Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

@@ -28,8 +28,8 @@ pub enum Step<'a> {
     Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
     /// All candidates and all support points, with what they say of each other.
     Consistency(&'a [Candidate], &'a [SupportPoint]),
-    /// The lists.
-    Report(&'a [Match], &'a [PointClaim]),
+    /// The list of matches.
+    Report(&'a [Match]),
     /// The health of the pair. A run knows nothing of it: whoever runs the monitor beside it tells its observer.
     Health(&'a PairHealth),
 }
@@ -101,7 +101,7 @@ impl Step<'_> {
             Self::Rows => Stage::Rows,
             Self::Segment(_) => Stage::Matching,
             Self::Consistency(..) => Stage::Consistency,
-            Self::Report(..) => Stage::Report,
+            Self::Report(_) => Stage::Report,
             Self::Health(_) => Stage::Health,
         }
     }
@@ -146,7 +146,7 @@ impl StageDigests {
         }
     }
 
-    /// Adds a point to the digest of [`Stage::Report`]: for memories without a list of points, of which the report's own step knows none.
+    /// Adds a point to the digest of [`Stage::Report`]: no step has them.
     pub fn add_point(&mut self, point: &PointClaim) {
         self.add(Stage::Report, |hash| point.hash(hash));
     }
@@ -183,10 +183,7 @@ impl Observer for StageDigests {
                 each(candidates, hash);
                 each(points, hash);
             }
-            Step::Report(matches, points) => {
-                each(matches, hash);
-                each(points, hash);
-            }
+            Step::Report(matches) => each(matches, hash),
             Step::Health(health) => health.hash(hash),
         });
     }

@@ -29,7 +29,7 @@ pub(crate) struct Ranked {
     pub(crate) candidate: u16,
 }
 
-/// Rejects, then fills both lists. `order` has an entry per candidate, `marks` a bit per pixel.
+/// Rejects, then lists matches; makes points. `order` has an entry per candidate, `marks` a bit per pixel.
 pub(crate) struct Report<'a> {
     pub(crate) params: &'a Params,
     pub(crate) models: &'a Models,
@@ -42,13 +42,12 @@ pub(crate) struct Report<'a> {
 }
 
 impl Report<'_> {
-    pub(crate) fn run(mut self, matches: &mut VecView<Match>, points: &mut VecView<PointClaim>, counts: &mut Counts) {
+    pub(crate) fn run(&mut self, matches: &mut VecView<Match>, counts: &mut Counts) {
         for candidate in self.candidates.iter_mut() {
             rate(candidate, self.models);
         }
         self.exclude();
         self.list_matches(matches, counts);
-        self.list_points(points, counts);
     }
 
     fn least(&self) -> u16 {
@@ -99,29 +98,14 @@ impl Report<'_> {
         for (rank, ranked) in (0..).zip(self.order.iter()) {
             let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else { continue };
             let Some(found) = to_match(candidate, self.params, self.models) else { continue };
-            if matches.push(found).is_ok() {
-                candidate.listed = Some(rank);
-            } else {
-                candidate.is_dropped = true;
-                counts.matches_dropped = counts.matches_dropped.saturating_add(1);
-            }
+            candidate.listed = Some(rank);
+            let _ = matches.push(found); // as many places as candidates
         }
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// A list without places asks for no points.
-    fn list_points(&mut self, points: &mut VecView<PointClaim>, counts: &mut Counts) {
-        if points.capacity() > 0 {
-            counts.points_dropped = self.claim_points(|point| {
-                let _ = points.push(point); // it was not full
-                !points.is_full()
-            });
-        }
-        counts.points = u32::try_from(points.len()).unwrap_or(u32::MAX);
-    }
-
-    /// Hands every point to `put`, most probable sides first, until it says that it takes no more; returns how many were left out.
-    pub(crate) fn claim_points(&mut self, mut put: impl FnMut(PointClaim) -> bool) -> u32 {
+    /// Hands every point to `put`: those of segments, most probable sides first, then support points.
+    pub(crate) fn claim_points(&mut self, put: &mut impl FnMut(PointClaim)) {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -130,7 +114,6 @@ impl Report<'_> {
         }
         sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
         self.marks.fill(0);
-        let (mut wanted, mut left_out) = (true, 0_u32);
         let (least, support) = (self.least(), self.support);
         for ranked in self.order.iter() {
             let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else { continue };
@@ -155,12 +138,7 @@ impl Report<'_> {
                         if is_beaten || !take(marks, self.views.dims(), x, y) {
                             return;
                         }
-                        if wanted {
-                            let disparity = disparity_from_q6(d_q6);
-                            wanted = put(PointClaim { x, y, disparity, confidence, source });
-                        } else {
-                            left_out = left_out.saturating_add(1);
-                        }
+                        put(PointClaim { x, y, disparity: disparity_from_q6(d_q6), confidence, source });
                     });
                 }
             }
@@ -172,13 +150,8 @@ impl Report<'_> {
             {
                 continue;
             }
-            if wanted {
-                wanted = put(PointClaim { x, y, disparity, confidence, source: Source::Support });
-            } else {
-                left_out = left_out.saturating_add(1);
-            }
+            put(PointClaim { x, y, disparity, confidence, source: Source::Support });
         }
-        left_out
     }
 }
 
@@ -280,7 +253,6 @@ impl Candidate {
     #[must_use]
     pub fn rejection(&self) -> Option<Rejection> {
         match (self.listed, self.edge_side()) {
-            _ if self.is_dropped => None,
             (Some(_), _) => None,
             (None, Some(_)) => Some(Rejection::EdgeUnclear),
             (None, None) if self.beaten => Some(Rejection::NotExclusive),

@@ -138,7 +138,7 @@ impl Rejection {
     }
 }
 
-/// What was found, matched, rejected and dropped in one frame: `segments_left = matched + matches_dropped + all rejections`.
+/// What was found, matched, rejected and dropped in one frame: `segments_left = matched + all rejections`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Segments detected in the left image (long ones count once per piece that is matched on its own).
@@ -153,12 +153,6 @@ pub struct Counts {
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
-    /// Matches beyond the list's capacity, least confident first.
-    pub matches_dropped: u16,
-    /// Points in the list of points.
-    pub points: u32,
-    /// Points beyond the list's capacity, least confident first.
-    pub points_dropped: u32,
     rejected: [u16; Rejection::ALL.len()],
 }
 
@@ -176,9 +170,6 @@ impl Counts {
         segments_right_dropped: 0,
         searched_fully: 0,
         matched: 0,
-        matches_dropped: 0,
-        points: 0,
-        points_dropped: 0,
         rejected: [0; Rejection::ALL.len()],
     };
 

@@ -8,7 +8,7 @@
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
 use core::convert::Infallible;
-use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, PointClaim};
+use linestereo::{HealthFlags, Matched, ObstaclePlan, Obstacles};
 use linestereo_wire::mavlink::AutopilotStream;
 
 /// What is known of each direction, and who is told. Silent until there is a rig.
@@ -43,15 +43,11 @@ impl Autopilot {
     }
 
     /// Takes the result of a pair.
-    pub fn see(
-        &mut self,
-        matches: &[Match],
-        points: impl IntoIterator<Item = PointClaim>,
-        health: HealthFlags,
-        time_us: u64,
-    ) {
+    pub fn see(&mut self, matched: &Matched<'_>, health: HealthFlags, time_us: u64) {
         match &self.view {
-            Some((plan, _)) => self.obstacles.see(plan, matches, points, health, time_us),
+            Some((plan, _)) => {
+                self.obstacles.see(plan, matched.segments(), matched.support_points(), health, time_us);
+            }
             None => self.obstacles.miss(),
         }
     }

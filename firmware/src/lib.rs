@@ -38,7 +38,6 @@ pub mod programs;
 pub mod rig_store;
 pub mod session;
 pub mod vehicle;
-pub mod watch;
 
 #[cfg(target_os = "none")]
 mod arch;

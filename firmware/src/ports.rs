@@ -3,7 +3,7 @@
 use crate::camera::FrameStart;
 use crate::capture::Losses;
 use crate::memory::Memory;
-use linestereo::{Counts, Dims, Match, PointClaim};
+use linestereo::Dims;
 use linestereo_wire::Reset;
 
 /// A clock that counts up and wraps.
@@ -129,17 +129,4 @@ impl CapturedPair {
     pub const fn of(dims: Dims) -> Self {
         Self { dims, times_us: None, frame_start: None }
     }
-}
-
-/// What a pair gave.
-#[derive(Clone, Copy, Debug)]
-pub struct Results<'a> {
-    /// Matched segments, most confident first.
-    pub matches: &'a [Match],
-    /// Points, in the order of their matches.
-    pub points: &'a [PointClaim],
-    /// What was found and lost.
-    pub counts: &'a Counts,
-    /// Rows to add to a left row for the matching right one, 1/32 px.
-    pub row_offset_q5: i16,
 }

@@ -4,9 +4,10 @@ use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::vehicle::Vehicle;
-use crate::watch::Watch;
 use heapless::Vec;
-use linestereo::{Area, Counts, Dims, MIN_SIDE, ObjectDepth, ObstaclePlan, PairHealth, Params, Plan};
+use linestereo::{
+    Area, Counts, Dims, HealthLimits, MIN_SIDE, Matched, Matcher, ObjectDepth, ObstaclePlan, Params, Plan,
+};
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
     RigFault, RigImage, RigInUse, RigReport,
@@ -25,8 +26,10 @@ pub struct Session<'a> {
     directions: Option<(Dims, ObstaclePlan)>,
     /// Objects whose depths are asked for.
     regions: Regions,
-    /// Limits of a pair's health, and the monitor.
-    pub watch: Watch,
+    /// What pairs so far have left behind.
+    matcher: Option<Matcher>,
+    /// Limits of a pair's health.
+    pub limits: HealthLimits,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
     rig: Option<[u8; RigImage::BYTES]>,
     /// How the cameras sit on the vehicle, and what its autopilot wants.
@@ -74,7 +77,8 @@ impl<'a> Session<'a> {
             pinhole: None,
             directions: None,
             regions: Regions { boxes: Vec::new(), only: false },
-            watch: Watch::new(),
+            matcher: None,
+            limits: HealthLimits::DEFAULT,
             rig: None,
             vehicle: Vehicle::DEFAULT,
             reset: None,
@@ -168,16 +172,15 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Depths of the objects that were asked for, by the last run, which had this plan and this health. Boxes that a smaller pair does not
-    /// show are left out.
+    /// Depths of the objects that were asked for, in this pair. Boxes that a smaller pair does not show are left out.
     #[inline(never)]
-    pub fn objects(&self, memory: &mut impl Memory, plan: &Plan, health: &PairHealth) -> Vec<ObjectDepth, MAX_REGIONS> {
+    pub fn objects(&self, matched: &mut Matched<'_>) -> Vec<ObjectDepth, MAX_REGIONS> {
         let mut regions: Vec<_, MAX_REGIONS> = Vec::new();
-        for region in self.regions.boxes.iter().filter_map(|of| of.region(plan.dims()).ok()) {
+        for region in self.regions.boxes.iter().filter_map(|of| of.region(matched.dims()).ok()) {
             let _ = regions.push(region); // as many as there are
         }
         let mut found = Vec::new();
-        memory.for_each_object(plan, &regions, health.flags.is_fit(), |object| {
+        matched.objects(&regions, |object| {
             let _ = found.push(object);
         });
         found
@@ -236,6 +239,15 @@ impl<'a> Session<'a> {
         let plan = self.params.plan(dims)?;
         self.plan = Some(plan);
         Ok(plan)
+    }
+
+    /// What matches pairs of this size.
+    pub fn matcher(&mut self, dims: Dims) -> Result<&mut Matcher, Refusal> {
+        let plan = self.plan(dims)?;
+        let matcher = self.matcher.get_or_insert(Matcher::new(plan));
+        matcher.set_plan(plan);
+        matcher.limits = self.limits;
+        Ok(matcher)
     }
 
     /// How pairs of this size are cut into directions; `None` without a rig.

@@ -5,13 +5,13 @@
 
 use crate::support::random::Random;
 use core::cell::RefCell;
+use linestereo::Matcher;
 use linestereo::{Dims, Eye, HealthFlags, RowError};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{CapturedPair, PairSource};
-use linestereo_firmware::watch::Watch;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
@@ -641,7 +641,8 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
         let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 1000);
         let mut memory = Box::new(Workspace::new());
         let pair = source.next_pair(&mut *memory, None).unwrap();
-        let health = Watch::new().run(&mut *memory, &plan, None, pair.times_us, &mut ()).unwrap();
+        let matched = memory.run(&mut Matcher::new(plan), None, pair.times_us, &mut ()).unwrap();
+        let health = *matched.health();
         // Times do not begin before 0.
         let skew_us = (20 + middle_us[1]).abs_diff(0);
         assert_eq!(health.skew_us, Some(skew_us), "{middle_us:?}");

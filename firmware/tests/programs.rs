@@ -1,7 +1,7 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, NoDepth, ObjectDepth, View};
+use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, ObjectDepth, View};
 use linestereo_firmware::boards::capacities::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::camera::FrameStart;
@@ -125,22 +125,18 @@ fn objects_that_are_asked_for_come_with_every_pair() {
     assert!(messages.contains(&refused));
     assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, 0]);
 
-    let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
     let mut twin = Box::new(Workspace::new());
     let regions = boxes.map(|of| of.region(DIMS).unwrap());
     let areas = regions.map(|region| region.area());
-    let mut focus = linestereo::Focus::WHOLE;
+    let mut matcher = linestereo::Params::DEFAULT.matcher(DIMS).unwrap();
     for (scene, found) in [Scene::Bricks, Scene::Blocks].into_iter().zip(&found) {
         let [left, right] = twin.frames();
         scene.paint(DIMS, left, right);
-        twin.run(&plan, &focus, &mut ()).unwrap();
         // The second pair is matched around the boxes alone, by the rows of the first.
-        focus = linestereo::Focus { areas: Some(&areas), row_offset_q5: Some(twin.results().row_offset_q5) };
+        let mut matched = twin.run(&mut matcher, Some(&areas), None, &mut ()).unwrap();
         let mut expected = Vec::new();
-        twin.for_each_object(&plan, &regions, true, |object| expected.push(object));
-        // A painted pair may be one that the monitor does not believe: then every object says so.
-        let unfit = found.iter().all(|object| object.disparity == Err(NoDepth::UnhealthyPair));
-        assert!(unfit || *found == expected, "{found:?} instead of {expected:?}");
+        matched.objects(&regions, |object| expected.push(object));
+        assert!(*found == expected, "{found:?} instead of {expected:?}");
     }
     assert!(found[0].iter().any(|object| object.disparity.is_ok()), "{:?}", found[0]);
 }
@@ -184,7 +180,6 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     let [left, right] = memory.frames();
     Scene::Blocks.paint(DIMS, left, right);
     let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
-    memory.run(&plan, &linestereo::Focus::WHOLE, &mut ()).unwrap();
     let (mut matches, mut points, mut heads, mut answers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for message in messages(&outputs[0]) {
         match message {
@@ -206,9 +201,10 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
         }
     }
     let mut listed = Vec::new();
-    memory.for_each_point(&plan, |point| listed.push(point));
+    let mut matched = memory.run(&mut linestereo::Matcher::new(plan), None, None, &mut ()).unwrap();
+    matched.points(|point| listed.push(point));
     assert!(points == listed && !listed.is_empty(), "{} points instead of {}", points.len(), listed.len());
-    assert_eq!(matches, memory.results().matches);
+    assert_eq!(matches, matched.segments());
     assert_eq!(heads.iter().map(|head| head.capture_time_us).collect::<Vec<_>>(), [2000, 4000]);
     let name: Name = "width".try_into().unwrap();
     let too_wide = Refusal::OutOfRange { name, value: 161, low: 16, high: 160 };
@@ -306,9 +302,8 @@ fn raw_pairs_are_rectified_row_by_row() {
             band.push(&mesh, row, twin.frames()[eye as usize]).unwrap();
         }
     }
-    let plan = image.params(linestereo::Params::DEFAULT).unwrap().plan(DIMS).unwrap();
-    twin.run(&plan, &linestereo::Focus::WHOLE, &mut ()).unwrap();
-    let expected = twin.results().matches.to_vec();
+    let mut matcher = image.params(linestereo::Params::DEFAULT).unwrap().matcher(DIMS).unwrap();
+    let expected = twin.run(&mut matcher, None, None, &mut ()).unwrap().segments().to_vec();
     assert!(expected.len() > 3 && expected.iter().all(|found| found.depth.is_some()), "{}", expected.len());
     let matches_of = |sequence| {
         let lists = frames.iter().filter_map(|message| match message {

@@ -11,7 +11,6 @@ use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::PairSource;
-use linestereo_firmware::watch::Watch;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -473,9 +472,9 @@ fn a_pair_in_turn_is_refused_unless_the_limit_is_wider() {
     // A frame of 20 ms apart.
     let times_us = Some([10_000, 30_000]);
     for (skew_us, is_refused) in [(HealthLimits::DEFAULT.skew_us, true), (25_000, false)] {
-        let mut watch = Watch::new();
-        watch.limits.skew_us = skew_us;
-        let health = watch.run(&mut *Box::new(Workspace::new()), &plan, None, times_us, &mut ()).unwrap();
+        let (mut matcher, mut memory) = (linestereo::Matcher::new(plan), Box::new(Workspace::new()));
+        matcher.limits.skew_us = skew_us;
+        let health = *memory.run(&mut matcher, None, times_us, &mut ()).unwrap().health();
         assert_eq!(health.flags.contains(HealthFlags::SKEW), is_refused);
         assert_eq!((health.skew_us, health.is_refused()), (Some(20_000), is_refused));
     }

@@ -60,7 +60,7 @@ fn stages(name: &str, left: &GrayImage, right: &GrayImage, max_disparity: u16) {
     let mut engine = Engine::new(&Params { max_disparity, ..Params::default() }, dims).unwrap();
     let mut matched = 0;
     let whole = time(|| {
-        matched = engine.run_in_place(left.view().unwrap(), right.view().unwrap()).unwrap().matches.len();
+        matched = engine.run_in_place(left.view().unwrap(), right.view().unwrap()).unwrap().segments().len();
     });
     print(name, &format!("whole pair: {matched} matches"), whole, dims);
 }

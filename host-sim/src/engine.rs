@@ -2,17 +2,15 @@
 
 use crate::fitting::FittedModels;
 use linestereo::{
-    Area, Candidate, Dims, Focus, Gray, HealthLimits, HealthMonitor, Match, NotKnown, ObjectDepth, Observer, Output,
-    ParamError, Params, PixelDepth, PixelEvidence, Plan, PointClaim, Region, RunError, Scratch, Support, mark_words,
-    most_support_points, row_bytes,
+    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, NotKnown, ObjectDepth, Observer, Pair, ParamError, Params,
+    PixelDepth, PointClaim, Region, RunError, Scratch, Span, Summary, ViewError, mark_words, most_support_points,
+    row_bytes,
 };
 pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};
 
 /// Most segments listed per frame on a PC.
 pub const MAX_MATCHES: usize = 4096;
-/// Most points listed per frame on a PC.
-pub const MAX_POINTS: usize = 131_072;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 
@@ -56,40 +54,63 @@ impl FrameResult {
 
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
 pub struct Engine {
-    plan: Plan,
+    matcher: Matcher,
     scratch: Box<PcScratch>,
-    output: Box<Output<MAX_MATCHES, MAX_POINTS>>,
     /// Where pairs are matched; everywhere without.
     areas: Option<Vec<Area>>,
-    /// Of the last pair that was matched as a whole.
-    row_offset_q5: Option<i16>,
+    /// The last pair, for questions that come later.
+    last: (Summary, [KeptImage; 2]),
+}
+
+/// A copy of an image that was matched.
+#[derive(Default)]
+struct KeptImage {
+    pixels: Vec<u8>,
+    usable: Vec<Span>,
+}
+
+impl KeptImage {
+    fn keep(&mut self, image: Gray<'_>) {
+        self.pixels.clear();
+        for y in 0..usize::from(image.dims().height) {
+            self.pixels.extend_from_slice(image.row(y).unwrap_or(&[]));
+        }
+        self.usable.clear();
+        self.usable.extend_from_slice(image.usable());
+    }
+
+    fn view(&self, dims: Dims) -> Result<Gray<'_>, ViewError> {
+        let view = Gray::new(&self.pixels, dims, dims.width.into())?;
+        if self.usable.is_empty() { Ok(view) } else { view.with_usable(&self.usable) }
+    }
 }
 
 impl Engine {
     /// Checks the parameters for images of this size and allocates the memory, once.
     pub fn new(params: &Params, dims: Dims) -> Result<Self, ParamError> {
-        let plan = params.plan(dims)?;
-        let (scratch, output) = (Box::new(PcScratch::new()), Box::new(Output::new()));
-        Ok(Self { plan, scratch, output, areas: None, row_offset_q5: None })
+        let matcher = params.matcher(dims)?;
+        let blank =
+            || KeptImage { pixels: vec![0; usize::from(dims.width) * usize::from(dims.height)], usable: Vec::new() };
+        Ok(Self {
+            matcher,
+            scratch: Box::new(PcScratch::new()),
+            areas: None,
+            last: (Summary::default(), [blank(), blank()]),
+        })
     }
 
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     #[must_use]
-    pub fn with_models(self, FittedModels { segments, support }: FittedModels) -> Self {
-        let plan = self.plan.with_models(Box::leak(Box::new(segments)));
-        Self { plan: plan.with_support_model(Box::leak(Box::new(support))), ..self }
+    pub fn with_models(mut self, FittedModels { segments, support }: FittedModels) -> Self {
+        let plan = self.matcher.plan().with_models(Box::leak(Box::new(segments)));
+        self.matcher.set_plan(plan.with_support_model(Box::leak(Box::new(support))));
+        self
     }
 
     /// Size of the pairs.
     #[must_use]
     pub fn dims(&self) -> Dims {
-        self.plan.dims()
-    }
-
-    /// The support points of the last run.
-    #[must_use]
-    pub fn support(&self) -> Support<'_> {
-        self.plan.support(&self.scratch)
+        self.matcher.plan().dims()
     }
 
     /// From now on pairs are matched in and just around these areas alone; `None` is the whole frame.
@@ -100,114 +121,86 @@ impl Engine {
     /// Has a whole pair said how far the rows of both images are apart?
     #[must_use]
     pub fn knows_rows(&self) -> bool {
-        self.row_offset_q5.is_some()
+        self.matcher.knows_rows()
     }
 
-    /// What passed the hard tests of the last run, with its evidence.
+    /// The pair that was matched last; a blank one before.
+    ///
+    /// # Panics
+    /// Never: the images were of the planned size.
     #[must_use]
-    pub fn candidates(&self) -> &[Candidate] {
-        self.scratch.candidates()
+    pub fn matched(&mut self) -> Matched<'_> {
+        let plan = *self.matcher.plan();
+        let (summary, images) = &self.last;
+        let [left, right] = images.each_ref().map(|image| image.view(plan.dims()).expect("as it was matched"));
+        plan.resume(summary, [left, right], self.scratch.view()).expect("as it was matched")
     }
 
-    /// The depth of each region, by the last run; `fit` says whether its pair is healthy enough to be believed.
+    /// The depth of each region in the pair that was matched last; `fit` says whether it is healthy enough to be believed.
     #[must_use]
     pub fn objects(&mut self, regions: &[Region<'_>], fit: bool) -> Vec<ObjectDepth> {
+        let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
+        if !fit {
+            return regions.iter().map(refused).collect();
+        }
         let mut found = Vec::with_capacity(regions.len());
-        self.plan.for_each_object(&mut self.scratch, regions, fit, |object| found.push(object));
+        self.matched().objects(regions, |object| found.push(object));
         found
     }
 
     /// The depth of one pixel of the pair that was matched last.
-    pub fn depth_at(
-        &mut self,
-        left: Gray<'_>,
-        right: Gray<'_>,
-        pixel: (u16, u16),
-        region: Option<&Region<'_>>,
-    ) -> Result<PixelDepth, NotKnown> {
-        self.plan.depth_at(left, right, &mut self.scratch, pixel, region)
+    pub fn depth_at(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+        self.matched().pixel(pixel, region)
     }
 
-    /// Disparity of one pixel (1/64 px) and its evidence, whatever its probability.
-    pub fn evidence_at(
-        &mut self,
-        left: Gray<'_>,
-        right: Gray<'_>,
-        pixel: (u16, u16),
-    ) -> Result<(i32, PixelEvidence), NotKnown> {
-        self.plan.evidence_at(left, right, &mut self.scratch, pixel, None)
+    /// Runs the core without keeping the pair or listing points: for benchmarks and for loops that read it in place.
+    pub fn run_in_place<'a>(&'a mut self, left: Gray<'a>, right: Gray<'a>) -> Result<Matched<'a>, RunError> {
+        self.matcher.plan().run([left, right], self.scratch.view())
     }
 
-    /// Runs the core without copying the result out: for benchmarks and for loops that read it in place.
-    pub fn run_in_place(
-        &mut self,
-        left: Gray<'_>,
-        right: Gray<'_>,
-    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, RunError> {
+    /// Runs the core on one rectified pair that stands alone: its health knows of no other.
+    pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, RunError> {
         self.run_observed(left, right, &mut ())
     }
 
-    /// Runs the core, telling `observer` of every step.
+    /// [`Engine::run`], telling `observer` of every step.
     pub fn run_observed(
         &mut self,
         left: Gray<'_>,
         right: Gray<'_>,
         observer: &mut impl Observer,
-    ) -> Result<&Output<MAX_MATCHES, MAX_POINTS>, RunError> {
-        let areas = self.areas.as_deref();
-        let focus = Focus { areas, row_offset_q5: self.row_offset_q5.filter(|_| areas.is_some()) };
-        self.plan.run_on(left, right, &focus, &mut self.scratch, &mut self.output, observer)?;
-        if areas.is_none() {
-            self.row_offset_q5 = Some(self.output.row_offset_q5);
-        }
-        Ok(&self.output)
-    }
-
-    /// Runs the core on one rectified pair that stands alone: its health knows of no other.
-    pub fn run(&mut self, left: Gray<'_>, right: Gray<'_>) -> Result<FrameResult, RunError> {
-        self.run_watched(left, right, &mut HealthMonitor::new(), &HealthLimits::DEFAULT, None)
+    ) -> Result<FrameResult, RunError> {
+        self.matcher.forget_health();
+        self.run_next((left, right), None, observer)
     }
 
     /// Runs the core on the next pair of a rig. A pair that is refused has an empty result.
-    pub fn run_watched(
-        &mut self,
-        left: Gray<'_>,
-        right: Gray<'_>,
-        monitor: &mut HealthMonitor,
-        limits: &HealthLimits,
-        times_us: Option<[u64; 2]>,
-    ) -> Result<FrameResult, RunError> {
-        self.run_watched_observed((left, right), monitor, limits, times_us, &mut ())
-    }
-
-    /// [`Engine::run_watched`], telling `observer` of every step.
-    pub fn run_watched_observed(
+    pub fn run_next(
         &mut self,
         (left, right): (Gray<'_>, Gray<'_>),
-        monitor: &mut HealthMonitor,
-        limits: &HealthLimits,
         times_us: Option<[u64; 2]>,
         observer: &mut impl Observer,
     ) -> Result<FrameResult, RunError> {
-        let mut health = monitor.look(limits, left, right, times_us);
-        let empty = FrameResult {
-            matches: Vec::new(),
-            points: Vec::new(),
-            counts: Counts::default(),
-            health: health.flags.into(),
-            pair: Some((&health).into()),
+        let pair = Pair { left, right, times_us };
+        let mut matched = self.matcher.run(pair, self.areas.as_deref(), self.scratch.view(), observer)?;
+        let mut points = Vec::new();
+        matched.points(|point| points.push(point));
+        let mut counts: Counts = matched.counts().into();
+        counts.points = u32::try_from(points.len()).unwrap_or(u32::MAX);
+        let health = matched.health();
+        let result = FrameResult {
+            matches: matched.segments().to_vec(),
+            points,
+            counts,
+            health: Health::of(matched.counts()) | health.flags.into(),
+            pair: Some(health.into()),
         };
-        if health.is_refused() {
-            return Ok(empty);
+        let summary = *matched.summary();
+        let (last, images) = &mut self.last;
+        *last = summary;
+        for (kept, image) in images.iter_mut().zip([left, right]) {
+            kept.keep(image);
         }
-        let output = self.run_observed(left, right, observer)?;
-        monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
-        Ok(FrameResult {
-            matches: output.matches.to_vec(),
-            points: output.points.to_vec(),
-            counts: (&output.counts).into(),
-            health: Health::of(&output.counts) | health.flags.into(),
-            pair: Some((&health).into()),
-        })
+        Ok(result)
     }
 }

@@ -8,8 +8,6 @@ use serde::Serialize;
 const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
     ("segments_dropped", "more segments than the board has memory for; the shortest are left out"),
-    ("matches_dropped", "more matches than the board lists; the least credible are left out"),
-    ("points_dropped", "more points than the list holds; the least credible are left out"),
     ("results_skipped", "the port is slower than the board: raise its speed"),
     ("pair_missing", "a camera gave no picture: check its cable and power"),
     (

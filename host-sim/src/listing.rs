@@ -68,9 +68,9 @@ pub struct Query {
 }
 
 impl Query {
-    /// What the core says of a pixel; nothing is known of a pair that was `refused`.
+    /// What the core says of a pixel.
     #[must_use]
-    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, NotKnown>, refused: bool) -> Self {
+    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, NotKnown>) -> Self {
         let none = |reason| Self {
             x,
             y,
@@ -82,7 +82,6 @@ impl Query {
             reason: Some(reason),
         };
         match answer {
-            _ if refused => none("unhealthy_pair"),
             Err(reason) => none(reason.name()),
             Ok(found) => Self {
                 disparity_px: Some(found.disparity.to_num()),
@@ -270,9 +269,7 @@ pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
         ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
         ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
         ("searched_fully", u32::from(counts.searched_fully)),
-        ("matches_dropped", u32::from(counts.matches_dropped)),
         ("points", counts.points),
-        ("points_dropped", counts.points_dropped),
     ]);
     list
 }
@@ -376,7 +373,7 @@ mod tests {
         let counts = counts.trim_end_matches('}');
         let head = format!(r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#, Rejection::ALL[0].name());
         assert!(counts.starts_with(&head), "{counts}");
-        assert!(counts.ends_with(r#""points":0,"points_dropped":0"#), "{counts}");
+        assert!(counts.ends_with(r#""points":0"#), "{counts}");
     }
 
     #[test]

@@ -44,7 +44,7 @@ fn found(id: u16) -> Match {
 /// The packets of a frame: its head, and its segments by tens.
 fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
     let mut core = linestereo::Counts::default();
-    (core.segments_left, core.matched, core.points_dropped) = (40, segments, u32::from(sequence == 1));
+    (core.segments_left, core.matched, core.segments_left_dropped) = (40, segments, u16::from(sequence == 1));
     let head = FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core);
     let matches: Vec<Match> = (0..segments).map(found).collect();
     let mut packets = Vec::new();
@@ -130,8 +130,8 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
     let expected = format!(
         "    frame      time s  since ms  segments  nearest m  farthest m  health\n\
          board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n\
-        \x20       1       0.040         -        25       2.00    infinite  points_dropped\n\
-         health: points_dropped: more points than the list holds; the least credible are left out\n\
+        \x20       1       0.040         -        25       2.00    infinite  segments_dropped\n\
+         health: segments_dropped: more segments than the board has memory for; the shortest are left out\n\
         \x20       2       0.080      40.0     15/25       2.00    infinite  good\n\
         \x20       5       0.200     120.0         0          -           -  good\n\
         \x20       6       0.240      40.0     10/12       2.00    infinite  good\n\
@@ -161,7 +161,7 @@ fn json_has_one_line_per_complete_frame() {
     assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size"]);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
-    assert_eq!(first["health"], serde_json::json!({"flags": ["points_dropped"]}));
+    assert_eq!(first["health"], serde_json::json!({"flags": ["segments_dropped"]}));
     let expected = serde_json::json!({
         "id": 7, "left": [[7.0, 10.25], [10.0, 40.25]], "disparity_px": [20.0, 20.25], "sigma_px": 0.125,
         "confidence": 0.95, "owner": "left", "depth_m": [2.0, null],
@@ -174,7 +174,7 @@ fn json_has_one_line_per_complete_frame() {
     assert_eq!(counts.len(), names.len());
     assert!(names.iter().all(|(name, _)| counts.contains_key(*name)), "{counts:?}");
     assert_eq!((&counts["segments_left"], &counts["matched"]), (&40.into(), &25.into()));
-    assert_eq!((&counts["points_dropped"], &counts["slant"]), (&1.into(), &0.into()));
+    assert_eq!((&counts["segments_left_dropped"], &counts["slant"]), (&1.into(), &0.into()));
 }
 
 #[test]
@@ -311,7 +311,7 @@ fn a_board_is_described_set_started_and_watched() {
         "accepted: start",
     ];
     assert_eq!(lines[1..5], expected);
-    assert!(lines[7].starts_with("health: points_dropped: "), "{shown}");
+    assert!(lines[7].starts_with("health: segments_dropped: "), "{shown}");
     assert_eq!(lines[9], "frames: 3 complete, 0 incomplete, 0 lost");
     assert!(lines[10].contains(" good, 1 framing damaged, 0 checksum wrong"), "the boot loader's line: {shown}");
     let (log, params, _) = thread.join().unwrap();

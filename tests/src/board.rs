@@ -1,9 +1,9 @@
 //! Boards for tests: emulated where a compiler and QEMU can be had.
 
 use core::any::Any;
+use linestereo::Matcher;
 use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
-use linestereo_firmware::watch::Watch;
 use linestereo_sim::board::{Machine, firmware};
 use linestereo_sim::engine::{FrameResult, GrayImage};
 use linestereo_wire::Health;
@@ -103,16 +103,16 @@ fn run(
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
     let plan = params.plan(left.dims).map_err(|_| RunError::Size(left.dims))?;
-    let health = Watch::new().run(memory, &plan, None, None, &mut ())?;
+    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
     let mut points = Vec::new();
-    memory.for_each_point(&plan, |point| points.push(point));
-    let results = memory.results();
+    matched.points(|point| points.push(point));
+    let health = matched.health();
     let mut result = FrameResult {
-        matches: results.matches.to_vec(),
+        matches: matched.segments().to_vec(),
         points,
-        counts: results.counts.into(),
-        health: Health::of(results.counts) | health.flags.into(),
-        pair: Some((&health).into()),
+        counts: matched.counts().into(),
+        health: Health::of(matched.counts()) | health.flags.into(),
+        pair: Some(health.into()),
     };
     result.counts.points = result.points.len() as u32;
     Ok(result)

@@ -51,7 +51,7 @@ pub fn models_left_out(scenes: &[Scene]) -> &'static [FittedModels] {
         let sample = |scene: &Scene| {
             let (mut engine, mut log) = (engine(scene), EvidenceLog::default());
             engine.run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log).unwrap();
-            scene_samples(&scene.name, &engine, &log, scene.truth.as_ref().unwrap())
+            scene_samples(&scene.name, &mut engine, &log, scene.truth.as_ref().unwrap())
         };
         let samples: Vec<SceneSamples> = scenes.iter().map(sample).collect();
         let others = |scene: &Scene| -> Vec<&SceneSamples> {

@@ -1,7 +1,7 @@
 //! Sizes, contents, capacities and parameters at their limits. The test profile checks every integer overflow.
 
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Gray, Margin, Output, ParamError, Params, Rejection, Rig, RunError, Scratch,
+    Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
     mark_words, most_support_points, row_bytes,
 };
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
@@ -13,7 +13,7 @@ use std::collections::HashSet;
 fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
     let counts = result.counts;
     let rejected: u32 = Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
-    let accounted = u32::from(counts.matched) + u32::from(counts.matches_dropped) + rejected;
+    let accounted = u32::from(counts.matched) + rejected;
     assert_eq!(u32::from(counts.segments_left), accounted, "{name}: {counts:?}");
     assert_eq!(usize::from(counts.matched), result.matches.len(), "{name}");
     assert_eq!(counts.points as usize, result.points.len(), "{name}");
@@ -86,33 +86,28 @@ fn boxes() -> scene::Rendering {
 }
 
 #[test]
-fn full_lists_keep_the_most_confident_and_count_the_rest() {
+fn with_few_places_segments_come_from_larger_squares_and_all_are_counted() {
     let rendering = boxes();
-    let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
     let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
-    let mut memory =
-        Box::new(
-            Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>::new(),
-        );
-    let (mut all, mut few) = (Box::new(Output::<512, 16384>::new()), Box::new(Output::<5, 100>::new()));
-    plan.run(left, right, &mut memory, &mut all).unwrap();
-    plan.run(left, right, &mut memory, &mut few).unwrap();
-    assert!(all.matches.len() > 10 && all.points.len() > 200, "{:?}", all.counts);
-    assert_eq!(few.matches[..], all.matches[..5]);
-    assert_eq!(usize::from(few.counts.matches_dropped), all.matches.len() - 5);
-    assert_eq!(few.points.len() as u32 + few.counts.points_dropped, all.points.len() as u32, "{:?}", few.counts);
-    // Every candidate is listed, dropped or rejected, and each for the reason that was counted.
-    for counts in [all.counts, few.counts] {
-        let rejected: u16 = Rejection::ALL.iter().map(|&reason| counts.rejected(reason)).sum();
-        assert_eq!(counts.segments_left, counts.matched + counts.matches_dropped + rejected, "{counts:?}");
-    }
-    let unclear = memory.candidates().iter().filter(|one| one.rejection() == Some(Rejection::EdgeUnclear)).count();
-    assert_eq!(unclear, usize::from(few.counts.rejected(Rejection::EdgeUnclear)));
-    let value = |p: &linestereo::PointClaim| (p.x, p.y, p.disparity, p.confidence);
-    assert_eq!(
-        few.points.iter().map(value).collect::<Vec<_>>(),
-        all.points[..100].iter().map(value).collect::<Vec<_>>()
+    const ROW: usize = row_bytes(DIMS.width);
+    const MARKS: usize = mark_words(DIMS);
+    const SUPPORT: usize = most_support_points(DIMS);
+    let (mut many, mut few) = (
+        Box::new(Scratch::<ROW, MARKS, 512, 512, SUPPORT>::new()),
+        Box::new(Scratch::<ROW, MARKS, 512, 9, SUPPORT>::new()),
     );
+    let (all, some) = (plan.run(images, many.view()).unwrap(), plan.run(images, few.view()).unwrap());
+    assert!(all.segments().len() > 10 && !some.segments().is_empty() && some.candidates().len() <= 9);
+    // Every segment is listed or rejected, and each for the reason that was counted.
+    for matched in [&all, &some] {
+        let counts = matched.counts();
+        let rejected: u16 = Rejection::ALL.iter().map(|&reason| counts.rejected(reason)).sum();
+        assert_eq!(counts.segments_left, counts.matched + rejected, "{counts:?}");
+        assert_eq!(usize::from(counts.matched), matched.segments().len());
+        let unclear = matched.candidates().iter().filter(|one| one.rejection() == Some(Rejection::EdgeUnclear)).count();
+        assert_eq!(unclear, usize::from(counts.rejected(Rejection::EdgeUnclear)));
+    }
 }
 
 #[test]
@@ -178,16 +173,15 @@ fn wrong_sizes_and_too_little_memory_are_refused() {
         Box::new(
             Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, 64, { most_support_points(DIMS) }>::new(),
         );
-    let mut output = Box::new(Output::<64, 1024>::new());
     let other = Dims { width: 160, height: 119 };
     let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
     let refused = Err(RunError::SizeMismatch { planned: DIMS, given: other });
-    assert_eq!(plan.run(small, right, &mut memory, &mut output), refused);
-    assert_eq!(plan.run(left, small, &mut memory, &mut output), refused);
-    assert_eq!(plan.run(left, right, &mut memory, &mut output), Ok(()));
+    assert_eq!(plan.run([small, right], memory.view()).map(|_| ()), refused);
+    assert_eq!(plan.run([left, small], memory.view()).map(|_| ()), refused);
+    assert!(plan.run([left, right], memory.view()).is_ok());
 
     let mut tiny = Box::new(Scratch::<64, 16, 4, 4, 4>::new());
     let needed = row_bytes(DIMS.width);
     let refused = Err(RunError::ScratchTooSmall { name: "ROW", needed, given: 64 });
-    assert_eq!(plan.run(left, right, &mut tiny, &mut output), refused);
+    assert_eq!(plan.run([left, right], tiny.view()).map(|_| ()), refused);
 }

@@ -2,7 +2,7 @@
 //!
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
 
-use linestereo::{Area, Candidate, Dims, Focus, Params, Plan, Segment, mark_words, row_bytes};
+use linestereo::{Area, Candidate, Dims, Focus, Matched, Params, Plan, Segment, mark_words, row_bytes};
 use linestereo_sim::evaluate::object_cases;
 use linestereo_sim::frames::Scene;
 use linestereo_tests::captured;
@@ -15,22 +15,22 @@ type Scratch = linestereo::Scratch<
     4096,
     { linestereo::most_support_points(LARGEST) },
 >;
-type Output = linestereo::Output<4096, 0>;
 
 fn plan(scene: &Scene) -> Plan {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }.plan(scene.left.dims).unwrap()
 }
 
-struct Ran {
-    scratch: Box<Scratch>,
-    output: Box<Output>,
+fn memory() -> Box<Scratch> {
+    Box::new(Scratch::new())
 }
 
-fn run(plan: &Plan, scene: &Scene, focus: &Focus<'_>) -> Ran {
-    let (mut scratch, mut output) = (Box::new(Scratch::new()), Box::new(Output::new()));
-    let (left, right) = (scene.left.view().unwrap(), scene.right.view().unwrap());
-    plan.run_on(left, right, focus, &mut scratch, &mut output, &mut ()).unwrap();
-    Ran { scratch, output }
+fn run<'a>(plan: &Plan, scene: &'a Scene, focus: &Focus<'_>, memory: &'a mut Scratch) -> Matched<'a> {
+    let images = [scene.left.view().unwrap(), scene.right.view().unwrap()];
+    plan.run_on(images, focus, memory.view(), &mut ()).unwrap()
+}
+
+fn row_offset_q5(matched: &Matched<'_>) -> Option<i16> {
+    Some(matched.summary().row_offset_q5())
 }
 
 fn is_near(segment: &Segment, area: Area) -> bool {
@@ -39,13 +39,13 @@ fn is_near(segment: &Segment, area: Area) -> bool {
 }
 
 /// What matching says of the candidates in an area, without what their neighbours make of it.
-fn near(ran: &Ran, area: Area) -> Vec<String> {
+fn near(ran: &Matched<'_>, area: Area) -> Vec<String> {
     let facts = |candidate: &Candidate| {
         let Candidate { segment, sides, window_q6, census_q6, feature_q6, .. } = candidate;
         let sides = sides.each_ref().map(|side| side.as_ref().map(|side| (side.disparity_q6, side.across_q10)));
         format!("{segment:?} {sides:?} {window_q6} {census_q6} {feature_q6:?}")
     };
-    ran.scratch.candidates().iter().filter(|candidate| is_near(&candidate.segment, area)).map(facts).collect()
+    ran.candidates().iter().filter(|candidate| is_near(&candidate.segment, area)).map(facts).collect()
 }
 
 /// Numbers below a bound, the same on every run.
@@ -58,18 +58,19 @@ fn random(seed: &mut u32, below: u16) -> u16 {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn candidates_around_an_area_are_those_of_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
+    let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     let (mut all, mut same, mut others) = (0, 0, 0);
     let mut seed = 7;
     for scene in &scenes {
         let dims = scene.left.dims;
         let plan = plan(scene);
-        let whole = run(&plan, scene, &Focus::WHOLE);
+        let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         for _ in 0..40 {
             let [width, height] = [0; 2].map(|_| 20 + random(&mut seed, 90));
             let (left, top) = (random(&mut seed, dims.width - width), random(&mut seed, dims.height - height));
             let area = Area { left, top, right: left + width, bottom: top + height };
-            let focus = Focus { areas: Some(&[area]), row_offset_q5: Some(whole.output.row_offset_q5) };
-            let part = run(&plan, scene, &focus);
+            let focus = Focus { areas: Some(&[area]), row_offset_q5: row_offset_q5(&whole) };
+            let part = run(&plan, scene, &focus, &mut parts_of_it);
             let (a, b) = (near(&whole, area), near(&part, area));
             let common = a.iter().filter(|facts| b.contains(facts)).count();
             all += a.len();
@@ -87,14 +88,15 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn all_of_the_image_is_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
+    let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     for scene in &scenes {
         let (plan, dims) = (plan(scene), scene.left.dims);
-        let whole = run(&plan, scene, &Focus::WHOLE);
+        let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         let all = [Area::of(dims)];
-        for row_offset_q5 in [None, Some(whole.output.row_offset_q5)] {
-            let part = run(&plan, scene, &Focus { areas: Some(&all), row_offset_q5 });
-            assert_eq!(part.output.matches, whole.output.matches, "{}", scene.name);
-            assert_eq!(part.output.row_offset_q5, whole.output.row_offset_q5);
+        for row_offset_q5 in [None, row_offset_q5(&whole)] {
+            let part = run(&plan, scene, &Focus { areas: Some(&all), row_offset_q5 }, &mut parts_of_it);
+            assert_eq!(part.segments(), whole.segments(), "{}", scene.name);
+            assert_eq!(part.summary().row_offset_q5(), whole.summary().row_offset_q5());
         }
     }
 }
@@ -103,13 +105,14 @@ fn all_of_the_image_is_the_whole_frame() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn nothing_is_matched_where_nothing_is_asked_for() {
     let Some(scenes) = captured::qvga() else { return };
+    let mut parts_of_it = memory();
     let scene = &scenes[0];
     let dims = scene.left.dims;
     let (zero, outside) = (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
     for areas in [&[][..], &[zero][..], &[outside, zero][..]] {
-        let none = run(&plan(scene), scene, &Focus { areas: Some(areas), row_offset_q5: None });
-        assert!(none.output.matches.is_empty() && none.scratch.candidates().is_empty());
-        assert_eq!(none.output.counts.segments_left, 0);
+        let none = run(&plan(scene), scene, &Focus { areas: Some(areas), row_offset_q5: None }, &mut parts_of_it);
+        assert!(none.segments().is_empty() && none.candidates().is_empty());
+        assert_eq!(none.counts().segments_left, 0);
     }
 }
 
@@ -117,16 +120,18 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn more_areas_than_are_told_apart_lose_none() {
     let Some(scenes) = captured::qvga() else { return };
+    let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     let scene = &scenes[0];
     let (plan, dims) = (plan(scene), scene.left.dims);
-    let whole = run(&plan, scene, &Focus::WHOLE);
+    let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
     let areas: Vec<Area> = (0..Focus::MAX_AREAS as u16 + 20)
         .map(|i| Area { left: 8 * i, top: 100, right: 8 * i + 12, bottom: 130 })
         .filter(|area| area.right <= dims.width)
         .collect();
     assert!(areas.len() > Focus::MAX_AREAS);
-    let part = run(&plan, scene, &Focus { areas: Some(&areas), row_offset_q5: Some(whole.output.row_offset_q5) });
-    let number = |ran: &Ran| areas.iter().map(|&area| near(ran, area).len()).sum::<usize>();
+    let part =
+        run(&plan, scene, &Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole) }, &mut parts_of_it);
+    let number = |ran: &Matched<'_>| areas.iter().map(|&area| near(ran, area).len()).sum::<usize>();
     let (found, wanted) = (number(&part), number(&whole));
     // Without the areas that do not fit in the list it would be half; see above for the rest.
     assert!(wanted > 15 && found + 2 >= wanted, "{found} of {wanted}");
@@ -136,10 +141,11 @@ fn more_areas_than_are_told_apart_lose_none() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn every_segment_is_counted_once() {
     let Some(scenes) = captured::qvga() else { return };
+    let mut parts_of_it = memory();
     for scene in &scenes {
         let area = Area { left: 60, top: 50, right: 200, bottom: 150 };
-        let part = run(&plan(scene), scene, &Focus { areas: Some(&[area]), row_offset_q5: None });
-        let counts = part.output.counts;
+        let part = run(&plan(scene), scene, &Focus { areas: Some(&[area]), row_offset_q5: None }, &mut parts_of_it);
+        let counts = part.counts();
         let rejected: u32 = linestereo::Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
         assert_eq!(u32::from(counts.segments_left), rejected + u32::from(counts.matched), "{}", scene.name);
     }
@@ -149,18 +155,19 @@ fn every_segment_is_counted_once() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn objects_have_the_depths_of_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
+    let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     let (mut all, mut same, mut near, mut refusals, mut worst) = (0, 0, 0, 0, 0.0_f64);
     for scene in &scenes {
         let plan = plan(scene);
-        let mut whole = run(&plan, scene, &Focus::WHOLE);
+        let mut whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         for case in object_cases(scene).unwrap() {
             let Some(region) = case.region() else { continue };
             let areas = [region.area()];
-            let focus = Focus { areas: Some(&areas), row_offset_q5: Some(whole.output.row_offset_q5) };
-            let mut part = run(&plan, scene, &focus);
-            let depth = |ran: &mut Ran| {
+            let focus = Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole) };
+            let mut part = run(&plan, scene, &focus, &mut parts_of_it);
+            let depth = |ran: &mut Matched<'_>| {
                 let mut found = None;
-                plan.for_each_object(&mut ran.scratch, &[region], true, |object| found = Some(object));
+                ran.objects(&[region], |object| found = Some(object));
                 found.unwrap()
             };
             let (a, b) = (depth(&mut whole), depth(&mut part));

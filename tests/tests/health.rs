@@ -37,8 +37,8 @@ impl Rig {
     fn watch(&mut self, left: Gray<'_>, right: Gray<'_>, times_us: Option<[u64; 2]>) -> PairHealth {
         let mut health = self.monitor.look(&self.limits, left, right, times_us);
         if !health.is_refused() {
-            let output = self.engine.run_in_place(left, right).unwrap();
-            let found = (&output.matches[..], &output.counts);
+            let matched = self.engine.run_in_place(left, right).unwrap();
+            let found = (matched.segments(), matched.counts());
             self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
         }
         health
@@ -581,8 +581,9 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     let mut engine = Engine::new(&Params { max_disparity: 64, ..Params::default() }, DIMS).unwrap();
     let mut monitor = HealthMonitor::new();
     let mut health = monitor.look(&HealthLimits::DEFAULT, left, right, None);
-    let output = engine.run_in_place(left, right).unwrap();
-    monitor.look_at_matches(&HealthLimits::DEFAULT, (left, right), (&output.matches, &output.counts), &mut health);
+    let matched = engine.run_in_place(left, right).unwrap();
+    let found = (matched.segments(), matched.counts());
+    monitor.look_at_matches(&HealthLimits::DEFAULT, (left, right), found, &mut health);
     assert_eq!(health, expected);
     // Images of other sizes, the smallest, and no matches at all: nothing fails.
     let tiny = painted(16, 16, |x, y| (x * y) as u8);
@@ -591,7 +592,7 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     HealthMonitor::new().look_at_matches(
         &HealthLimits::DEFAULT,
         (a, b),
-        (&output.matches, &Counts::default()),
+        (matched.segments(), &Counts::default()),
         &mut health,
     );
     assert_eq!(health.rows, None);

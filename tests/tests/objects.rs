@@ -17,7 +17,7 @@ const DIMS: Dims = Dims { width: 320, height: 240 };
 fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
     let score = |(scene, models): (&Scene, &FittedModels)| {
         let mut engine = captured::engine(scene).with_models(*models);
-        engine.run_in_place(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
         score_objects(&mut engine, &object_cases(scene).unwrap())
     };
     scenes.iter().zip(captured::models_left_out(scenes)).flat_map(score).collect()
@@ -84,7 +84,7 @@ fn drawn_with(params: Params, cards: Vec<Surface>, wall: Texture) -> (Engine, Re
     let drawn = scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed: 3, ..Sensor::default() });
     let params = Params { max_disparity: 48, rig: Some(pair.rig().unwrap()), ..params };
     let mut engine = Engine::new(&params, DIMS).unwrap();
-    engine.run_in_place(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
+    engine.run(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
     (engine, drawn)
 }
 
@@ -187,7 +187,7 @@ fn built_in_scenes() {
             let drawn = scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed, ..Sensor::default() });
             let max_disparity = scene::search_range(&drawn).min(128);
             let mut engine = Engine::new(&Params { max_disparity, ..Params::default() }, DIMS).unwrap();
-            engine.run_in_place(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
+            engine.run(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
             for label in 1..=scene.objects.len() as u8 {
                 let own = drawn.labels.iter().zip(&drawn.disparity).filter(|(l, d)| **l == label && d.is_finite());
                 let mut truth: Vec<f32> = own.map(|(_, d)| *d).collect();
@@ -251,7 +251,7 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
 
 #[test]
 fn objects_leave_the_points_of_the_run_as_they_are() {
-    use linestereo::{Output, Scratch, Views, most_candidates};
+    use linestereo::{Matched, Scratch, most_candidates};
     type Memory = Scratch<
         { row_bytes(DIMS.width) },
         { mark_words(DIMS) },
@@ -264,21 +264,21 @@ fn objects_leave_the_points_of_the_run_as_they_are() {
     let (_, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
     let (left, right) = (drawn.left.view().unwrap(), drawn.right.view().unwrap());
     let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
-    let (mut memory, mut output) = (Box::new(Memory::new()), Box::new(Output::<1024, 0>::new()));
-    plan.run(left, right, &mut memory, &mut output).unwrap();
-    let points = |memory: &mut Memory| {
+    let mut memory = Box::new(Memory::new());
+    let mut matched = plan.run([left, right], memory.view()).unwrap();
+    let points = |matched: &mut Matched<'_>| {
         let mut points = Vec::new();
-        plan.for_each_point(Views::of(left, right), memory, |point| points.push(point));
+        matched.points(|point| points.push(point));
         points
     };
-    let before = points(&mut memory);
+    let before = points(&mut matched);
     let runs = mask_of(&drawn, &[1]).runs(1);
     let regions = [Region::masked(1, &runs, DIMS).unwrap(), Region::boxed(2, Area::of(DIMS), DIMS).unwrap()];
     let mut first = Vec::new();
-    plan.for_each_object(&mut memory, &regions, true, |found| first.push(found));
-    assert_eq!(points(&mut memory), before);
+    matched.objects(&regions, |found| first.push(found));
+    assert_eq!(points(&mut matched), before);
     let mut second = Vec::new();
-    plan.for_each_object(&mut memory, &regions, true, |found| second.push(found));
+    matched.objects(&regions, |found| second.push(found));
     assert_eq!(first, second);
 }
 
@@ -294,7 +294,7 @@ fn outlines_move_to_the_edges_that_the_object_owns() {
         let runs = mask.runs(1);
         let region = Region::masked(1, &runs, DIMS).unwrap();
         let found = engine.objects(&[region], true)[0];
-        let refined = refine(&region, &found, engine.candidates(), DIMS);
+        let refined = refine(&region, &found, engine.matched().candidates(), DIMS);
         let RefinedOutline::Mask(outline) = refined.outline else { panic!("a mask stays a mask") };
         let [before, after] = [&mask, &outline].map(|mask| 1.0 - mask.overlap(&exact));
         println!("not common: {before:.3}, refined {after:.3}, {} edges", refined.owned_edges);
@@ -305,14 +305,14 @@ fn outlines_move_to_the_edges_that_the_object_owns() {
     let area = Area { left: 96, top: 73, right: 204, bottom: 174 };
     let region = Region::boxed(1, area, DIMS).unwrap();
     let found = engine.objects(&[region], true)[0];
-    let refined = refine(&region, &found, engine.candidates(), DIMS);
+    let refined = refine(&region, &found, engine.matched().candidates(), DIMS);
     assert!(refined.outline == RefinedOutline::Box(area) && refined.segments.len() > 20, "{refined:?}");
     // Without a depth nothing is known of the object's edges.
     let unknown = engine.objects(&[region], false)[0];
     let untouched = exact.grown(2);
     let runs = untouched.runs(1);
     let mask = Region::masked(1, &runs, DIMS).unwrap();
-    assert_eq!(refine(&mask, &unknown, engine.candidates(), DIMS).outline, RefinedOutline::Mask(untouched));
+    assert_eq!(refine(&mask, &unknown, engine.matched().candidates(), DIMS).outline, RefinedOutline::Mask(untouched));
 }
 
 #[test]

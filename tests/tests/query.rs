@@ -1,8 +1,8 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
 use linestereo::{
-    Area, Dims, Disparity, FITTED_PIXEL, Gray, Match, NotKnown, Output, Params, PixelDepth, Region, Rig, Scratch, Span,
-    mark_words, most_candidates, row_bytes,
+    Area, Dims, Disparity, FITTED_PIXEL, Gray, Matched, NotKnown, Pair, Params, PixelDepth, Region, Rig, RunError,
+    Scratch, Span, mark_words, most_candidates, row_bytes,
 };
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
@@ -70,7 +70,7 @@ fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Res
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
     engine.run(left, right).unwrap();
-    grid(left.dims(), step).map(|pixel| (pixel, engine.depth_at(left, right, pixel, None))).collect()
+    grid(left.dims(), step).map(|pixel| (pixel, engine.depth_at(pixel, None))).collect()
 }
 
 #[test]
@@ -180,34 +180,23 @@ fn a_hidden_strip_has_no_wrong_depth() {
     assert!(seen.1 * 10 >= seen.0 * 7 && seen.2 * 50 <= seen.1, "seen: {seen:?}");
 }
 
-/// The core with memory for a small pair.
-struct Small {
-    scratch: Box<
-        Scratch<
-            { row_bytes(DIMS.width) },
-            { mark_words(DIMS) },
-            512,
-            { most_candidates(DIMS, 16) },
-            { linestereo::most_support_points(DIMS) },
-        >,
-    >,
-    output: Box<Output<512, 4096>>,
-}
-
-impl Small {
-    fn new() -> Self {
-        Self { scratch: Box::new(Scratch::new()), output: Box::new(Output::new()) }
-    }
-}
+/// Memory for a small pair.
+type Small = Scratch<
+    { row_bytes(DIMS.width) },
+    { mark_words(DIMS) },
+    512,
+    { most_candidates(DIMS, 16) },
+    { linestereo::most_support_points(DIMS) },
+>;
 
 #[test]
 fn what_cannot_be_answered_is_named() {
     let (left, right) = pair_of(Plane { at: 10.0, across: 0.0, down: 0.0 }, 3);
     let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
-    let mut small = Small::new();
+    let mut small = Box::new(Small::new());
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
-    plan.run(l, r, &mut small.scratch, &mut small.output).unwrap();
-    let mut at = |pixel, region: Option<&Region<'_>>| plan.depth_at(l, r, &mut small.scratch, pixel, region);
+    let mut matched = plan.run([l, r], small.view()).unwrap();
+    let mut at = |pixel, region: Option<&Region<'_>>| matched.pixel(pixel, region);
     assert_eq!(at((DIMS.width, 5), None), Err(NotKnown::Outside));
     assert_eq!(at((5, DIMS.height), None), Err(NotKnown::Outside));
     assert_eq!(at((u16::MAX, u16::MAX), None), Err(NotKnown::Outside));
@@ -217,19 +206,32 @@ fn what_cannot_be_answered_is_named() {
     assert!(at((100, 50), Some(&region)).is_ok());
 
     // Spans that leave out the pixel, or all right columns it could match.
+    let summary = *matched.summary();
     let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
     let cut = l.with_usable(&spans).unwrap();
-    assert_eq!(plan.depth_at(cut, r, &mut small.scratch, (50, 50), None), Err(NotKnown::Outside));
+    let mut matched = plan.resume(&summary, [cut, r], small.view()).unwrap();
+    assert_eq!(matched.pixel((50, 50), None), Err(NotKnown::Outside));
     let cut = r.with_usable(&spans).unwrap();
-    assert_eq!(plan.depth_at(l, cut, &mut small.scratch, (62, 50), None), Err(NotKnown::NearBorder));
+    let mut matched = plan.resume(&summary, [l, cut], small.view()).unwrap();
+    assert_eq!(matched.pixel((62, 50), None), Err(NotKnown::NearBorder));
 
     let other = painted(64, 48, |x, y| (x * y) as u8);
     let other = other.view().unwrap();
-    assert_eq!(plan.depth_at(other, r, &mut small.scratch, (50, 20), None), Err(NotKnown::OtherSize));
+    assert!(matches!(plan.resume(&summary, [other, r], small.view()), Err(RunError::SizeMismatch { .. })));
     let large = Params::default().plan(Dims { width: 640, height: 480 }).unwrap();
     let wide = painted(640, 480, |x, y| (x ^ y) as u8);
     let wide = wide.view().unwrap();
-    assert_eq!(large.depth_at(wide, wide, &mut small.scratch, (300, 200), None), Err(NotKnown::OtherSize));
+    assert!(matches!(large.resume(&summary, [wide, wide], small.view()), Err(RunError::ScratchTooSmall { .. })));
+    // A pair that is refused: captured too far apart.
+    let mut matcher = Params { max_disparity: RANGE, ..Params::default() }.matcher(DIMS).unwrap();
+    let pair = Pair { left: l, right: r, times_us: Some([0, 1_000_000]) };
+    let mut matched = matcher.run(pair, None, small.view(), &mut ()).unwrap();
+    assert!(matched.segments().is_empty() && matched.candidates().is_empty() && matched.health().is_refused());
+    assert_eq!(matched.pixel((100, 50), None), Err(NotKnown::UnhealthyPair));
+    matched.points(|point| panic!("{point:?} of a pair that was not matched"));
+    let mut objects = Vec::new();
+    matched.objects(&[region], |object| objects.push(object.disparity));
+    assert_eq!(objects, [Err(linestereo::NoDepth::UnhealthyPair)]);
     for reason in NotKnown::ALL {
         assert!(!reason.to_string().is_empty() && !reason.name().contains(' '));
     }
@@ -245,7 +247,7 @@ fn metres_come_from_the_rig_and_the_least_probability_from_the_parameters() {
     engine.run(l, r).unwrap();
     let mut answered = 0;
     for pixel in grid(DIMS, 7) {
-        let Ok(found) = engine.depth_at(l, r, pixel, None) else { continue };
+        let Ok(found) = engine.depth_at(pixel, None) else { continue };
         answered += 1;
         assert_eq!(found.depth, Some(rig.depth(found.disparity)));
         assert_eq!(found.depth_sigma, Some(rig.depth_sigma(found.disparity, found.sigma)));
@@ -260,24 +262,24 @@ fn memory_and_order_do_not_matter() {
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
     let noise = painted(DIMS.width, DIMS.height, |x, y| Random(u64::from(x) << 16 | u64::from(y)).bits() as u8);
     let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
-    let (mut fresh, mut used) = (Small::new(), Small::new());
+    let (mut fresh, mut used) = (Box::new(Small::new()), Box::new(Small::new()));
     let n = noise.view().unwrap();
-    plan.run(n, n, &mut used.scratch, &mut used.output).unwrap();
-    let _ = plan.depth_at(n, n, &mut used.scratch, (100, 60), None);
-    for small in [&mut fresh, &mut used] {
-        plan.run(l, r, &mut small.scratch, &mut small.output).unwrap();
-    }
-    let matches: Vec<Match> = fresh.output.matches.to_vec();
+    let _ = plan.run([n, n], used.view()).unwrap().pixel((100, 60), None);
+    let mut fresh = plan.run([l, r], fresh.view()).unwrap();
+    let mut used = plan.run([l, r], used.view()).unwrap();
+    let points = |matched: &mut Matched<'_>| {
+        let mut points = Vec::new();
+        matched.points(|point| points.push(point));
+        (matched.segments().to_vec(), points)
+    };
+    let before = points(&mut used);
     let pixels: Vec<_> = grid(DIMS, 6).collect();
-    let forward: Vec<_> = pixels.iter().map(|&p| plan.depth_at(l, r, &mut fresh.scratch, p, None)).collect();
-    let mut backward: Vec<_> = pixels.iter().rev().map(|&p| plan.depth_at(l, r, &mut used.scratch, p, None)).collect();
+    let forward: Vec<_> = pixels.iter().map(|&pixel| fresh.pixel(pixel, None)).collect();
+    let mut backward: Vec<_> = pixels.iter().rev().map(|&pixel| used.pixel(pixel, None)).collect();
     backward.reverse();
     assert_eq!(forward, backward);
-    // The run's results are still what they were; the list ends when it is full.
-    let mut points = Vec::new();
-    plan.for_each_point(linestereo::Views::of(l, r), &mut fresh.scratch, |point| points.push(point));
-    points.truncate(used.output.points.capacity());
-    assert!(matches == *used.output.matches && points == *used.output.points);
+    // The run's results are still what they were.
+    assert!(points(&mut fresh) == before && points(&mut used) == before);
 }
 
 #[test]
@@ -291,7 +293,7 @@ fn a_region_leaves_out_features_of_others() {
     let region = Region::boxed(1, Square::AREA, DIMS).unwrap();
     let answers = |engine: &mut Engine, region: Option<&Region<'_>>| -> (usize, usize) {
         let inside = grid(DIMS, 3).filter(|&(x, y)| Square::AREA.contains(x.into(), y.into()));
-        let found: Vec<_> = inside.filter_map(|pixel| engine.depth_at(l, r, pixel, region).ok()).collect();
+        let found: Vec<_> = inside.filter_map(|pixel| engine.depth_at(pixel, region).ok()).collect();
         let wrong = found.iter().filter(|f| (f.disparity.to_num::<f64>() - Square::NEAR).abs() > 1.0).count();
         (found.len(), wrong)
     };
@@ -321,7 +323,7 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
                 let (l, r) = (left.view().unwrap(), right.view().unwrap());
                 engine.run(l, r).unwrap();
                 for pixel in grid(dims, 3).chain([(width - 1, height - 1), (width - 1, 0), (0, height - 1)]) {
-                    if let Ok(found) = engine.depth_at(l, r, pixel, None) {
+                    if let Ok(found) = engine.depth_at(pixel, None) {
                         let d = found.disparity.to_num::<f64>();
                         let (low, high) = (f64::from(min_disparity) - 0.5, f64::from(max_disparity) - 0.5);
                         assert!((low..=high).contains(&d), "{dims} {pixel:?}: {d}");
@@ -337,8 +339,8 @@ fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
     let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let pair: (Gray<'_>, Gray<'_>) = (left.view().unwrap(), right.view().unwrap());
-    engine.run_in_place(pair.0, pair.1).unwrap();
-    ask_pixels(&mut engine, pair, scene.truth.as_ref().unwrap(), (2000, 1))
+    engine.run(pair.0, pair.1).unwrap();
+    ask_pixels(&mut engine, scene.truth.as_ref().unwrap(), (2000, 1))
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The report page in a browser: what it shows is what the run gave. Without a browser these tests say so and pass.
 
 use linestereo::Area;
-use linestereo::{Dims, HealthLimits, HealthMonitor, Params, Rejection, Rig};
+use linestereo::{Dims, Params, Rejection, Rig};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::listing;
 use linestereo_sim::pinhole::Pinhole;
@@ -27,9 +27,8 @@ fn run(seed: u64) -> Run {
     let mut engine = Engine::new(&Params { rig: Some(rig), ..Params::default() }, DIMS).unwrap();
     let mut log = RejectionLog::default();
     let views = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
-    let (mut monitor, limits) = (HealthMonitor::new(), &HealthLimits::DEFAULT);
-    let result = engine.run_watched_observed(views, &mut monitor, limits, None, &mut log).unwrap();
-    let rejected = log.rejected(engine.candidates());
+    let result = engine.run_next(views, None, &mut log).unwrap();
+    let rejected = log.rejected(engine.matched().candidates());
     let area = Area { left: 40, top: 30, right: 200, bottom: 200 };
     let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
     let depths = engine.objects(&[object.region(DIMS).unwrap()], true);

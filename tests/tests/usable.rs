@@ -1,7 +1,7 @@
 //! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold never matters.
 
 use linestereo::{
-    Confidence, Dims, Gray, MARGIN, Match, Output, Params, PointClaim, Scratch, Span, ViewError, Views, mark_words,
+    Confidence, Dims, Gray, MARGIN, Match, Params, PointClaim, Scratch, Span, ViewError, mark_words,
     most_support_points, row_bytes, shrink_to_usable,
 };
 use linestereo_sim::engine::GrayImage;
@@ -10,7 +10,6 @@ use linestereo_tests::drawn::Random;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>;
-type Lists = Output<512, 16384>;
 type Spans = [Span; DIMS.height as usize];
 
 /// What a turned camera leaves: slanted borders left and right, empty rows at the top, fewer pixels at the bottom.
@@ -44,14 +43,13 @@ fn with_garbage(image: &GrayImage, content: &Spans, mut garbage: impl FnMut() ->
 }
 
 fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<PointClaim>) {
-    let (mut memory, mut lists) = (Box::new(Memory::new()), Box::new(Lists::new()));
+    let mut memory = Box::new(Memory::new());
     let params = Params { max_disparity: 48, min_confidence: Confidence::from_num(0.5), ..Params::default() };
     let plan = params.plan(DIMS).unwrap();
-    plan.run(left, right, &mut memory, &mut lists).unwrap();
-    let mut streamed = Vec::new();
-    plan.for_each_point(Views::of(left, right), &mut memory, |point| streamed.push(point));
-    assert_eq!(streamed, lists.points.to_vec());
-    (lists.matches.to_vec(), streamed)
+    let mut matched = plan.run([left, right], memory.view()).unwrap();
+    let mut points = Vec::new();
+    matched.points(|point| points.push(point));
+    (matched.segments().to_vec(), points)
 }
 
 fn scenes() -> impl Iterator<Item = scene::Rendering> {

@@ -65,12 +65,8 @@ pub struct Counts {
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
-    /// Matches beyond the list's capacity.
-    pub matches_dropped: u16,
-    /// Points in the list of points (they stay on the board).
+    /// Points of the pair; 0 where nobody counted them.
     pub points: u32,
-    /// Points beyond the list's capacity.
-    pub points_dropped: u32,
     /// Left segments lost, in the order of [`Rejection::ALL`].
     pub rejected: [u16; Rejection::ALL.len()],
 }
@@ -92,9 +88,7 @@ impl From<&linestereo::Counts> for Counts {
             segments_right_dropped: counts.segments_right_dropped,
             searched_fully: counts.searched_fully,
             matched: counts.matched,
-            matches_dropped: counts.matches_dropped,
-            points: counts.points,
-            points_dropped: counts.points_dropped,
+            points: 0,
             rejected: Rejection::ALL.map(|reason| counts.rejected(reason)),
         }
     }

@@ -16,11 +16,9 @@ use serde::{Deserialize, Serialize};
 /// Where the core's flags begin.
 const CORE: u32 = 8;
 /// Flags of the board.
-const BOARD: [(Health, &str); 7] = [
+const BOARD: [(Health, &str); 5] = [
     (Health::SIZE_MISMATCH, "size_mismatch"),
     (Health::SEGMENTS_DROPPED, "segments_dropped"),
-    (Health::MATCHES_DROPPED, "matches_dropped"),
-    (Health::POINTS_DROPPED, "points_dropped"),
     (Health::RESULTS_SKIPPED, "results_skipped"),
     (Health::PAIR_MISSING, "pair_missing"),
     (Health::FREE_RUNNING, "free_running"),
@@ -32,7 +30,7 @@ const BOARD: [(Health, &str); 7] = [
 /// use linestereo::HealthFlags;
 /// use linestereo_wire::Health;
 /// let health = Health::SEGMENTS_DROPPED | Health::from(HealthFlags::ROWS_OFF);
-/// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::POINTS_DROPPED));
+/// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::RESULTS_SKIPPED));
 /// assert!(health.names().eq(["segments_dropped", "rows_off"]));
 /// assert_eq!(health.of_pair(), HealthFlags::ROWS_OFF);
 /// ```
@@ -46,10 +44,6 @@ impl Health {
     pub const SIZE_MISMATCH: Self = Self(1);
     /// A list of detected segments was full.
     pub const SEGMENTS_DROPPED: Self = Self(1 << 1);
-    /// The list of matches was full.
-    pub const MATCHES_DROPPED: Self = Self(1 << 2);
-    /// The list of points was full.
-    pub const POINTS_DROPPED: Self = Self(1 << 3);
     /// Results between the last record and this one were not sent: the port is slower than the board.
     pub const RESULTS_SKIPPED: Self = Self(1 << 4);
     /// The camera delivered no whole pair for this frame.
@@ -73,10 +67,8 @@ impl Health {
     /// The flags that follow from what the core counted: its full lists.
     #[must_use]
     pub fn of(counts: &Counts) -> Self {
-        let flag = |is_set: bool, flag: Self| if is_set { flag } else { Self::GOOD };
-        flag(counts.segments_left_dropped > 0 || counts.segments_right_dropped > 0, Self::SEGMENTS_DROPPED)
-            | flag(counts.matches_dropped > 0, Self::MATCHES_DROPPED)
-            | flag(counts.points_dropped > 0, Self::POINTS_DROPPED)
+        let is_full = counts.segments_left_dropped > 0 || counts.segments_right_dropped > 0;
+        if is_full { Self::SEGMENTS_DROPPED } else { Self::GOOD }
     }
 
     /// The core's flags among them.

@@ -69,7 +69,7 @@ pub use packet::{
 };
 pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use rig_image::{RigImage, RigImageError, RigImageHead};
-pub use send::{PointStream, SendError, send, send_frame, send_objects, send_points};
+pub use send::{PointStream, SendError, send, send_frame, send_objects};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.
 pub const SEGMENTS_PER_PACKET: usize = 10;

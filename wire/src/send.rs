@@ -43,12 +43,12 @@ pub fn send<T: Record, E>(record: &T, write: &mut impl FnMut(&[u8]) -> Result<()
 /// Sends a whole frame: its head, with the number of these matches in it, and the matches. Stops at the first failure of the port.
 ///
 /// ```
-/// # let output: linestereo::Output<8, 8> = linestereo::Output::new();
+/// # let (counts, matches) = (linestereo::Counts::default(), []);
 /// # let dims = linestereo::Dims { width: 320, height: 240 };
 /// # let mut port = Vec::new();
 /// use linestereo_wire::{FrameHead, Health, send_frame};
-/// let head = FrameHead::new(1, 33_000, dims, Health::GOOD, &output.counts);
-/// let sent = send_frame(&head, &output.matches, &mut |packet| {
+/// let head = FrameHead::new(1, 33_000, dims, Health::GOOD, &counts);
+/// let sent = send_frame(&head, &matches, &mut |packet| {
 ///     port.extend_from_slice(packet);
 ///     Ok::<(), ()>(())
 /// });
@@ -110,19 +110,6 @@ impl PointStream {
         let points = core::mem::replace(&mut self.points, next);
         send(&Message::Points(points), write)
     }
-}
-
-/// Sends a list of points.
-pub fn send_points<E>(
-    sequence: u32,
-    points: &[PointClaim],
-    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
-) -> Result<(), SendError<E>> {
-    let mut stream = PointStream::new(sequence);
-    for point in points {
-        stream.push(point, write)?;
-    }
-    stream.finish(write)
 }
 
 /// Sends the depths of a frame's objects, after [`send_frame`].

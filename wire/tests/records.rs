@@ -55,7 +55,7 @@ fn a_port_that_fails_ends_the_frame() {
 }
 
 /// A pair of vertical bars that are nearer than the wall behind them: enough for the core to count something of most kinds.
-fn bars() -> (linestereo::Output<64, 512>, Dims) {
+fn bars() -> (linestereo::Counts, Dims) {
     let dims = Dims { width: 96, height: 64 };
     let mut random = Random(3);
     let wall: Vec<u8> = (0..200 * 64).map(|_| 90 + random.byte() / 8).collect();
@@ -77,16 +77,15 @@ fn bars() -> (linestereo::Output<64, 512>, Dims) {
             { linestereo::most_support_points(Dims { width: 96, height: 64 }) },
         >,
     > = Box::default();
-    let mut output = linestereo::Output::new();
     let params = Params { max_disparity: 32, ..Params::default() };
-    params.plan(dims).unwrap().run(view(&left), view(&right), &mut scratch, &mut output).unwrap();
-    (output, dims)
+    let counts = *params.plan(dims).unwrap().run([view(&left), view(&right)], scratch.view()).unwrap().counts();
+    (counts, dims)
 }
 
 #[test]
 fn counts_are_the_cores() {
-    let (output, dims) = bars();
-    let counts = &output.counts;
+    let (counts, dims) = bars();
+    let counts = &counts;
     let sent = FrameHead::new(1, 2, dims, Health::RESULTS_SKIPPED, counts);
     let Ok(Message::Frame(head)) = decode(&packet(&Message::Frame(sent))).0.remove(0) else { panic!("no frame") };
     let wire = head.counts;
@@ -96,12 +95,12 @@ fn counts_are_the_cores() {
         assert_eq!(wire.rejected(reason), counts.rejected(reason), "{}", reason.name());
     }
     assert_eq!(
-        (wire.segments_left, wire.segments_right, wire.matched, wire.matches_dropped),
-        (counts.segments_left, counts.segments_right, counts.matched, counts.matches_dropped)
+        (wire.segments_left, wire.segments_right, wire.matched),
+        (counts.segments_left, counts.segments_right, counts.matched)
     );
     assert_eq!(
-        (wire.segments_left_dropped, wire.segments_right_dropped, wire.points, wire.points_dropped),
-        (counts.segments_left_dropped, counts.segments_right_dropped, counts.points, counts.points_dropped)
+        (wire.segments_left_dropped, wire.segments_right_dropped),
+        (counts.segments_left_dropped, counts.segments_right_dropped)
     );
     assert_eq!((head.width, head.height, head.health), (96, 64, Health::RESULTS_SKIPPED | Health::of(counts)));
 }
@@ -117,19 +116,10 @@ fn each_rejection_has_its_own_place() {
 #[test]
 fn health_follows_full_lists() {
     assert_eq!(Health::of(&linestereo::Counts::default()), Health::GOOD);
-    for (list, flag) in
-        [Health::SEGMENTS_DROPPED, Health::SEGMENTS_DROPPED, Health::MATCHES_DROPPED, Health::POINTS_DROPPED]
-            .into_iter()
-            .enumerate()
-    {
+    for [left, right] in [[1, 0], [0, 1]] {
         let mut counts = linestereo::Counts::default();
-        match list {
-            0 => counts.segments_left_dropped = 1,
-            1 => counts.segments_right_dropped = 1,
-            2 => counts.matches_dropped = 1,
-            _ => counts.points_dropped = 1,
-        }
-        assert_eq!(Health::of(&counts), flag, "list {list}");
+        (counts.segments_left_dropped, counts.segments_right_dropped) = (left, right);
+        assert_eq!(Health::of(&counts), Health::SEGMENTS_DROPPED);
     }
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
     assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
@@ -186,8 +176,8 @@ fn the_layout_of_this_version_is_exactly_this() {
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        5, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 8, 0, 1, 2, 3, 4, 10, 5, 6, 0x80, 0x80, 4, 0, 7, 8, 9, 10, 11, 12, 13, 14,
-        15, 16, 3,
+        5, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+        16, 3,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
@@ -199,10 +189,10 @@ fn the_layout_of_this_version_is_exactly_this() {
         row_drift_q8: None,
         least_disparity_q6: Some(6),
     };
-    let health = Health::POINTS_DROPPED | HealthFlags::ROWS_OFF.into();
+    let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
     let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12];
-    assert_eq!(watched, [&expected[..9], &[0x88, 0x80, 0x80, 2], &report, &expected[11..]].concat());
+    assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
     let segment = Segment {
         ends_q5: [[1, 2], [3, 4]],
         disparity_q6: [5, -6],

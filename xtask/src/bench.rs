@@ -70,7 +70,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     for line in table.lines() {
         let line_of = || format!("the table of bench has an unknown line: {line}");
         match line.split('\t').collect::<Vec<_>>()[..] {
-            ["pair", name, _, _, ref costs @ ..] => {
+            ["pair", name, _, ref costs @ ..] => {
                 let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 pairs.push((name.to_owned(), costs.try_into().ok().with_context(line_of)?));
             }

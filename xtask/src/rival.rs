@@ -151,5 +151,5 @@ pub(crate) fn run(board: &Board, frames: Option<&Path>) -> Result<()> {
 
 /// Bytes of the core's memory.
 fn lists(board: &Board) -> usize {
-    if *board == mps2_an386::BOARD { mps2_an386::Workspace::LISTS } else { mps2_an500::Workspace::LISTS }
+    if *board == mps2_an386::BOARD { mps2_an386::Workspace::CORE } else { mps2_an500::Workspace::CORE }
 }

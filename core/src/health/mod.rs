@@ -157,7 +157,7 @@ impl HealthMonitor {
         let mut now = HealthFlags::GOOD;
         let mut judged = HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
         let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
-        let matched = u32::from(counts.matched) + u32::from(counts.matches_dropped);
+        let matched = u32::from(counts.matched);
         let few = matched * 1000 < u32::from(compared) * u32::from(limits.matched_permille);
         now |= HealthFlags::FEW_MATCHES.when(compared >= MIN_COMPARED && few);
 

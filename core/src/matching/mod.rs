@@ -65,8 +65,6 @@ pub struct Candidate {
     pub(crate) beaten: bool,
     /// Its position in the list of matches.
     pub(crate) listed: Option<u16>,
-    /// It has a match for which the list had no place.
-    pub(crate) is_dropped: bool,
 }
 
 impl Candidate {
@@ -85,7 +83,6 @@ impl Candidate {
             feature_q6: feature_q6.map(narrow),
             beaten: false,
             listed: None,
-            is_dropped: false,
         }
     }
 }

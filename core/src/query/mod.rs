@@ -83,11 +83,13 @@ pub enum NotKnown {
     NotUnique,
     /// The evidence together does not reach the asked probability.
     LowConfidence,
+    /// The pair was refused.
+    UnhealthyPair,
 }
 
 impl NotKnown {
     /// Every reason.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::OtherSize,
         Self::Outside,
         Self::OutsideRegion,
@@ -96,6 +98,7 @@ impl NotKnown {
         Self::LeftRight,
         Self::NotUnique,
         Self::LowConfidence,
+        Self::UnhealthyPair,
     ];
 
     /// The reason in snake case, as it stands in JSON and tables.
@@ -110,6 +113,7 @@ impl NotKnown {
             Self::LeftRight => "left_right",
             Self::NotUnique => "not_unique",
             Self::LowConfidence => "low_confidence",
+            Self::UnhealthyPair => "unhealthy_pair",
         }
     }
 }
@@ -125,6 +129,7 @@ impl fmt::Display for NotKnown {
             Self::LeftRight => "hidden in the right image, most likely",
             Self::NotUnique => "another disparity matches nearly as well",
             Self::LowConfidence => "not credible enough",
+            Self::UnhealthyPair => "the pair is not fit to be used",
         })
     }
 }
@@ -148,9 +153,9 @@ pub(crate) struct Query<'a> {
 
 impl Query<'_> {
     #[inline(never)]
-    pub(crate) fn answer(self, x: u16, y: u16, region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+    pub(crate) fn answer(self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
         let (params, model) = (self.params, self.model);
-        let (d_q6, evidence) = self.weigh_up(x, y, region)?;
+        let (d_q6, evidence) = self.weigh_up(pixel, region)?;
         let score_q8 = model.score_q8(&evidence.0);
         let confidence = Confidence::from_bits(model.probability_q16(score_q8));
         if confidence < params.min_confidence {
@@ -171,8 +176,7 @@ impl Query<'_> {
     #[inline(never)]
     pub(crate) fn weigh_up(
         self,
-        x: u16,
-        y: u16,
+        (x, y): (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<(i32, PixelEvidence), NotKnown> {
         let [left, right] = self.images;

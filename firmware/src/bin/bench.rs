@@ -3,6 +3,7 @@
 
 #[cfg(target_os = "none")]
 fn bench() -> linestereo_firmware::startup::Exit {
+    use linestereo::Matcher;
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::{self, Memory as _};
@@ -10,7 +11,7 @@ fn bench() -> linestereo_firmware::startup::Exit {
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::{stack, startup::Exit, watch::Watch};
+    use linestereo_firmware::{stack, startup::Exit};
 
     let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
     let Some(memory) = memory::take() else { return Exit::Usage };
@@ -19,10 +20,10 @@ fn bench() -> linestereo_firmware::startup::Exit {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
         let Ok(plan) = case.params().plan(case.dims) else { continue };
-        if let Ok((costs, _)) = bench::measure(memory, &clock, &mut Watch::new(), &plan, None, None) {
-            bench::line(&mut table, case, &costs, memory.results());
+        if let Ok((costs, matched)) = bench::measure(memory, &clock, &mut Matcher::new(plan), None, None) {
+            bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };
-            let [see, tell, bytes] = bench::measure_autopilot(memory, &plan, &clock, &view);
+            let [see, tell, bytes] = bench::measure_autopilot(&matched, &clock, &view);
             let _ =
                 core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
         }

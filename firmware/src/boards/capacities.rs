@@ -19,15 +19,12 @@ macro_rules! capacities {
             use super::NODES;
             use crate::boards::{Board, Device, pixels};
             use crate::memory;
-            use linestereo::{Dims, Params, mark_words, most_candidates, most_support_points, row_bytes};
+            use linestereo::{Dims, Params, Scratch, mark_words, most_candidates, most_support_points, row_bytes};
 
             const LARGEST: Dims = Dims { width: $width, height: $height };
             const SEGMENTS: usize = $segments;
-            /// One per square of the default size: a list of matches is never full.
+            /// One per square of the default size.
             const CANDIDATES: usize = most_candidates(LARGEST, Params::DEFAULT.cell);
-            const MATCHES: usize = CANDIDATES;
-            /// No list: points are sent as they are made.
-            const POINTS: usize = 0;
             /// Widest raw image, px.
             const RAW_WIDTH: usize = $raw_width;
             /// Bytes of raw rows of one camera.
@@ -48,8 +45,6 @@ macro_rules! capacities {
                     device,
                     largest: LARGEST,
                     segments: SEGMENTS,
-                    matches: MATCHES,
-                    points: POINTS,
                     raw_width: RAW_WIDTH,
                     band: BAND,
                     sizes: &[LARGEST, Dims { width: 128, height: 96 }],
@@ -57,15 +52,13 @@ macro_rules! capacities {
             }
 
             /// The memory.
-            pub type Workspace = memory::Workspace<{ pixels(LARGEST) }, RAW_WIDTH, Lists, Rectifier>;
-            type Lists = memory::CoreMemory<
+            pub type Workspace = memory::Workspace<{ pixels(LARGEST) }, RAW_WIDTH, Core, Rectifier>;
+            type Core = Scratch<
                 { row_bytes(LARGEST.width) },
                 { mark_words(LARGEST) },
                 SEGMENTS,
                 CANDIDATES,
                 { most_support_points(LARGEST) },
-                MATCHES,
-                POINTS,
             >;
             type Rectifier = memory::CameraRows<NODES, { LARGEST.height as usize }, BAND>;
         }

@@ -76,10 +76,6 @@ pub struct Board {
     pub largest: Dims,
     /// Segments it lists per image.
     pub segments: usize,
-    /// Matches it lists per pair.
-    pub matches: usize,
-    /// Points it lists per pair.
-    pub points: usize,
     /// Widest raw image that it rectifies.
     pub raw_width: usize,
     /// Bytes of raw rows that it holds of each camera.

@@ -1,28 +1,24 @@
-//! Frames, rectifiers, scratch memory and output of a board, with its capacities in the type.
+//! Frames, rectifiers and scratch memory of a board, with its capacities in the type.
 //!
 //! ```text
 //! raw row -> raw_row -> rectifier of its camera (mesh, band of raw rows) -> frame
-//! both frames -> lists (the core's scratch memory and output) -> results
+//! both frames, the core's scratch memory -> matched pair
 //! ```
 
-mod lists;
+mod core_memory;
 mod rectifier;
 
-pub use lists::{CoreMemory, Lists};
+pub use core_memory::CoreMemory;
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
-use crate::ports::Results;
-use linestereo::{
-    Dims, Eye, Focus, Gray, NotKnown, ObjectDepth, Observer, PixelDepth, Plan, PointClaim, Rectification, Region,
-    RowError, Span, ViewError, Views,
-};
+use linestereo::{Area, Dims, Eye, Gray, Matched, Matcher, Observer, Pair, Rectification, RowError, Span, ViewError};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
 #[derive(Debug)]
-pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, L, R> {
+pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, C, R> {
     left: [u8; PIXELS],
     right: [u8; PIXELS],
-    lists: L,
+    core: C,
     rectifiers: [R; 2],
     /// A raw row between its camera and the band; as wide as the rig's raw images.
     raw_row: [u8; RAW_ROW],
@@ -42,23 +38,15 @@ pub trait Memory {
     /// The pair that lies in the frames.
     fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
 
-    /// Matches the pair that lies in the frames, or parts of it.
-    fn run(&mut self, plan: &Plan, focus: &Focus<'_>, observer: &mut impl Observer) -> Result<(), RunError>;
-
-    /// What the last run gave.
-    fn results(&self) -> Results<'_>;
-
-    /// The support points of the last run, which had this plan, that are probable enough.
-    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim>;
-
-    /// Every point of the last run, which had this plan.
-    fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim));
-
-    /// The depth of a pixel of the pair that the last run, with this plan, matched; it still lies in the frames.
-    fn depth_at(&mut self, plan: &Plan, pixel: (u16, u16)) -> Result<PixelDepth, NotKnown>;
-
-    /// Depths of these regions, by the last run, which had this plan; `is_fit`: its pair is fit to be used.
-    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth));
+    /// Matches the pair that lies in the frames and was captured at these times (left, right, us), or parts of it once a whole pair has said how
+    /// far the rows are apart.
+    fn run(
+        &mut self,
+        matcher: &mut Matcher,
+        areas: Option<&[Area]>,
+        times_us: Option<[u64; 2]>,
+        observer: &mut impl Observer,
+    ) -> Result<Matched<'_>, RunError>;
 
     /// Makes ready to rectify raw pairs. After an error no raw row is taken.
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom>;
@@ -95,11 +83,11 @@ impl From<ViewError> for RunError {
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspace<PIXELS, RAW_ROW, L, R> {
+impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Workspace<PIXELS, RAW_ROW, C, R> {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
-    /// Of these, bytes that the core works in and writes to.
-    pub const LISTS: usize = size_of::<L>();
+    /// Of these, bytes that the core works in.
+    pub const CORE: usize = size_of::<C>();
 
     /// Cleared memory.
     #[must_use]
@@ -107,7 +95,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspac
         Self {
             left: [0; PIXELS],
             right: [0; PIXELS],
-            lists: L::CLEARED,
+            core: C::CLEARED,
             rectifiers: [R::CLEARED, R::CLEARED],
             raw_row: [0; RAW_ROW],
             raw_width: 0,
@@ -116,15 +104,19 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Workspac
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Default for Workspace<PIXELS, RAW_ROW, L, R> {
+impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Default
+    for Workspace<PIXELS, RAW_ROW, C, R>
+{
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory for Workspace<PIXELS, RAW_ROW, L, R> {
+impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Memory
+    for Workspace<PIXELS, RAW_ROW, C, R>
+{
     fn fits(&self, dims: Dims) -> bool {
-        self.lists.fit(dims) && usize::from(dims.width) * usize::from(dims.height) <= PIXELS
+        self.core.fits(dims) && usize::from(dims.width) * usize::from(dims.height) <= PIXELS
     }
 
     fn frames(&mut self) -> [&mut [u8]; 2] {
@@ -139,39 +131,22 @@ impl<const PIXELS: usize, const RAW_ROW: usize, L: Lists, R: Rectifier> Memory f
         views([&self.left, &self.right], usable(&self.rectifiers, self.is_raw), dims)
     }
 
-    fn run(&mut self, plan: &Plan, focus: &Focus<'_>, observer: &mut impl Observer) -> Result<(), RunError> {
-        let dims = plan.dims();
+    fn run(
+        &mut self,
+        matcher: &mut Matcher,
+        areas: Option<&[Area]>,
+        times_us: Option<[u64; 2]>,
+        observer: &mut impl Observer,
+    ) -> Result<Matched<'_>, RunError> {
+        let dims = matcher.plan().dims();
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
         let usable = usable(&self.rectifiers, self.is_raw);
-        let pair = views([&self.left, &self.right], usable, dims)?;
-        self.lists.run(plan, pair, focus, observer).map_err(|_| RunError::Size(dims))
-    }
-
-    fn results(&self) -> Results<'_> {
-        self.lists.results()
-    }
-
-    fn support_points(&self, plan: &Plan) -> impl Iterator<Item = PointClaim> {
-        self.lists.support_points(plan)
-    }
-
-    fn for_each_point(&mut self, plan: &Plan, claim: impl FnMut(PointClaim)) {
-        let usable = usable(&self.rectifiers, self.is_raw);
-        if let Ok([left, right]) = views([&self.left, &self.right], usable, plan.dims()) {
-            self.lists.for_each_point(plan, Views::of(left, right), claim);
-        }
-    }
-
-    fn depth_at(&mut self, plan: &Plan, pixel: (u16, u16)) -> Result<PixelDepth, NotKnown> {
-        let usable = usable(&self.rectifiers, self.is_raw);
-        let pair = views([&self.left, &self.right], usable, plan.dims()).map_err(|_| NotKnown::OtherSize)?;
-        self.lists.depth_at(plan, pair, pixel)
-    }
-
-    fn for_each_object(&mut self, plan: &Plan, regions: &[Region<'_>], is_fit: bool, found: impl FnMut(ObjectDepth)) {
-        self.lists.for_each_object(plan, regions, is_fit, found);
+        let [left, right] = views([&self.left, &self.right], usable, dims)?;
+        let pair = Pair { left, right, times_us };
+        let areas = areas.filter(|_| matcher.knows_rows());
+        matcher.run(pair, areas, self.core.view(), observer).map_err(|_| RunError::Size(dims))
     }
 
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {

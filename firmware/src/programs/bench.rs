@@ -2,26 +2,24 @@
 
 use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
-use crate::ports::{ByteSink, Clock, Results};
+use crate::ports::{ByteSink, Clock};
 use crate::vehicle::Vehicle;
-use crate::watch::Watch;
-use linestereo::{Area, HealthFlags, Observer, ObstaclePlan, PairHealth, Plan, Stage, Step};
+use linestereo::{Area, Counts, HealthFlags, Matched, Matcher, Observer, ObstaclePlan, Stage, Step};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
 
 /// Runs the pair that lies in the frames and gives the cost of each stage.
-pub fn measure(
-    memory: &mut impl Memory,
+pub fn measure<'m>(
+    memory: &'m mut impl Memory,
     clock: &impl Clock,
-    watch: &mut Watch,
-    plan: &Plan,
+    matcher: &mut Matcher,
     areas: Option<&[Area]>,
     times_us: Option<[u64; 2]>,
-) -> Result<(Costs, PairHealth), RunError> {
+) -> Result<(Costs, Matched<'m>), RunError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
-    let health = watch.run(memory, plan, areas, times_us, &mut observer)?;
-    Ok((observer.costs, health))
+    let matched = memory.run(matcher, areas, times_us, &mut observer)?;
+    Ok((observer.costs, matched))
 }
 
 /// Adds what passes between the ends of steps to their stages; what it costs itself (a few instructions per step) is left out.
@@ -42,12 +40,12 @@ impl<C: Clock> Observer for StageClock<'_, C> {
 }
 
 /// What the obstacles of the last pair cost, as those of a good one, and telling an autopilot of them; and the bytes of the latter.
-pub fn measure_autopilot(memory: &impl Memory, plan: &Plan, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
+pub fn measure_autopilot(matched: &Matched<'_>, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut count = Count(0);
     let start = clock.now();
-    autopilot.see(memory.results().matches, memory.support_points(plan), HealthFlags::GOOD, 0);
+    autopilot.see(matched, HealthFlags::GOOD, 0);
     let seen = clock.now();
     autopilot.turn(0, &mut count);
     let told = clock.now();
@@ -64,9 +62,8 @@ impl ByteSink for Count {
 }
 
 /// One line of the table that the PC reads: what, a name, numbers; separated by tabs.
-pub fn line(out: &mut impl core::fmt::Write, name: impl core::fmt::Display, costs: &Costs, results: Results<'_>) {
-    let counts = results.counts;
-    let _ = write!(out, "pair\t{name}\t{}\t{}", counts.segments_left, counts.points);
+pub fn line(out: &mut impl core::fmt::Write, name: impl core::fmt::Display, costs: &Costs, counts: &Counts) {
+    let _ = write!(out, "pair\t{name}\t{}", counts.segments_left);
     for cost in costs {
         let _ = write!(out, "\t{cost}");
     }
@@ -108,7 +105,7 @@ mod tests {
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
         let plan = Params::DEFAULT.plan(BOARD.largest).unwrap();
-        let (costs, _) = measure(&mut *memory, &clock, &mut Watch::new(), &plan, None, None).unwrap();
+        let (costs, _) = measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
         assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
@@ -121,6 +118,7 @@ mod tests {
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
         let plan = Params::DEFAULT.plan(dims).unwrap();
-        assert_eq!(measure(&mut *memory, &clock, &mut Watch::new(), &plan, None, None), Err(RunError::Size(dims)));
+        let refused = measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None);
+        assert_eq!(refused.map(|_| ()), Err(RunError::Size(dims)));
     }
 }

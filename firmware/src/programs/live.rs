@@ -220,7 +220,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             return Turn::Missing;
         };
         if let Some(skew_us) = camera.still_us() {
-            self.session.watch.limits.skew_us = skew_us;
+            self.session.limits.skew_us = skew_us;
         }
         if rectified.is_err() || self.match_captured(memory, pair, now_us).is_none() {
             let health = captured_health(pair) | Health::SIZE_MISMATCH;
@@ -232,19 +232,19 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     /// Matches the pair that lies in the frames, and tells of it; `None` when images of its size cannot be matched.
     fn match_captured(&mut self, memory: &mut impl Memory, pair: CapturedPair, now_us: u64) -> Option<()> {
         let (time_us, captured) = (captured_us(pair, now_us), captured_health(pair));
-        let plan = self.session.plan(pair.dims).ok()?;
         let areas = self.session.areas();
-        let health = self.session.watch.run(memory, &plan, areas.as_deref(), pair.times_us, &mut ()).ok()?;
+        let matcher = self.session.matcher(pair.dims).ok()?;
+        let mut matched = memory.run(matcher, areas.as_deref(), pair.times_us, &mut ()).ok()?;
+        let health = *matched.health();
         if health.is_refused() {
             self.write_frame(failed_frame(0, time_us, pair.dims, captured).with_pair(&health), None);
             return Some(());
         }
-        let objects = self.session.objects(memory, &plan, &health);
-        let results = memory.results();
+        let objects = self.session.objects(&mut matched);
         self.autopilot.set_view(self.session.directions(pair.dims));
-        self.autopilot.see(results.matches, memory.support_points(&plan), health.flags, now_us); // of the clock of its turns
-        let head = FrameHead::new(0, time_us, pair.dims, captured, results.counts).with_pair(&health);
-        self.write_frame(head, Some((results.matches, &objects)));
+        self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
+        let head = FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
+        self.write_frame(head, Some((matched.segments(), &objects)));
         Some(())
     }
 

@@ -6,9 +6,8 @@
 use crate::cases::Case;
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
-use crate::watch::Watch;
 use core::fmt;
-use linestereo::{NotKnown, PixelDepth};
+use linestereo::{Matcher, NotKnown, PixelDepth};
 
 /// Columns and rows of the grid.
 const GRID: [u16; 2] = [13, 9];
@@ -33,7 +32,7 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
-    Watch::new().run(memory, &plan, None, None, &mut ())?;
+    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
     let mut measured = Measured { digest: 0x811c_9dc5, ..Measured::default() };
     let [columns, rows] = GRID;
     let mut costs = 0;
@@ -42,7 +41,7 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
         let place = |i: u16, of: u16, side: u16| (u32::from(side - 1) * u32::from(i) / u32::from(of - 1)) as u16;
         let pixel = (place(column, columns, case.dims.width), place(row, rows, case.dims.height));
         let start = clock.now();
-        let answer = memory.depth_at(&plan, pixel);
+        let answer = matched.pixel(pixel, None);
         let cost = clock.elapsed(start, clock.now());
         costs += cost;
         measured.dearest = measured.dearest.max(cost);

@@ -12,7 +12,7 @@ use super::bench::{self, Costs};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock};
 use crate::session::{self, Reply, Session};
-use linestereo::{Dims, Eye, PairHealth, Plan};
+use linestereo::{Dims, Eye, Matched, Plan};
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
     Refusal, send, send_frame, send_objects,
@@ -66,12 +66,12 @@ pub fn run(
             Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
                 let outcome = match pair(memory, clock, session, &mut input, &head, is_raw) {
-                    Ok(Matched { plan, rectification, costs, health }) => {
+                    Ok(Replayed { rectification, costs, mut matched }) => {
                         let from = clock.now();
-                        let found = session.objects(memory, &plan, &health);
+                        let found = session.objects(&mut matched);
                         let objects = clock.elapsed(from, clock.now());
                         tell(&Event::Matched { sequence, rectification, costs, objects });
-                        write_results(memory, &plan, (sequence, &health), &head, output);
+                        write_results(&mut matched, sequence, &head, output);
                         let _ = send_objects(sequence, &found, &mut |packet: &[u8]| {
                             output.write(packet);
                             Ok::<(), core::convert::Infallible>(())
@@ -91,24 +91,23 @@ pub fn run(
     decoder.counters()
 }
 
-/// What a pair gave beside its results.
-struct Matched {
-    plan: Plan,
+/// What a pair gave, and cost.
+struct Replayed<'m> {
     /// What rectifying cost.
     rectification: u64,
     costs: Costs,
-    health: PairHealth,
+    matched: Matched<'m>,
 }
 
 /// Reads a pair, rectifies it if it is raw, and matches it.
-fn pair<S: ByteSource>(
-    memory: &mut impl Memory,
+fn pair<'m, S: ByteSource>(
+    memory: &'m mut impl Memory,
     clock: &impl Clock,
     session: &mut Session<'_>,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
     is_raw: bool,
-) -> Result<Matched, Refusal> {
+) -> Result<Replayed<'m>, Refusal> {
     let (plan, rectification) = if is_raw {
         read_raw(memory, clock, session, input, head)?
     } else {
@@ -116,12 +115,13 @@ fn pair<S: ByteSource>(
     };
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
     let areas = session.areas();
-    let found = bench::measure(memory, clock, &mut session.watch, &plan, areas.as_deref(), times_us);
-    let (costs, health) = found.map_err(session::refusal)?;
-    if let Some(Err(skewed)) = times_us.map(|times| session.watch.limits.skew_us(times)) {
+    let matcher = session.matcher(plan.dims())?;
+    let (costs, matched) =
+        bench::measure(memory, clock, matcher, areas.as_deref(), times_us).map_err(session::refusal)?;
+    if let Some(Err(skewed)) = times_us.map(|times| session.limits.skew_us(times)) {
         return Err(skewed.into());
     }
-    Ok(Matched { plan, rectification, costs, health })
+    Ok(Replayed { rectification, costs, matched })
 }
 
 /// Reads the pixels of a rectified pair, or skips them.
@@ -174,27 +174,20 @@ fn truncated(pixels: usize, given: usize) -> Refusal {
 }
 
 /// Points are made twice, to count them and to send them: no board has the memory to list them.
-fn write_results(
-    memory: &mut impl Memory,
-    plan: &Plan,
-    (sequence, health): (u32, &PairHealth),
-    pair: &PairHead,
-    output: &mut impl ByteSink,
-) {
+fn write_results(matched: &mut Matched<'_>, sequence: u32, pair: &PairHead, output: &mut impl ByteSink) {
     let mut points = 0;
-    memory.for_each_point(plan, |_| points += 1);
-    let results = memory.results();
-    let mut head = FrameHead::new(sequence, pair.capture_time_us, plan.dims(), Health::GOOD, results.counts);
-    head = head.with_pair(health);
+    matched.points(|_| points += 1);
+    let head = FrameHead::new(sequence, pair.capture_time_us, matched.dims(), Health::GOOD, matched.counts());
+    let mut head = head.with_pair(matched.health());
     head.counts.points = points;
     let mut write = |packet: &[u8]| {
         output.write(packet);
         Ok::<(), core::convert::Infallible>(())
     };
     // Neither the packets nor this port can fail.
-    let _ = send_frame(&head, results.matches, &mut write);
+    let _ = send_frame(&head, matched.segments(), &mut write);
     let mut stream = PointStream::new(sequence);
-    memory.for_each_point(plan, |point| {
+    matched.points(|point| {
         let _ = stream.push(&point, &mut write);
     });
     let _ = stream.finish(&mut write);

@@ -8,8 +8,7 @@ use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
-use crate::watch::Watch;
-use linestereo::{HealthFlags, ObstacleParams, ObstaclePlan, Params, Plan, Rig, Stage, StageDigests};
+use linestereo::{HealthFlags, Matched, Matcher, ObstacleParams, ObstaclePlan, Params, Rig, Stage, StageDigests};
 
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";
@@ -53,15 +52,13 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
     let plan = case.params().plan(case.dims).ok()?;
-    let health = Watch::new().run(memory, &plan, None, None, &mut digests).ok()?;
-    if memory.results().points.is_empty() {
-        memory.for_each_point(&plan, |point| digests.add_point(&point));
-    }
+    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut digests).ok()?;
+    matched.points(|point| digests.add_point(&point));
     let mut all = [0; Stage::ALL.len() + 1];
     for (place, stage) in all.iter_mut().zip(Stage::ALL) {
         *place = digests.of(stage);
     }
-    *all.last_mut()? = autopilot(&view(case)?, memory, &plan, health.flags);
+    *all.last_mut()? = autopilot(&view(case)?, &matched);
     Some(all)
 }
 
@@ -72,12 +69,13 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
 }
 
 /// Digest of what an autopilot is told: of matches and support points as those of a good pair, then of the pair as it is.
-fn autopilot(view: &ObstaclePlan, memory: &impl Memory, plan: &Plan, flags: HealthFlags) -> u32 {
+fn autopilot(view: &ObstaclePlan, matched: &Matched<'_>) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut digest = Fnv(0x811c_9dc5);
+    let flags = matched.health().flags;
     for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
-        autopilot.see(memory.results().matches, memory.support_points(plan), health, time_us);
+        autopilot.see(matched, health, time_us);
         autopilot.turn(time_us, &mut digest);
     }
     digest.0
@@ -128,7 +126,7 @@ mod tests {
                 right[pixel] ^= 0xff;
             }
             let (mut digests, plan) = (StageDigests::new(), case.params().plan(case.dims).unwrap());
-            Watch::new().run(&mut *memory, &plan, None, None, &mut digests).unwrap();
+            memory.run(&mut Matcher::new(plan), None, None, &mut digests).unwrap();
             digests.of(Stage::Rows)
         };
         // A pixel of a row that segments look at.

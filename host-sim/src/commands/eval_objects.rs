@@ -69,9 +69,9 @@ impl Watched {
         Ok(Self { engine, log })
     }
 
-    fn samples(&self, scene: &Scene) -> Result<SceneSamples> {
+    fn samples(&mut self, scene: &Scene) -> Result<SceneSamples> {
         let truth = scene.truth.as_ref().context("a scene without truth")?;
-        Ok(scene_samples(&scene.name, &self.engine, &self.log, truth))
+        Ok(scene_samples(&scene.name, &mut self.engine, &self.log, truth))
     }
 }
 

@@ -102,8 +102,8 @@ fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<A
         engine = engine.with_models(models);
     }
     let (left, right) = (scene.left.view()?, scene.right.view()?);
-    engine.run_in_place(left, right)?;
-    Ok(ask_pixels(&mut engine, (left, right), truth, (args.queries as usize, args.seed)))
+    engine.run(left, right)?;
+    Ok(ask_pixels(&mut engine, truth, (args.queries as usize, args.seed)))
 }
 
 /// Each scene by models of segments and of pixels that were fitted without it.
@@ -133,7 +133,7 @@ fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
     let mut engine = engine(args, scene)?;
     let mut log = EvidenceLog::default();
     engine.run_observed(scene.left.view()?, scene.right.view()?, &mut log)?;
-    Ok(scene_samples(&scene.name, &engine, &log, truth))
+    Ok(scene_samples(&scene.name, &mut engine, &log, truth))
 }
 
 fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<()> {

@@ -112,7 +112,7 @@ fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<S
     let mut log = EvidenceLog::default();
     let (left, right) = damage.apply(&scene.left, &scene.right);
     engine.run_observed(left.view()?, right.view()?, &mut log)?;
-    Ok(scene_samples(&scene.name, &engine, &log, truth))
+    Ok(scene_samples(&scene.name, &mut engine, &log, truth))
 }
 
 /// Scores every scene by models that were fitted without it.

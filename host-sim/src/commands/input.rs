@@ -17,10 +17,7 @@ use crate::listing::Query;
 use crate::pinhole::Pinhole;
 use crate::rectify::PairRectifier;
 use anyhow::{Result, anyhow, bail};
-use linestereo::{
-    Dims, Eye, Gray, HealthFlags, HealthLimits, HealthMonitor, Observer, Params, Rig, RigError, Span, ViewError,
-    shrink_to_usable,
-};
+use linestereo::{Dims, Eye, Gray, Observer, Params, Rig, RigError, Span, ViewError, shrink_to_usable};
 use linestereo_wire::{RigImage, RigUpdate};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -243,7 +240,6 @@ pub(super) struct Matcher {
     rectifier: Option<PairRectifier>,
     usable: [Vec<Span>; 2],
     pub(super) engine: Engine,
-    monitor: HealthMonitor,
 }
 
 impl Matcher {
@@ -256,7 +252,7 @@ impl Matcher {
             shrink_to_usable(&mut usable[0], setup.dims().width);
         }
         let engine = engine_with(&setup.params, setup.dims())?;
-        Ok(Self { rectifier, usable, engine, monitor: HealthMonitor::new() })
+        Ok(Self { rectifier, usable, engine })
     }
 
     /// Matches the next pair.
@@ -283,17 +279,13 @@ impl Matcher {
         };
         let start = Instant::now();
         let views = views(&images, &self.usable)?;
-        let limits = &HealthLimits::DEFAULT;
-        let result = self.engine.run_watched_observed(views, &mut self.monitor, limits, times_us, observer)?;
+        let result = self.engine.run_next(views, times_us, observer)?;
         Ok(Matched { images, result, seconds: start.elapsed().as_secs_f64() })
     }
 
     /// The depth of pixels of the pair that was matched last.
-    pub(super) fn ask(&mut self, matched: &Matched, pixels: &[(u16, u16)]) -> Result<Vec<Query>> {
-        let (left, right) = views(&matched.images, &self.usable)?;
-        let refused = matched.result.health.of_pair().contains(HealthFlags::SKEW);
-        let mut answer = |&pixel| Query::new(pixel, self.engine.depth_at(left, right, pixel, None), refused);
-        Ok(pixels.iter().map(&mut answer).collect())
+    pub(super) fn ask(&mut self, pixels: &[(u16, u16)]) -> Vec<Query> {
+        pixels.iter().map(|&pixel| Query::new(pixel, self.engine.depth_at(pixel, None))).collect()
     }
 }
 

@@ -72,8 +72,9 @@ impl ObjectArgs {
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
+        let matched = engine.matched();
         let refined =
-            regions.iter().zip(&depths).map(|(region, depth)| refine(region, depth, engine.candidates(), dims));
+            regions.iter().zip(&depths).map(|(region, depth)| refine(region, depth, matched.candidates(), dims));
         let refined = refined.collect();
         Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, error: None })
     }

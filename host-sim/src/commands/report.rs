@@ -157,7 +157,7 @@ fn add(
         name: pair.name.clone(),
         images: &matched.images,
         result: &matched.result,
-        rejected: &log.rejected(matcher.engine.candidates()),
+        rejected: &log.rejected(matcher.engine.matched().candidates()),
         objects: &objects.list,
     })
 }

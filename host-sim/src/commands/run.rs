@@ -227,7 +227,7 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
     let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
-    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(&matched, &args.query)?) };
+    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(&args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
 }

@@ -155,7 +155,10 @@ pub fn time_scene(
             Contender::Core => {
                 let mut engine = core(scene)?;
                 let (left, right) = (scene.left.view()?, scene.right.view()?);
-                median_time(|| engine.run_in_place(left, right).map(|_| ()))?
+                median_time(|| {
+                    let points = |point| _ = core::hint::black_box(point);
+                    engine.run_in_place(left, right).map(|mut matched| matched.points(points))
+                })?
             }
             Contender::Baseline(method) => median_time(|| {
                 core::hint::black_box(method.run(&scene.left, &scene.right, scene.max_disparity));

@@ -6,7 +6,7 @@
 use crate::engine::Engine;
 use crate::frames::{SplitMix64, Truth};
 use core::fmt::Write;
-use linestereo::{Confidence, Gray, Model, NotKnown, PIXEL_EVIDENCE, PixelEvidence};
+use linestereo::{Confidence, Model, NotKnown, PIXEL_EVIDENCE, PixelEvidence};
 
 /// Shares of the visible pixels at which the curve of error against answers is read.
 const SHARES: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
@@ -30,12 +30,7 @@ pub struct AskedPixel {
 
 /// Asks an engine that has just run on this pair for random pixels, `count` of them visible (fewer where the truth has fewer).
 #[must_use]
-pub fn ask_pixels(
-    engine: &mut Engine,
-    (left, right): (Gray<'_>, Gray<'_>),
-    truth: &Truth,
-    (count, seed): (usize, u64),
-) -> Vec<AskedPixel> {
+pub fn ask_pixels(engine: &mut Engine, truth: &Truth, (count, seed): (usize, u64)) -> Vec<AskedPixel> {
     let dims = truth.dims();
     let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y)));
     let mut pixels: Vec<(u16, u16, f32)> =
@@ -45,7 +40,7 @@ pub fn ask_pixels(
         let (x, y, disparity) = pixels.swap_remove((random.next() % pixels.len() as u64) as usize);
         let is_visible = truth.is_visible(x.into(), y.into());
         visible += usize::from(is_visible);
-        let found = engine.evidence_at(left, right, (x, y));
+        let found = engine.matched().pixel_evidence((x, y), None);
         let found = found.map(|(d_q6, evidence)| (d_q6 as f32 / 64.0, evidence));
         asked.push(AskedPixel { x, y, truth: disparity, is_visible, found });
     }

@@ -95,9 +95,10 @@ impl Observer for EvidenceLog {
 
 /// Samples every claim of the last run that has truth; `log` watched it.
 #[must_use]
-pub fn scene_samples(scene: &str, engine: &Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
-    let (candidates, dims) = (engine.candidates(), engine.dims());
-    let mut samples = support_samples(engine.support(), log, truth);
+pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
+    let matched = engine.matched();
+    let (candidates, dims) = (matched.candidates(), matched.dims());
+    let mut samples = support_samples(matched.support(), log, truth);
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {

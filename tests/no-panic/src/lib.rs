@@ -4,22 +4,23 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use linestereo::{Area, Focus, LabelRows, ObjectDepth, RegionError, Run, Span, StageDigests, Views};
+use linestereo::{
+    Area, Focus, LabelRows, Matched, Matcher, ObjectDepth, Pair, RegionError, Run, Span, StageDigests, Summary,
+};
 use linestereo::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, Output, PairHealth, ParamError,
-    Params, PixelDepth, Plan, Region, Rejection, Rig, RigError, RunError, Scratch, ViewError, mark_words,
-    most_support_points, row_bytes,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, PairHealth, ParamError, Params,
+    PixelDepth, Plan, Region, Rejection, Rig, RigError, RunError, Scratch, ViewError, mark_words, most_support_points,
+    row_bytes,
 };
 use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, PointClaim, Sector};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
 type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512, 300, { most_support_points(QVGA) }>;
-type BoardOutput = Output<256, 4096>;
 
 unsafe extern "C" {
     /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop it from the machine code.
@@ -70,32 +71,46 @@ pub fn proof_plan(params: &Params, dims: Dims) -> Result<Plan, ParamError> {
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_run(
-    plan: &Plan,
-    left: Gray<'_>,
-    right: Gray<'_>,
-    scratch: &mut BoardScratch,
-    output: &mut BoardOutput,
-) -> Result<(), RunError> {
-    plan.run(left, right, scratch, output)
+pub fn proof_run<'a>(plan: &Plan, pair: [Gray<'a>; 2], scratch: &'a mut BoardScratch) -> Result<Matched<'a>, RunError> {
+    plan.run(pair, scratch.view())
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_run_on(
+pub fn proof_run_on<'a>(
     plan: &Plan,
-    pair: [Gray<'_>; 2],
+    pair: [Gray<'a>; 2],
     focus: &Focus<'_>,
-    scratch: &mut BoardScratch,
-    output: &mut BoardOutput,
+    scratch: &'a mut BoardScratch,
     digests: &mut StageDigests,
-) -> Result<(), RunError> {
-    plan.run_on(pair[0], pair[1], focus, scratch, output, digests)
+) -> Result<Matched<'a>, RunError> {
+    plan.run_on(pair, focus, scratch.view(), digests)
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_points(plan: &Plan, views: Views<'_>, scratch: &mut BoardScratch, each: fn(PointClaim)) {
-    plan.for_each_point(views, scratch, each);
-    plan.support_points(scratch).for_each(each);
+pub fn proof_resume<'a>(
+    plan: &Plan,
+    summary: &Summary,
+    pair: [Gray<'a>; 2],
+    scratch: &'a mut BoardScratch,
+) -> Result<Matched<'a>, RunError> {
+    plan.resume(summary, pair, scratch.view())
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_matcher<'a>(
+    matcher: &mut Matcher,
+    pair: Pair<'a>,
+    areas: Option<&[Area]>,
+    scratch: &'a mut BoardScratch,
+) -> Result<Matched<'a>, RunError> {
+    matcher.run(pair, areas, scratch.view(), &mut ())
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_points(matched: &mut Matched<'_>, each: fn(PointClaim)) -> usize {
+    matched.points(each);
+    matched.support_points().for_each(each);
+    matched.segments().len() + matched.candidates().len()
 }
 
 #[unsafe(no_mangle)]
@@ -104,25 +119,17 @@ pub fn proof_usable<'a>(image: Gray<'a>, usable: &'a [Span]) -> Result<Gray<'a>,
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_depth_at(
-    plan: &Plan,
-    pair: [Gray<'_>; 2],
-    scratch: &mut BoardScratch,
+pub fn proof_pixel(
+    matched: &mut Matched<'_>,
     pixel: (u16, u16),
     region: Option<&Region<'_>>,
 ) -> Result<PixelDepth, NotKnown> {
-    plan.depth_at(pair[0], pair[1], scratch, pixel, region)
+    matched.pixel(pixel, region)
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_objects(
-    plan: &Plan,
-    scratch: &mut BoardScratch,
-    regions: &[Region<'_>],
-    fit: bool,
-    each: fn(ObjectDepth),
-) {
-    plan.for_each_object(scratch, regions, fit, each);
+pub fn proof_objects(matched: &mut Matched<'_>, regions: &[Region<'_>], each: fn(ObjectDepth)) {
+    matched.objects(regions, each);
 }
 
 #[unsafe(no_mangle)]
@@ -225,10 +232,10 @@ pub fn proof_health(
     limits: &HealthLimits,
     (left, right): (Gray<'_>, Gray<'_>),
     times_us: Option<[u64; 2]>,
-    output: &BoardOutput,
+    (matches, counts): (&[Match], &Counts),
 ) -> PairHealth {
     let mut health = monitor.look(limits, left, right, times_us);
-    monitor.look_at_matches(limits, (left, right), (&output.matches, &output.counts), &mut health);
+    monitor.look_at_matches(limits, (left, right), (matches, counts), &mut health);
     health
 }
 

@@ -71,9 +71,7 @@ pub(crate) fn counts(value: u16) -> Counts {
         segments_right_dropped: value.wrapping_add(3),
         searched_fully: value.wrapping_add(9),
         matched: value.wrapping_add(4),
-        matches_dropped: value.wrapping_add(5),
         points: u32::from(value) << 16,
-        points_dropped: u32::from(value).wrapping_sub(1),
         rejected: core::array::from_fn(|reason| value.wrapping_add(6 + reason as u16)),
     }
 }
@@ -84,7 +82,7 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
         capture_time_us: 33_333 * u64::from(sequence),
         width: 320,
         height: 240,
-        health: Health::POINTS_DROPPED,
+        health: Health::SEGMENTS_DROPPED,
         pair: None,
         counts: counts(9),
         segments,

@@ -1,0 +1,115 @@
+//! Pairs of one camera pair, one after the other: health before and after, the run between.
+//!
+//! In: a plan, pairs. Out: a [`Matched`] each. State: the health monitor and the row offset of the last whole pair.
+//!
+//! ```text
+//! look at the images: a pair that is refused is not matched, and every question about it is answered by that refusal
+//! match the whole frame, or parts of it with the row offset of the last whole pair
+//! look at the matches
+//! ```
+
+use crate::area::Area;
+use crate::focus::Focus;
+use crate::health::{HealthLimits, HealthMonitor};
+use crate::image::{Dims, Gray};
+use crate::matched::{Matched, Summary};
+use crate::observe::{Observer, Step};
+use crate::params::{ParamError, Params};
+use crate::pipeline::Plan;
+use crate::scratch::{RunError, ScratchView};
+
+/// A rectified pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a> {
+    /// The left image, to which every answer refers.
+    pub left: Gray<'a>,
+    /// The right image.
+    pub right: Gray<'a>,
+    /// When each was captured, us of one clock, if that is known.
+    pub times_us: Option<[u64; 2]>,
+}
+
+/// A plan, with what its pairs so far have left behind.
+#[derive(Clone, Debug)]
+pub struct Matcher {
+    /// What a pair may be like.
+    pub limits: HealthLimits,
+    plan: Plan,
+    monitor: HealthMonitor,
+    /// Of the last pair that was matched as a whole.
+    row_offset_q5: Option<i16>,
+}
+
+impl Params {
+    /// [`Params::plan`], with default limits of health.
+    pub fn matcher(self, dims: Dims) -> Result<Matcher, ParamError> {
+        self.plan(dims).map(Matcher::new)
+    }
+}
+
+impl Matcher {
+    /// Nothing seen yet.
+    #[must_use]
+    pub const fn new(plan: Plan) -> Self {
+        Self { limits: HealthLimits::DEFAULT, plan, monitor: HealthMonitor::new(), row_offset_q5: None }
+    }
+
+    /// How pairs are matched.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Matches pairs of the same cameras in another way from now on: their health goes on.
+    pub fn set_plan(&mut self, plan: Plan) {
+        self.plan = plan;
+    }
+
+    /// Has a whole pair said how far the rows of both images are apart?
+    #[must_use]
+    pub fn knows_rows(&self) -> bool {
+        self.row_offset_q5.is_some()
+    }
+
+    /// Matches the next pair; with `areas` these parts of the left image alone, with the row offset of the last whole pair, or, before one, as far
+    /// as they tell it.
+    ///
+    /// # Errors
+    /// As [`Plan::run`]; such a pair leaves nothing behind.
+    pub fn run<'a>(
+        &mut self,
+        pair: Pair<'a>,
+        areas: Option<&[Area]>,
+        scratch: ScratchView<'a>,
+        observer: &mut impl Observer,
+    ) -> Result<Matched<'a>, RunError> {
+        let Pair { left, right, times_us } = pair;
+        let mut scratch = self.plan.checked([left, right], scratch)?;
+        let mut health = self.monitor.look(&self.limits, left, right, times_us);
+        observer.ended(Step::Health(&health));
+        if health.is_refused() {
+            scratch.clear();
+            return Ok(Matched {
+                plan: self.plan,
+                images: [left, right],
+                scratch,
+                summary: Summary { health, ..Summary::default() },
+            });
+        }
+        let focus = areas.map_or(Focus::WHOLE, |areas| Focus { areas: Some(areas), row_offset_q5: self.row_offset_q5 });
+        let mut matched = self.plan.run_on([left, right], &focus, scratch, observer)?;
+        if areas.is_none() {
+            self.row_offset_q5 = Some(matched.summary.row_offset_q5);
+        }
+        let found = (matched.segments(), matched.counts());
+        self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
+        observer.ended(Step::Health(&health));
+        matched.summary.health = health;
+        Ok(matched)
+    }
+
+    /// The next pair stands alone: no health before it counts. What is known of its rows stays.
+    pub fn forget_health(&mut self) {
+        self.monitor = HealthMonitor::new();
+    }
+}

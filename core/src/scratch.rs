@@ -1,0 +1,182 @@
+//! Working memory of a run, with its capacities and without.
+
+use crate::image::Dims;
+use crate::lines::{self, Segment};
+use crate::matching::band::{BAND_ROWS, PLANES, row_bytes};
+use crate::matching::consistency::Place;
+use crate::matching::{Candidate, Workspace};
+use crate::report::Ranked;
+use crate::result::Match;
+use crate::support::{SupportPoint, most_support_points};
+use core::fmt;
+use heapless::Vec;
+use heapless::vec::VecView;
+
+/// A pair that cannot be matched as planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunError {
+    /// An image has another size than planned.
+    SizeMismatch {
+        /// Size planned for.
+        planned: Dims,
+        /// Size given.
+        given: Dims,
+    },
+    /// The working memory was made for smaller images.
+    ScratchTooSmall {
+        /// Capacity of [`Scratch`] that is too small.
+        name: &'static str,
+        /// Capacity needed.
+        needed: usize,
+        /// Capacity there.
+        given: usize,
+    },
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SizeMismatch { planned, given } => write!(f, "planned for {planned}, the frame is {given}"),
+            Self::ScratchTooSmall { name, needed, given } => {
+                write!(f, "{name} of the scratch memory holds {given}, these images need {needed}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for RunError {}
+
+/// Words of marks for images of this size: a bit per pixel.
+#[must_use]
+pub const fn mark_words(dims: Dims) -> usize {
+    (dims.width as usize * dims.height as usize).div_ceil(32)
+}
+
+/// Segments that are matched at most in images of this size: one per square of `cell` px.
+#[must_use]
+pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
+    (dims.width as usize).div_ceil(cell as usize) * (dims.height as usize).div_ceil(cell as usize)
+}
+
+/// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.
+///
+/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
+/// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.
+#[derive(Debug)]
+pub struct Scratch<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const SUPPORT: usize,
+> {
+    marks: [u32; MARKS],
+    chain: [u16; lines::MAX_POSITIONS],
+    strengths: [u8; lines::MAX_POSITIONS],
+    rows: Words<[[[u8; ROW]; BAND_ROWS]; PLANES]>,
+    left: Vec<Segment, SEGMENTS>,
+    right: Vec<Segment, SEGMENTS>,
+    candidates: Vec<Candidate, CANDIDATES>,
+    places: [Place; CANDIDATES],
+    order: Vec<Ranked, CANDIDATES>,
+    support: Vec<SupportPoint, SUPPORT>,
+    matches: Vec<Match, CANDIDATES>,
+    work: Workspace,
+}
+
+/// Bytes that begin at a whole word, which kernels load several of at a time.
+#[derive(Debug)]
+#[repr(align(4))]
+struct Words<T>(T);
+
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
+    Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
+{
+    /// Bytes of one.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Cleared memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        const { assert!(SEGMENTS <= lines::MAX_SEGMENTS, "a scratch memory lists at most 4096 segments") };
+        Self {
+            marks: [0; MARKS],
+            chain: [0; lines::MAX_POSITIONS],
+            strengths: [0; lines::MAX_POSITIONS],
+            rows: Words([[[0; ROW]; BAND_ROWS]; PLANES]),
+            left: Vec::new(),
+            right: Vec::new(),
+            candidates: Vec::new(),
+            places: [Place::EMPTY; CANDIDATES],
+            order: Vec::new(),
+            support: Vec::new(),
+            matches: Vec::new(),
+            work: Workspace::EMPTY,
+        }
+    }
+
+    /// The memory without its capacities, for a run.
+    pub fn view(&mut self) -> ScratchView<'_> {
+        ScratchView {
+            marks: &mut self.marks,
+            chain: &mut self.chain,
+            strengths: &mut self.strengths,
+            rows: self.rows.0.as_flattened_mut().as_flattened_mut(),
+            left: &mut self.left,
+            right: &mut self.right,
+            candidates: &mut self.candidates,
+            places: &mut self.places,
+            order: &mut self.order,
+            support: &mut self.support,
+            matches: &mut self.matches,
+            work: &mut self.work,
+        }
+    }
+}
+
+impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize> Default
+    for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A [`Scratch`] without its capacities: what runs of every size take.
+#[derive(Debug)]
+pub struct ScratchView<'a> {
+    pub(crate) marks: &'a mut [u32],
+    pub(crate) chain: &'a mut [u16],
+    pub(crate) strengths: &'a mut [u8],
+    pub(crate) rows: &'a mut [u8],
+    pub(crate) left: &'a mut VecView<Segment>,
+    pub(crate) right: &'a mut VecView<Segment>,
+    pub(crate) candidates: &'a mut VecView<Candidate>,
+    pub(crate) places: &'a mut [Place],
+    pub(crate) order: &'a mut VecView<Ranked>,
+    pub(crate) support: &'a mut VecView<SupportPoint>,
+    pub(crate) matches: &'a mut VecView<Match>,
+    pub(crate) work: &'a mut Workspace,
+}
+
+impl ScratchView<'_> {
+    /// Is it large enough for images of this size?
+    pub(crate) fn check(&self, dims: Dims) -> Result<(), RunError> {
+        let needed = [row_bytes(dims.width), mark_words(dims), most_support_points(dims)];
+        let row = self.rows.len() / (BAND_ROWS * PLANES);
+        let there = [("ROW", row), ("MARKS", self.marks.len()), ("SUPPORT", self.support.capacity())];
+        match there.into_iter().zip(needed).find(|((_, given), needed)| given < needed) {
+            Some(((name, given), needed)) => Err(RunError::ScratchTooSmall { name, needed, given }),
+            None => Ok(()),
+        }
+    }
+
+    /// Nothing is known of a pair.
+    pub(crate) fn clear(&mut self) {
+        self.left.clear();
+        self.right.clear();
+        self.support.clear();
+        self.candidates.clear();
+        self.matches.clear();
+    }
+}
