@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! matched   what can speak of an object in an area: a window's middle lies in it
-//! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every rival is known
+//! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every competitor is known
 //! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: they tell the row offset
 //! rows      gradients and census codes in the columns that windows reach
 //! ```
@@ -16,8 +16,8 @@
 use crate::area::Area;
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
-use crate::matching::band::Reached;
-use crate::objects::witness::{OBJECT_REACH, may_speak};
+use crate::matching::band::WindowExtent;
+use crate::objects::region_support::{OBJECT_REACH, supports_area};
 use crate::params::Params;
 use heapless::Vec;
 
@@ -45,12 +45,12 @@ impl Focus<'_> {
 type Areas = Vec<Area, { Focus::MAX_AREAS }>;
 
 /// Where to look: everywhere, or around these areas.
-pub(crate) struct Sought {
+pub(crate) struct SearchRegions {
     areas: Option<Areas>,
     dims: Dims,
 }
 
-impl Sought {
+impl SearchRegions {
     pub(crate) fn new(focus: &Focus<'_>, dims: Dims) -> Self {
         let areas = focus.areas.map(|areas| {
             let mut list = Areas::new();
@@ -73,7 +73,7 @@ impl Sought {
 
     /// Where edges of the left image start; everywhere without.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        // The middle of what is matched lies within OBJECT_REACH of the area, and its rivals' middles in the same squares.
+        // The middle of what is matched lies within OBJECT_REACH of the area, and its competitors' middles in the same squares.
         let squares = |area: Area| {
             let Area { left, top, right, bottom } = area.grown(OBJECT_REACH, self.dims);
             let before = |at: u16| at - at.checked_rem(cell).unwrap_or(0);
@@ -86,7 +86,7 @@ impl Sought {
     /// Where edges of the right image start that can be those of these left segments; everywhere without.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
-            let flat = left.iter().filter(|segment| segment.near_horizontal && may_speak(segment, area));
+            let flat = left.iter().filter(|segment| segment.near_horizontal && supports_area(segment, area));
             let Area { left, top, right, bottom } = boxes(flat).grown(VOTES, self.dims);
             let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
             Area { left: left.saturating_sub(params.max_disparity), top, right, bottom }
@@ -94,17 +94,17 @@ impl Sought {
     }
 
     /// Pixels that windows of the segments in each area may look at, at these disparities; everything without.
-    pub(crate) fn reached(
+    pub(crate) fn extents(
         &self,
         left: &[Segment],
         disparities: (i32, i32),
-    ) -> Option<Vec<Reached, { Focus::MAX_AREAS }>> {
+    ) -> Option<Vec<WindowExtent, { Focus::MAX_AREAS }>> {
         self.areas.as_ref().map(|areas| {
             let mut list = Vec::new();
             for &area in areas {
-                let boxes = boxes(left.iter().filter(|segment| may_speak(segment, area)));
+                let boxes = boxes(left.iter().filter(|segment| supports_area(segment, area)));
                 if !boxes.is_empty() {
-                    let _ = list.push(Reached::around(boxes, disparities, self.dims)); // no more than areas
+                    let _ = list.push(WindowExtent::around(boxes, disparities, self.dims)); // no more than areas
                 }
             }
             list
@@ -112,8 +112,8 @@ impl Sought {
     }
 
     /// Is this left segment matched?
-    pub(crate) fn is_wanted(&self, segment: &Segment) -> bool {
-        self.areas.as_ref().is_none_or(|areas| areas.iter().any(|&area| may_speak(segment, area)))
+    pub(crate) fn contains(&self, segment: &Segment) -> bool {
+        self.areas.as_ref().is_none_or(|areas| areas.iter().any(|&area| supports_area(segment, area)))
     }
 
     fn each(&self, of: impl Fn(Area) -> Area) -> Option<Areas> {

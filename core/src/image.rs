@@ -165,7 +165,7 @@ impl<'a> Gray<'a> {
         Ok(Self { pixels, dims, stride, usable: &[] })
     }
 
-    /// The same view, of which only these pixels are used, a span for each row: edges are found, and disparities claimed, nowhere else, and
+    /// The same view, of which only these pixels are used, a span for each row: edges are found, and disparities given, nowhere else, and
     /// what lies more than [`MARGIN`] pixels outside of them never influences a result. See [`shrink_to_usable`].
     pub fn with_usable(self, spans: &'a [Span]) -> Result<Self, ViewError> {
         if spans.len() != usize::from(self.dims.height) {

@@ -81,7 +81,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may fail"))]
 
 mod area;
-mod claims;
 mod confidence;
 mod focus;
 mod health;
@@ -102,12 +101,12 @@ mod report;
 mod result;
 mod rig;
 mod scratch;
+mod side_pixels;
 mod sort;
 mod support;
 mod units;
 
 pub use area::Area;
-pub use claims::Views;
 pub use confidence::{FITTED, Model, Models, NODES};
 pub use focus::Focus;
 pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
@@ -119,18 +118,19 @@ pub use matching::band::row_bytes;
 pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
 pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
-pub use observe::{Observer, Stage, StageDigests, Step};
+pub use observe::{Observer, Stage, StageDigests, StageEvent};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params, Parts};
 pub use pipeline::Plan;
-pub use query::{FITTED_PIXEL, NotKnown, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind};
+pub use query::{FITTED_PIXEL, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind, PixelRejection};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
     RectifyError, RowError, View, fine_mesh_nodes, mesh_nodes,
 };
-pub use result::{Counts, Match, Owner, Point, PointClaim, Rejection, Source, Techniques};
+pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source, Techniques};
 pub use rig::{Rig, RigError};
 pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
+pub use side_pixels::ValidPixels;
 pub use support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
 pub use support::{FITTED_SUPPORT, SUPPORT_PITCH, Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};

@@ -4,16 +4,16 @@
 //!
 //! It borrows the pair and the memory: while it lives no other pair can be matched there, so every question is about this one.
 
-use crate::claims::Views;
 use crate::health::PairHealth;
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
-use crate::objects::{NoDepth, ObjectDepth, Region, Witnessed};
+use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
 use crate::pipeline::Plan;
-use crate::query::{NotKnown, PixelDepth, PixelEvidence, Query};
+use crate::query::{PixelDepth, PixelEvidence, PixelRejection, Query};
 use crate::report::Report;
-use crate::result::{Counts, Match, PointClaim};
+use crate::result::{Counts, Match, Point};
 use crate::scratch::ScratchView;
+use crate::side_pixels::ValidPixels;
 use crate::support::Support;
 use heapless::vec::VecView;
 
@@ -102,17 +102,17 @@ impl<'a> Matched<'a> {
     }
 
     /// The support points that reach the least confidence, as they stand among [`Matched::points`].
-    pub fn support_points(&self) -> impl Iterator<Item = PointClaim> + use<'_> {
-        self.support().claims(self.plan.params.min_confidence)
+    pub fn support_points(&self) -> impl Iterator<Item = Point> + use<'_> {
+        self.support().credible(self.plan.params.min_confidence)
     }
 
     /// Hands every point to `each`: those of segments, most probable sides first, then support points; at most one per pixel.
     ///
     /// # Cost
     /// Some 40 instructions a point.
-    pub fn points(&mut self, mut each: impl FnMut(PointClaim)) {
+    pub fn points(&mut self, mut each: impl FnMut(Point)) {
         let (mut report, _) = Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
-        report.claim_points(&mut each);
+        report.list_points(&mut each);
     }
 
     /// Hands the depth of every region to `each`, in the order given. The answers of a pair that is not fit to be believed are refusals.
@@ -124,31 +124,31 @@ impl<'a> Matched<'a> {
             let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
             return regions.iter().map(refused).for_each(each);
         }
-        let ScratchView { candidates, support, places, order, marks, .. } = &mut self.scratch;
+        let ScratchView { candidates, support, neighbours, order, marks, .. } = &mut self.scratch;
         let Plan { params, dims, models, .. } = &self.plan;
-        let mut witnessed = Witnessed {
+        let mut query = ObjectQuery {
             candidates,
             support: Support::new(params, *dims, support, self.summary.detail_q8),
             models,
             dims: *dims,
             rig: params.rig,
-            places,
+            neighbours,
             order,
             marks,
         };
         for region in regions {
-            each(witnessed.depth_of(region));
+            each(query.depth_of(region));
         }
     }
 
     /// The depth of one pixel, on a segment or not; `region` is what it belongs to, if that is known.
     ///
     /// # Errors
-    /// Why it is not known; [`NotKnown::UnhealthyPair`] for a pair that was refused.
+    /// Why it is not known; [`PixelRejection::UnhealthyPair`] for a pair that was refused.
     ///
     /// # Cost
     /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 70 000 where segments are dense.
-    pub fn pixel(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+    pub fn pixel(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
         self.query(|query| query.answer(pixel, region))
     }
 
@@ -157,13 +157,13 @@ impl<'a> Matched<'a> {
         &mut self,
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
-    ) -> Result<(i32, PixelEvidence), NotKnown> {
-        self.query(|query| query.weigh_up(pixel, region))
+    ) -> Result<(i32, PixelEvidence), PixelRejection> {
+        self.query(|query| query.evidence_of(pixel, region))
     }
 
-    fn query<T>(&mut self, ask: impl FnOnce(Query<'_>) -> Result<T, NotKnown>) -> Result<T, NotKnown> {
+    fn query<T>(&mut self, ask: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>) -> Result<T, PixelRejection> {
         if self.summary.health.is_refused() {
-            return Err(NotKnown::UnhealthyPair);
+            return Err(PixelRejection::UnhealthyPair);
         }
         let ScratchView { candidates, support, rows, work, .. } = &mut self.scratch;
         let Plan { params, dims, pixel_model, .. } = &self.plan;
@@ -189,13 +189,13 @@ impl<'r> Report<'r> {
         scratch: &'r mut ScratchView<'_>,
         detail_q8: i16,
     ) -> (Self, &'r mut VecView<Match>) {
-        let ScratchView { candidates, places, order, support, marks, matches, .. } = scratch;
+        let ScratchView { candidates, neighbours, order, support, marks, matches, .. } = scratch;
         let report = Self {
             params: &plan.params,
             models: plan.models,
-            views: Views::of(left, right),
+            views: ValidPixels::of(left, right),
             candidates,
-            places,
+            neighbours,
             order,
             support: Support::new(&plan.params, plan.dims, support, detail_q8),
             marks,

@@ -13,7 +13,7 @@ use crate::focus::Focus;
 use crate::health::{HealthLimits, HealthMonitor};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
-use crate::observe::{Observer, Step};
+use crate::observe::{Observer, StageEvent};
 use crate::params::{ParamError, Params};
 use crate::pipeline::Plan;
 use crate::scratch::{RunError, ScratchView};
@@ -85,8 +85,8 @@ impl Matcher {
     ) -> Result<Matched<'a>, RunError> {
         let Pair { left, right, times_us } = pair;
         let mut scratch = self.plan.checked([left, right], scratch)?;
-        let mut health = self.monitor.look(&self.limits, left, right, times_us);
-        observer.ended(Step::Health(&health));
+        let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
+        observer.on_event(StageEvent::Health(&health));
         if health.is_refused() {
             scratch.clear();
             return Ok(Matched {
@@ -102,8 +102,8 @@ impl Matcher {
             self.row_offset_q5 = Some(matched.summary.row_offset_q5);
         }
         let found = (matched.segments(), matched.counts());
-        self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
-        observer.ended(Step::Health(&health));
+        self.monitor.check_matches(&self.limits, (left, right), found, &mut health);
+        observer.on_event(StageEvent::Health(&health));
         matched.summary.health = health;
         Ok(matched)
     }

@@ -6,14 +6,14 @@ use crate::health::PairHealth;
 use crate::lines::Segment;
 use crate::matching::Candidate;
 use crate::matching::evidence::Evidence;
-use crate::result::{Match, PointClaim, Rejection};
+use crate::result::{Match, Point, Rejection};
 use crate::support::SupportPoint;
 use crate::support::evidence::SupportEvidence;
 use core::hash::{Hash, Hasher};
 
-/// What a stage gave. [`Step::Rows`] and [`Step::Segment`] come once per left segment, in turns; the others once per pair.
+/// What a stage gave. [`StageEvent::Rows`] and [`StageEvent::Segment`] come once per left segment, in turns; the others once per pair.
 #[derive(Clone, Copy, Debug)]
-pub enum Step<'a> {
+pub enum StageEvent<'a> {
     /// Segments of the left image.
     LinesLeft(&'a [Segment]),
     /// Segments of the right image.
@@ -50,7 +50,7 @@ pub enum Stage {
     Rows,
     /// Three matchings of each segment, ownership.
     Matching,
-    /// What the claims say of each other.
+    /// What the hypotheses say of each other.
     Consistency,
     /// Probability, exclusion, lists.
     Report,
@@ -89,7 +89,7 @@ impl Stage {
     }
 }
 
-impl Step<'_> {
+impl StageEvent<'_> {
     /// The stage it belongs to.
     #[must_use]
     pub const fn stage(&self) -> Stage {
@@ -110,7 +110,7 @@ impl Step<'_> {
 /// Is told of every step of a run.
 pub trait Observer {
     /// A step has just ended.
-    fn ended(&mut self, step: Step<'_>);
+    fn on_event(&mut self, step: StageEvent<'_>);
 
     /// A row of gradients and census codes was computed: left gradients, right gradients, right census codes, the right ones mirrored.
     #[inline]
@@ -124,7 +124,7 @@ pub trait Observer {
 /// Watches nothing.
 impl Observer for () {
     #[inline]
-    fn ended(&mut self, _: Step<'_>) {}
+    fn on_event(&mut self, _: StageEvent<'_>) {}
 }
 
 /// One digest per stage: tells in which stage two machines part.
@@ -147,7 +147,7 @@ impl StageDigests {
     }
 
     /// Adds a point to the digest of [`Stage::Report`]: no step has them.
-    pub fn add_point(&mut self, point: &PointClaim) {
+    pub fn add_point(&mut self, point: &Point) {
         self.add(Stage::Report, |hash| point.hash(hash));
     }
 
@@ -165,26 +165,26 @@ impl Default for StageDigests {
 }
 
 impl Observer for StageDigests {
-    fn ended(&mut self, step: Step<'_>) {
+    fn on_event(&mut self, step: StageEvent<'_>) {
         self.add(step.stage(), |hash| match step {
-            Step::LinesLeft(segments) | Step::LinesRight(segments) => each(segments, hash),
-            Step::Selection(offset, segments) => {
+            StageEvent::LinesLeft(segments) | StageEvent::LinesRight(segments) => each(segments, hash),
+            StageEvent::Selection(offset, segments) => {
                 hash.write_i32(offset);
                 each(segments, hash);
             }
-            Step::Rows => {} // by `row`
-            Step::Support(points) => each(points, hash),
-            Step::Segment(Ok((candidate, evidence))) => {
+            StageEvent::Rows => {} // by `row`
+            StageEvent::Support(points) => each(points, hash),
+            StageEvent::Segment(Ok((candidate, evidence))) => {
                 candidate.hash(hash);
                 each(evidence, hash);
             }
-            Step::Segment(Err(reason)) => hash.write_u8(reason as u8),
-            Step::Consistency(candidates, points) => {
+            StageEvent::Segment(Err(reason)) => hash.write_u8(reason as u8),
+            StageEvent::Consistency(candidates, points) => {
                 each(candidates, hash);
                 each(points, hash);
             }
-            Step::Report(matches) => each(matches, hash),
-            Step::Health(health) => health.hash(hash),
+            StageEvent::Report(matches) => each(matches, hash),
+            StageEvent::Health(health) => health.hash(hash),
         });
     }
 

@@ -55,7 +55,7 @@ pub struct Params {
     pub margin: Margin,
     /// Points and segments less probable than this are rejected; 0.1 ..= 0.99.
     pub min_confidence: Confidence,
-    /// Pixels from the edge up to which a side's disparity is claimed; 1 ..= 6.
+    /// Largest distance from the edge, px, at which pixels have a side's disparity; 1 ..= 6.
     pub reach: u16,
     /// Parts of the method that match pairs.
     pub parts: Parts,

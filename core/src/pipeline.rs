@@ -1,7 +1,7 @@
 //! One rectified pair -> matches and points: the method, stage by stage.
 
 use crate::confidence::{FITTED, Model, Models};
-use crate::focus::{Focus, Sought};
+use crate::focus::{Focus, SearchRegions};
 use crate::health::PairHealth;
 use crate::image::{Dims, Gray};
 use crate::lines::{self, LineParams, LineScratch};
@@ -9,7 +9,7 @@ use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
 use crate::matching::{self, MatchContext, row_offset, surroundings};
-use crate::observe::{Observer, Step};
+use crate::observe::{Observer, StageEvent};
 use crate::params::{ParamError, Params, Parts};
 use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
 use crate::report::Report;
@@ -83,25 +83,25 @@ impl Plan {
     ) -> Result<Matched<'a>, RunError> {
         let mut m = self.checked(images, scratch)?;
         m.clear();
-        let sought = Sought::new(focus, self.dims);
+        let regions = SearchRegions::new(focus, self.dims);
         let mut counts = Counts::ZERO;
         let row_offset_q5 = if self.params.parts == Parts::Support {
             focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
         } else {
-            self.find_segments(images, (focus, &sought), &mut m, &mut counts, observer)
+            self.find_segments(images, (focus, &regions), &mut m, &mut counts, observer)
         };
         let row_offset = (i32::from(row_offset_q5) + 16) >> 5;
-        let detail_q8 = self.match_support(images, (row_offset, &sought), &mut m, observer);
+        let detail_q8 = self.match_support(images, (row_offset, &regions), &mut m, observer);
         if self.params.parts != Parts::Support {
-            self.match_segments(images, (row_offset, detail_q8, &sought), &mut m, &mut counts, observer);
+            self.match_segments(images, (row_offset, detail_q8, &regions), &mut m, &mut counts, observer);
         }
         support::believe(m.support, Grid::new(&self.params, self.dims), detail_q8, self.support_model);
-        observer.ended(Step::Consistency(m.candidates, m.support));
+        observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
         let mut summary = Summary { counts, row_offset_q5, detail_q8, health: PairHealth::default() };
         let (mut report, matches) = Report::new(self, images, &mut m, detail_q8);
         report.run(matches, &mut summary.counts);
-        observer.ended(Step::Report(matches));
+        observer.on_event(StageEvent::Report(matches));
         Ok(Matched { plan: *self, images, scratch: m, summary })
     }
 
@@ -137,7 +137,7 @@ impl Plan {
     fn find_segments(
         &self,
         [left, right]: [Gray<'_>; 2],
-        (focus, sought): (&Focus<'_>, &Sought),
+        (focus, regions): (&Focus<'_>, &SearchRegions),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
         observer: &mut impl Observer,
@@ -153,15 +153,15 @@ impl Plan {
         let right_lines = LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         counts.segments_left_dropped =
-            lines::detect(left, sought.left(self.params.cell).as_deref(), &lines, scratch, m.left);
-        observer.ended(Step::LinesLeft(m.left));
+            lines::detect(left, regions.left(self.params.cell).as_deref(), &lines, scratch, m.left);
+        observer.on_event(StageEvent::LinesLeft(m.left));
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         if focus.row_offset_q5.is_none() {
-            let sought = sought.right(m.left, &self.params);
-            counts.segments_right_dropped = lines::detect(right, sought.as_deref(), &right_lines, scratch, m.right);
+            let regions = regions.right(m.left, &self.params);
+            counts.segments_right_dropped = lines::detect(right, regions.as_deref(), &right_lines, scratch, m.right);
             lines::sort_by_top(m.right);
         }
-        observer.ended(Step::LinesRight(m.right));
+        observer.on_event(StageEvent::LinesRight(m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 = match focus.row_offset_q5 {
             Some(known) => known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5),
@@ -173,11 +173,11 @@ impl Plan {
             self.dims.width.into(),
             m.marks,
         );
-        m.left.retain(|segment| sought.is_wanted(segment));
+        m.left.retain(|segment| regions.contains(segment));
         lines::sort_by_top(m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
-        observer.ended(Step::Selection(row_offset_q5.into(), m.left));
+        observer.on_event(StageEvent::Selection(row_offset_q5.into(), m.left));
         row_offset_q5
     }
 
@@ -185,50 +185,50 @@ impl Plan {
     fn match_support(
         &self,
         images: [Gray<'_>; 2],
-        (row_offset, sought): (i32, &Sought),
+        (row_offset, regions): (i32, &SearchRegions),
         m: &mut ScratchView<'_>,
         observer: &mut impl Observer,
     ) -> i16 {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset, model: self.support_model };
-        let detail_q8 = matching.run(sought.areas(), m.rows, m.support, |place, evidence| {
+        let detail_q8 = matching.run(regions.areas(), m.rows, m.support, |place, evidence| {
             observer.support_point(place, evidence);
         });
-        observer.ended(Step::Support(m.support));
+        observer.on_event(StageEvent::Support(m.support));
         detail_q8
     }
 
-    /// Three matchings of each left segment, aggregation, ownership; then what the claims and the support points say of each other.
+    /// Three matchings of each left segment, aggregation, ownership; then what the hypotheses and the support points say of each other.
     fn match_segments(
         &self,
         images: [Gray<'_>; 2],
-        (row_offset, detail_q8, sought): (i32, i16, &Sought),
+        (row_offset, detail_q8, regions): (i32, i16, &SearchRegions),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
         observer: &mut impl Observer,
     ) {
         let support = Support::new(&self.params, self.dims, m.support, detail_q8);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
-        let reached = sought.reached(m.left, self.disparities());
-        let Some(mut band) = Band::new(images, row_offset, reached.as_deref(), m.rows) else { return };
+        let extents = regions.extents(m.left, self.disparities());
+        let Some(mut band) = Band::new(images, row_offset, extents.as_deref(), m.rows) else { return };
         for segment in m.left.iter() {
             band.advance_for(segment, |planes| observer.row(planes));
-            observer.ended(Step::Rows);
+            observer.on_event(StageEvent::Rows);
             let matched = matching::match_segment(segment, &context, &band, m.work);
             counts.searched_fully += u16::from(!matched.directed);
             match matched.outcome {
                 Ok(candidate) => {
-                    observer.ended(Step::Segment(Ok((&candidate, &m.work.evidence))));
+                    observer.on_event(StageEvent::Segment(Ok((&candidate, &m.work.evidence))));
                     let _ = m.candidates.push(candidate); // as many places as segments were kept
                 }
                 Err(reason) => {
-                    observer.ended(Step::Segment(Err(reason)));
+                    observer.on_event(StageEvent::Segment(Err(reason)));
                     counts.reject(reason);
                 }
             }
         }
-        consistency::weigh_neighbours(m.candidates, m.places);
-        surroundings::ask(m.candidates, Grid::new(&self.params, self.dims), m.support);
+        consistency::accumulate_support(m.candidates, m.neighbours);
+        surroundings::evaluate_sides(m.candidates, Grid::new(&self.params, self.dims), m.support);
     }
 
     /// First disparity, and the one after the last, px.

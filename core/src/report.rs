@@ -2,18 +2,18 @@
 //!
 //! ```text
 //! every side gets its probability; of two sides that contradict each other in the right image the less probable one is rejected
-//! points:  sides, most probable first, claim their pixels; a claimed pixel is not claimed again
+//! points:  sides, most probable first, take their pixels; a pixel is taken once
 //! matches: segments whose edge itself has one side's disparity with enough probability, most probable first
 //! ```
 
-use crate::claims::Views;
 use crate::confidence::{Model, Models};
 use crate::image::Dims;
-use crate::matching::consistency::{Place, for_each_contradiction};
+use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::evidence::Kind;
 use crate::matching::{Candidate, Side, narrow};
 use crate::params::Params;
-use crate::result::{Counts, Match, Owner, PointClaim, Rejection, Source, Techniques};
+use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
+use crate::side_pixels::ValidPixels;
 use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::{Confidence, Disparity};
@@ -33,9 +33,9 @@ pub(crate) struct Ranked {
 pub(crate) struct Report<'a> {
     pub(crate) params: &'a Params,
     pub(crate) models: &'a Models,
-    pub(crate) views: Views<'a>,
+    pub(crate) views: ValidPixels<'a>,
     pub(crate) candidates: &'a mut [Candidate],
-    pub(crate) places: &'a [Place],
+    pub(crate) neighbours: &'a [Neighbour],
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) support: Support<'a>,
     pub(crate) marks: &'a mut [u32],
@@ -46,7 +46,7 @@ impl Report<'_> {
         for candidate in self.candidates.iter_mut() {
             rate(candidate, self.models);
         }
-        self.exclude();
+        self.apply_uniqueness();
         self.list_matches(matches, counts);
     }
 
@@ -55,14 +55,14 @@ impl Report<'_> {
     }
 
     /// One right position explains one left position: the less probable of two that contradict each other goes.
-    fn exclude(&mut self) {
+    fn apply_uniqueness(&mut self) {
         let least = self.least();
         for side in self.candidates.iter_mut().flat_map(|candidate| candidate.sides.iter_mut().flatten()) {
             side.rejected = side.probability_q16 < least;
         }
-        // Probabilities stay as they are while claims are rejected, so the order of the pairs does not matter.
+        // Probabilities stay as they are while hypotheses are rejected, so the order of the pairs does not matter.
         let candidates = &mut *self.candidates;
-        for_each_contradiction(self.places, candidates.len(), |a, b| {
+        for_each_contradiction(self.neighbours, candidates.len(), |a, b| {
             let probability = |(i, side): (usize, usize)| {
                 let sides = candidates.get(i).map(|c: &Candidate| &c.sides);
                 sides.and_then(|sides| sides.get(side)).and_then(Option::as_ref).map_or(0, |side| side.probability_q16)
@@ -72,9 +72,9 @@ impl Report<'_> {
             if pa != pb
                 && let Some(candidate) = candidates.get_mut(i)
             {
-                candidate.beaten = true;
-                if let Some(Some(claim)) = candidate.sides.get_mut(side) {
-                    claim.rejected = true;
+                candidate.violates_uniqueness = true;
+                if let Some(Some(hypothesis)) = candidate.sides.get_mut(side) {
+                    hypothesis.rejected = true;
                 }
             }
         });
@@ -90,7 +90,7 @@ impl Report<'_> {
                     let _ = self.order.push(Ranked { probability_q16: side.edge_probability_q16, candidate: i });
                 }
                 Some(_) => counts.reject(Rejection::EdgeUnclear),
-                None if candidate.beaten => counts.reject(Rejection::NotExclusive),
+                None if candidate.violates_uniqueness => counts.reject(Rejection::NotUnique),
                 None => counts.reject(Rejection::LowConfidence),
             }
         }
@@ -105,7 +105,7 @@ impl Report<'_> {
     }
 
     /// Hands every point to `put`: those of segments, most probable sides first, then support points.
-    pub(crate) fn claim_points(&mut self, put: &mut impl FnMut(PointClaim)) {
+    pub(crate) fn list_points(&mut self, put: &mut impl FnMut(Point)) {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -134,11 +134,11 @@ impl Report<'_> {
                     let confidence = Confidence::from_bits(probability);
                     let marks = &mut *self.marks;
                     candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
-                        let is_beaten = support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
-                        if is_beaten || !take(marks, self.views.dims(), x, y) {
+                        let is_outranked = support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
+                        if is_outranked || !take(marks, self.views.dims(), x, y) {
                             return;
                         }
-                        put(PointClaim { x, y, disparity: disparity_from_q6(d_q6), confidence, source });
+                        put(Point { x, y, disparity: disparity_from_q6(d_q6), confidence, source });
                     });
                 }
             }
@@ -150,7 +150,7 @@ impl Report<'_> {
             {
                 continue;
             }
-            put(PointClaim { x, y, disparity, confidence, source: Source::Support });
+            put(Point { x, y, disparity, confidence, source: Source::Support });
         }
     }
 }
@@ -255,7 +255,7 @@ impl Candidate {
         match (self.listed, self.edge_side()) {
             (Some(_), _) => None,
             (None, Some(_)) => Some(Rejection::EdgeUnclear),
-            (None, None) if self.beaten => Some(Rejection::NotExclusive),
+            (None, None) if self.violates_uniqueness => Some(Rejection::NotUnique),
             (None, None) => Some(Rejection::LowConfidence),
         }
     }

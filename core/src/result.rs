@@ -1,10 +1,10 @@
-//! What a frame gives: matched segments, claimed points, and the count of everything that was rejected.
+//! What a frame gives: matched segments, points, and the count of everything that was rejected.
 
 use crate::units::{Confidence, Depth, Disparity, Position};
 
 /// A sub-pixel image point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub struct Point {
+pub struct ImagePosition {
     /// Pixels right of the first column's centre.
     pub x: Position,
     /// Pixels below the first row's centre.
@@ -37,7 +37,7 @@ pub struct Techniques {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Match {
     /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
-    pub ends: [Point; 2],
+    pub ends: [ImagePosition; 2],
     /// Disparity at each end.
     pub disparity: [Disparity; 2],
     /// Standard deviation of the disparity in px.
@@ -56,7 +56,7 @@ pub struct Match {
 
 /// One pixel of the left image with a disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PointClaim {
+pub struct Point {
     /// Column.
     pub x: u16,
     /// Row.
@@ -65,7 +65,7 @@ pub struct PointClaim {
     pub disparity: Disparity,
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
-    /// Kind and position of the claim that it comes from.
+    /// Kind and position of the hypothesis that it comes from.
     pub source: Source,
 }
 
@@ -98,7 +98,7 @@ pub enum Rejection {
     /// Neither side's own window carries the disparity.
     NoOwner,
     /// A more credible segment already explains the same position in the right image.
-    NotExclusive,
+    NotUnique,
     /// The probability is below the asked one.
     LowConfidence,
     /// A side's disparity is credible and its points are listed, but the edge itself may belong to the surface on the other side.
@@ -115,7 +115,7 @@ impl Rejection {
         Self::TechniquesDisagree,
         Self::Slant,
         Self::NoOwner,
-        Self::NotExclusive,
+        Self::NotUnique,
         Self::LowConfidence,
         Self::EdgeUnclear,
     ];
@@ -131,7 +131,7 @@ impl Rejection {
             Self::TechniquesDisagree => "techniques_disagree",
             Self::Slant => "slant",
             Self::NoOwner => "no_owner",
-            Self::NotExclusive => "not_exclusive",
+            Self::NotUnique => "not_unique",
             Self::LowConfidence => "low_confidence",
             Self::EdgeUnclear => "edge_unclear",
         }

@@ -3,7 +3,7 @@
 use crate::image::Dims;
 use crate::lines::{self, Segment};
 use crate::matching::band::{BAND_ROWS, PLANES, row_bytes};
-use crate::matching::consistency::Place;
+use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Workspace};
 use crate::report::Ranked;
 use crate::result::Match;
@@ -77,7 +77,7 @@ pub struct Scratch<
     left: Vec<Segment, SEGMENTS>,
     right: Vec<Segment, SEGMENTS>,
     candidates: Vec<Candidate, CANDIDATES>,
-    places: [Place; CANDIDATES],
+    neighbours: [Neighbour; CANDIDATES],
     order: Vec<Ranked, CANDIDATES>,
     support: Vec<SupportPoint, SUPPORT>,
     matches: Vec<Match, CANDIDATES>,
@@ -107,7 +107,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             left: Vec::new(),
             right: Vec::new(),
             candidates: Vec::new(),
-            places: [Place::EMPTY; CANDIDATES],
+            neighbours: [Neighbour::EMPTY; CANDIDATES],
             order: Vec::new(),
             support: Vec::new(),
             matches: Vec::new(),
@@ -125,7 +125,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             left: &mut self.left,
             right: &mut self.right,
             candidates: &mut self.candidates,
-            places: &mut self.places,
+            neighbours: &mut self.neighbours,
             order: &mut self.order,
             support: &mut self.support,
             matches: &mut self.matches,
@@ -152,7 +152,7 @@ pub struct ScratchView<'a> {
     pub(crate) left: &'a mut VecView<Segment>,
     pub(crate) right: &'a mut VecView<Segment>,
     pub(crate) candidates: &'a mut VecView<Candidate>,
-    pub(crate) places: &'a mut [Place],
+    pub(crate) neighbours: &'a mut [Neighbour],
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) support: &'a mut VecView<SupportPoint>,
     pub(crate) matches: &'a mut VecView<Match>,

@@ -46,15 +46,15 @@ impl Autopilot {
     pub fn see(&mut self, matched: &Matched<'_>, health: HealthFlags, time_us: u64) {
         match &self.view {
             Some((plan, _)) => {
-                self.obstacles.see(plan, matched.segments(), matched.support_points(), health, time_us);
+                self.obstacles.update(plan, matched.segments(), matched.support_points(), health, time_us);
             }
-            None => self.obstacles.miss(),
+            None => self.obstacles.mark_missing(),
         }
     }
 
     /// There was no pair, or it could not be matched.
     pub fn miss(&mut self) {
-        self.obstacles.miss();
+        self.obstacles.mark_missing();
     }
 
     /// Writes what is due.

@@ -191,7 +191,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             }
             Message::Points(list) if list.sequence == 0 => {
                 assert_eq!(list.first as usize, points.len());
-                points.extend(list.list.iter().map(linestereo::PointClaim::from));
+                points.extend(list.list.iter().map(linestereo::Point::from));
             }
             Message::Segments(_) | Message::Points(_) => {}
             Message::Objects(list) => panic!("nobody asked for {list:?}"),

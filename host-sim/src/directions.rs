@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 use core::fmt::Write;
-use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, PointClaim, Sector};
+use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, Point, Sector};
 use linestereo_wire::mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 
@@ -33,9 +33,9 @@ pub struct Direction {
 impl Directions {
     /// Of the matches and points of a pair with this health.
     #[must_use]
-    pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[PointClaim], health: HealthFlags) -> Self {
+    pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[Point], health: HealthFlags) -> Self {
         let mut obstacles = Obstacles::new();
-        obstacles.see(&plan, matches, points.iter().copied(), health, 0);
+        obstacles.update(&plan, matches, points.iter().copied(), health, 0);
         Self { plan, obstacles }
     }
 

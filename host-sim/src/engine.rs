@@ -2,8 +2,8 @@
 
 use crate::fitting::FittedModels;
 use linestereo::{
-    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, NotKnown, ObjectDepth, Observer, Pair, ParamError, Params,
-    PixelDepth, PointClaim, Region, RunError, Scratch, Span, Summary, ViewError, mark_words, most_support_points,
+    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Observer, Pair, ParamError, Params, PixelDepth,
+    PixelRejection, Point, Region, RunError, Scratch, Span, Summary, ViewError, mark_words, most_support_points,
     row_bytes,
 };
 pub use linestereo_baselines::GrayImage;
@@ -28,7 +28,7 @@ pub struct FrameResult {
     /// Matched segments, most confident first.
     pub matches: Vec<Match>,
     /// Claimed points, most confident first, one per pixel at most.
-    pub points: Vec<PointClaim>,
+    pub points: Vec<Point>,
     /// What was found, rejected and dropped.
     pub counts: Counts,
     /// What is wrong with the pair.
@@ -40,7 +40,7 @@ pub struct FrameResult {
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
     #[must_use]
-    pub fn of_points(points: Vec<PointClaim>) -> Self {
+    pub fn of_points(points: Vec<Point>) -> Self {
         Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
     }
 
@@ -149,7 +149,7 @@ impl Engine {
     }
 
     /// The depth of one pixel of the pair that was matched last.
-    pub fn depth_at(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+    pub fn depth_at(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
         self.matched().pixel(pixel, region)
     }
 

@@ -99,7 +99,7 @@ struct Camera {
 struct Rows {
     offset_px: f64,
     spread_px: f64,
-    witnesses: u8,
+    samples: u8,
 }
 
 impl Listing {
@@ -114,10 +114,10 @@ impl From<&PairReport> for Numbers {
     fn from(pair: &PairReport) -> Self {
         let [left, right] = pair.cameras.each_ref().map(Camera::from);
         let px = |q8: i16| f64::from(q8) / 256.0;
-        let rows = |RowsReport { offset_q8, spread_q8, witnesses }| Rows {
+        let rows = |RowsReport { offset_q8, spread_q8, samples }| Rows {
             offset_px: px(offset_q8),
             spread_px: f64::from(spread_q8) / 256.0,
-            witnesses,
+            samples,
         };
         Self {
             left,

@@ -8,7 +8,8 @@ use crate::engine::FrameResult;
 use crate::health;
 use core::fmt::Write;
 use linestereo::{
-    Depth, Dims, Disparity, INFINITE_DEPTH, Match, NoDepth, NotKnown, ObjectDepth, Owner, PixelDepth, Point, Rejection,
+    Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner, PixelDepth,
+    PixelRejection, Rejection,
 };
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
@@ -70,7 +71,7 @@ pub struct Query {
 impl Query {
     /// What the core says of a pixel.
     #[must_use]
-    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, NotKnown>) -> Self {
+    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
         let none = |reason| Self {
             x,
             y,
@@ -297,7 +298,7 @@ fn segment((id, found): (usize, &Match)) -> Segment {
     }
 }
 
-fn position(point: Point) -> [f64; 2] {
+fn position(point: ImagePosition) -> [f64; 2] {
     [point.x.to_num(), point.y.to_num()]
 }
 
@@ -323,11 +324,11 @@ fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, PointClaim, Position, Techniques};
+    use linestereo::{Confidence, Point, Position, Techniques};
     use linestereo_wire::Health;
 
     fn example() -> FrameResult {
-        let point = |x: f64, y: f64| Point { x: Position::from_num(x), y: Position::from_num(y) };
+        let point = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let matched = Match {
             ends: [point(1.5, 2.0), point(3.03125, 40.0)],
             disparity: [Disparity::from_num(10.25), Disparity::from_num(0)],
@@ -342,7 +343,7 @@ mod tests {
                 census: Disparity::from_num(10.5),
             },
         };
-        let point = PointClaim {
+        let point = Point {
             x: 7,
             y: 9,
             disparity: Disparity::from_num(10),

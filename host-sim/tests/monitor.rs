@@ -1,7 +1,7 @@
 //! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial port, and bad input.
 
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, Match, Owner, Params, Point, Position, Techniques,
+    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params, Position, Techniques,
 };
 use linestereo_wire::*;
 use serde_json::Value;
@@ -28,7 +28,7 @@ fn packet<T: Record>(record: &T) -> Vec<u8> {
 }
 
 fn found(id: u16) -> Match {
-    let point = |x: u16, y: u16| Point { x: Position::from_bits(32 * x), y: Position::from_bits(32 * y + 8) };
+    let point = |x: u16, y: u16| ImagePosition { x: Position::from_bits(32 * x), y: Position::from_bits(32 * y + 8) };
     Match {
         ends: [point(id, 10), point(id + 3, 40)],
         disparity: [Disparity::from_num(20), Disparity::from_num(20.25)],

@@ -1,8 +1,7 @@
 //! The same bits whatever the stride, the padding, the memory's contents, the number of runs and the profile.
 
 use linestereo::{
-    Confidence, Dims, Focus, Gray, Match, Params, Plan, PointClaim, Rig, Scratch, Stage, StageDigests, mark_words,
-    row_bytes,
+    Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig, Scratch, Stage, StageDigests, mark_words, row_bytes,
 };
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::with_padding;
@@ -29,7 +28,7 @@ fn plan() -> Plan {
         .unwrap()
 }
 
-fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<PointClaim>) {
+fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
     let mut matched = plan().run([left, right], memory.view()).unwrap();
     let mut points = Vec::new();
     matched.points(|point| points.push(point));

@@ -35,11 +35,11 @@ impl Rig {
     }
 
     fn watch(&mut self, left: Gray<'_>, right: Gray<'_>, times_us: Option<[u64; 2]>) -> PairHealth {
-        let mut health = self.monitor.look(&self.limits, left, right, times_us);
+        let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         if !health.is_refused() {
             let matched = self.engine.run_in_place(left, right).unwrap();
             let found = (matched.segments(), matched.counts());
-            self.monitor.look_at_matches(&self.limits, (left, right), found, &mut health);
+            self.monitor.check_matches(&self.limits, (left, right), found, &mut health);
         }
         health
     }
@@ -580,16 +580,16 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     let right = pair.right.view().unwrap();
     let mut engine = Engine::new(&Params { max_disparity: 64, ..Params::default() }, DIMS).unwrap();
     let mut monitor = HealthMonitor::new();
-    let mut health = monitor.look(&HealthLimits::DEFAULT, left, right, None);
+    let mut health = monitor.check_images(&HealthLimits::DEFAULT, left, right, None);
     let matched = engine.run_in_place(left, right).unwrap();
     let found = (matched.segments(), matched.counts());
-    monitor.look_at_matches(&HealthLimits::DEFAULT, (left, right), found, &mut health);
+    monitor.check_matches(&HealthLimits::DEFAULT, (left, right), found, &mut health);
     assert_eq!(health, expected);
     // Images of other sizes, the smallest, and no matches at all: nothing fails.
     let tiny = painted(16, 16, |x, y| (x * y) as u8);
     let (a, b) = (tiny.view().unwrap(), pair.left.view().unwrap());
-    let mut health = HealthMonitor::new().look(&HealthLimits::DEFAULT, a, b, None);
-    HealthMonitor::new().look_at_matches(
+    let mut health = HealthMonitor::new().check_images(&HealthLimits::DEFAULT, a, b, None);
+    HealthMonitor::new().check_matches(
         &HealthLimits::DEFAULT,
         (a, b),
         (matched.segments(), &Counts::default()),

@@ -1,8 +1,8 @@
 //! Distance per direction: sectors against a naive reference, the rules of support, age and freedom, and real frames against their truth.
 
 use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Owner,
-    Params, Point, PointClaim, Position, Rig, Sector, Source, Techniques,
+    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, ObstacleError, ObstacleParams, ObstaclePlan,
+    Obstacles, Owner, Params, Point, Position, Rig, Sector, Source, Techniques,
 };
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
@@ -26,7 +26,7 @@ fn plan_of(change: impl FnOnce(&mut ObstacleParams)) -> ObstaclePlan {
 fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2], confidence: f64) -> Match {
     let d = disparity.map(Disparity::from_num);
     Match {
-        ends: ends.map(|[x, y]| Point { x: Position::from_num(x), y: Position::from_num(y) }),
+        ends: ends.map(|[x, y]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) }),
         disparity: d,
         sigma: Disparity::from_num(0.1),
         confidence: Confidence::from_num(confidence),
@@ -44,7 +44,7 @@ fn edge(x: f64, disparity: f64, confidence: f64) -> Match {
 
 fn seen(plan: &ObstaclePlan, matches: &[Match]) -> Obstacles {
     let mut obstacles = Obstacles::new();
-    obstacles.see(plan, matches, None, HealthFlags::GOOD, 0);
+    obstacles.update(plan, matches, None, HealthFlags::GOOD, 0);
     obstacles
 }
 
@@ -189,7 +189,7 @@ fn a_claim_needs_support_unless_it_is_sure() {
 fn three_support_points_that_agree_are_an_obstacle() {
     let plan = plan_of(|_| {});
     let ahead = |count: u16, source: Source| {
-        let point = |n: u16| PointClaim {
+        let point = |n: u16| Point {
             x: 160,
             y: 100 + 8 * n,
             disparity: Disparity::from_num(30),
@@ -197,7 +197,7 @@ fn three_support_points_that_agree_are_an_obstacle() {
             source,
         };
         let mut obstacles = Obstacles::new();
-        obstacles.see(&plan, &[], (0..count).map(point), HealthFlags::GOOD, 0);
+        obstacles.update(&plan, &[], (0..count).map(point), HealthFlags::GOOD, 0);
         distance(obstacles.sector(&plan, 0, 0))
     };
     assert_eq!(ahead(3, Source::Support), Some(reference(160.0, 30.0, 0.0, 72).1 as u16));
@@ -288,14 +288,14 @@ fn what_was_seen_is_kept_with_its_age_until_it_is_too_old() {
         (1100, &mid, "150 cm 0"),
     ];
     for (time_ms, matches, expected) in steps {
-        obstacles.see(&plan, matches, None, HealthFlags::GOOD, time_ms * 1000);
+        obstacles.update(&plan, matches, None, HealthFlags::GOOD, time_ms * 1000);
         assert_eq!(word(obstacles.sector(&plan, 0, time_ms * 1000)), expected, "at {time_ms} ms");
     }
     // Between pairs, age counts as well.
     assert_eq!(word(obstacles.sector(&plan, 0, 1_400_000)), "150 cm 300");
     assert_eq!(word(obstacles.sector(&plan, 0, 1_401_000)), "unknown");
     // 49 days later, when milliseconds have wrapped, an old one does not become new.
-    obstacles.see(&plan, &[], None, HealthFlags::GOOD, 1_500_000);
+    obstacles.update(&plan, &[], None, HealthFlags::GOOD, 1_500_000);
     assert_eq!(word(obstacles.sector(&plan, 0, 1_100_000 + (1 << 32) * 1000)), "unknown");
 }
 
@@ -306,22 +306,22 @@ fn an_unfit_pair_says_nothing() {
     for (flag, name) in HealthFlags::NAMES {
         let mut obstacles = Obstacles::new();
         assert!(!obstacles.is_fit(), "before the first pair");
-        obstacles.see(&plan, &near, None, flag, 0);
+        obstacles.update(&plan, &near, None, flag, 0);
         let is_fit = !HealthFlags::UNFIT.contains(flag);
         assert_eq!(obstacles.is_fit(), is_fit, "{name}");
         assert_eq!(distance(obstacles.sector(&plan, 0, 0)).is_some(), is_fit, "{name}");
         // What was known before grows old.
-        obstacles.see(&plan, &near, None, HealthFlags::GOOD, 0);
-        obstacles.see(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::ROWS_OFF, 100_000);
+        obstacles.update(&plan, &near, None, HealthFlags::GOOD, 0);
+        obstacles.update(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::ROWS_OFF, 100_000);
         assert_eq!(word(obstacles.sector(&plan, 0, 100_000)), "100 cm 100");
-        obstacles.see(&plan, &near, None, HealthFlags::GOOD, 200_000);
-        obstacles.miss();
+        obstacles.update(&plan, &near, None, HealthFlags::GOOD, 200_000);
+        obstacles.mark_missing();
         assert!(!obstacles.is_fit());
         assert_eq!(word(obstacles.sector(&plan, 0, 250_000)), "100 cm 50");
     }
     let all = plan_of(|p| p.unfit = HealthFlags::LEFT_EXPOSURE);
     let mut obstacles = Obstacles::new();
-    obstacles.see(&all, &near, None, HealthFlags::LEFT_EXPOSURE | HealthFlags::SKEW, 0);
+    obstacles.update(&all, &near, None, HealthFlags::LEFT_EXPOSURE | HealthFlags::SKEW, 0);
     assert!(!obstacles.is_fit());
 }
 
@@ -342,7 +342,7 @@ fn parameters_without_sense_are_refused_by_name() {
         (&|p| p.range_m = 601.0, "range (m) is 601, allowed are 0.1 to 600"),
         (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1, allowed are 2 to 1000"),
         (&|p| p.heights_m = [f64::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
-        (&|p| p.doubt = 0.0, "doubt is 0, allowed are 0.00002 to 0.5"),
+        (&|p| p.error_probability = 0.0, "error probability is 0, allowed are 0.00002 to 0.5"),
         (&|p| p.centre = Some([400.0, 1.0]), "principal column (px) is 400, allowed are 0 to 320"),
         (&|p| p.centre = Some([1.0, f64::NAN]), "principal row (px) is NaN, allowed are 0 to 240"),
     ];
@@ -377,7 +377,8 @@ fn nothing_overflows() {
             ..ObstacleParams::new(FOCAL)
         };
         let plan = wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims).unwrap();
-        let mut point = || Point { x: Position::from_bits(random() as u16), y: Position::from_bits(random() as u16) };
+        let mut point =
+            || ImagePosition { x: Position::from_bits(random() as u16), y: Position::from_bits(random() as u16) };
         let ends: Vec<_> = (0..20).map(|_| [point(), point()]).collect();
         let matches: Vec<Match> = ends
             .into_iter()
@@ -438,7 +439,7 @@ fn captured_frames_give_no_ghosts() {
             let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::new(FOCAL) };
             let plan = wanted.plan(&params, dims).unwrap();
             let mut obstacles = Obstacles::new();
-            obstacles.see(&plan, &result.matches, result.points.iter().copied(), HealthFlags::GOOD, 0);
+            obstacles.update(&plan, &result.matches, result.points.iter().copied(), HealthFlags::GOOD, 0);
             for offset in -5_i16..=5 {
                 let (own, wide) = (of_truth(offset, 0), of_truth(offset, 4));
                 if own.len() < 200 {

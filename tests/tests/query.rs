@@ -1,8 +1,8 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
 use linestereo::{
-    Area, Dims, Disparity, FITTED_PIXEL, Gray, Matched, NotKnown, Pair, Params, PixelDepth, Region, Rig, RunError,
-    Scratch, Span, mark_words, most_candidates, row_bytes,
+    Area, Dims, Disparity, FITTED_PIXEL, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig,
+    RunError, Scratch, Span, mark_words, most_candidates, row_bytes,
 };
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
@@ -65,7 +65,7 @@ fn grid(dims: Dims, step: usize) -> impl Iterator<Item = (u16, u16)> {
 }
 
 /// Answers on a grid.
-fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Result<PixelDepth, NotKnown>)> {
+fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Result<PixelDepth, PixelRejection>)> {
     let params = Params { max_disparity: RANGE, ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
@@ -102,7 +102,7 @@ fn planes_are_answered_to_a_fraction_of_a_pixel() {
 fn a_blank_wall_is_not_known() {
     let blank = painted(DIMS.width, DIMS.height, |_, _| 90);
     for ((x, y), answer) in ask(&blank, &blank, 9) {
-        let reason = if x < 18 { NotKnown::NearBorder } else { NotKnown::NoTexture };
+        let reason = if x < 18 { PixelRejection::NearBorder } else { PixelRejection::NoTexture };
         assert_eq!(answer, Err(reason), "{x},{y}");
     }
     for noise in [1.0, 3.0, 6.0] {
@@ -197,12 +197,12 @@ fn what_cannot_be_answered_is_named() {
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
     let mut matched = plan.run([l, r], small.view()).unwrap();
     let mut at = |pixel, region: Option<&Region<'_>>| matched.pixel(pixel, region);
-    assert_eq!(at((DIMS.width, 5), None), Err(NotKnown::Outside));
-    assert_eq!(at((5, DIMS.height), None), Err(NotKnown::Outside));
-    assert_eq!(at((u16::MAX, u16::MAX), None), Err(NotKnown::Outside));
-    assert_eq!(at((3, 60), None), Err(NotKnown::NearBorder));
+    assert_eq!(at((DIMS.width, 5), None), Err(PixelRejection::Outside));
+    assert_eq!(at((5, DIMS.height), None), Err(PixelRejection::Outside));
+    assert_eq!(at((u16::MAX, u16::MAX), None), Err(PixelRejection::Outside));
+    assert_eq!(at((3, 60), None), Err(PixelRejection::NearBorder));
     let region = Region::boxed(1, Area { left: 90, top: 40, right: 120, bottom: 70 }, DIMS).unwrap();
-    assert_eq!(at((80, 50), Some(&region)), Err(NotKnown::OutsideRegion));
+    assert_eq!(at((80, 50), Some(&region)), Err(PixelRejection::OutsideRegion));
     assert!(at((100, 50), Some(&region)).is_ok());
 
     // Spans that leave out the pixel, or all right columns it could match.
@@ -210,10 +210,10 @@ fn what_cannot_be_answered_is_named() {
     let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
     let cut = l.with_usable(&spans).unwrap();
     let mut matched = plan.resume(&summary, [cut, r], small.view()).unwrap();
-    assert_eq!(matched.pixel((50, 50), None), Err(NotKnown::Outside));
+    assert_eq!(matched.pixel((50, 50), None), Err(PixelRejection::Outside));
     let cut = r.with_usable(&spans).unwrap();
     let mut matched = plan.resume(&summary, [l, cut], small.view()).unwrap();
-    assert_eq!(matched.pixel((62, 50), None), Err(NotKnown::NearBorder));
+    assert_eq!(matched.pixel((62, 50), None), Err(PixelRejection::NearBorder));
 
     let other = painted(64, 48, |x, y| (x * y) as u8);
     let other = other.view().unwrap();
@@ -227,12 +227,12 @@ fn what_cannot_be_answered_is_named() {
     let pair = Pair { left: l, right: r, times_us: Some([0, 1_000_000]) };
     let mut matched = matcher.run(pair, None, small.view(), &mut ()).unwrap();
     assert!(matched.segments().is_empty() && matched.candidates().is_empty() && matched.health().is_refused());
-    assert_eq!(matched.pixel((100, 50), None), Err(NotKnown::UnhealthyPair));
+    assert_eq!(matched.pixel((100, 50), None), Err(PixelRejection::UnhealthyPair));
     matched.points(|point| panic!("{point:?} of a pair that was not matched"));
     let mut objects = Vec::new();
     matched.objects(&[region], |object| objects.push(object.disparity));
     assert_eq!(objects, [Err(linestereo::NoDepth::UnhealthyPair)]);
-    for reason in NotKnown::ALL {
+    for reason in PixelRejection::ALL {
         assert!(!reason.to_string().is_empty() && !reason.name().contains(' '));
     }
 }

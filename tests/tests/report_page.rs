@@ -180,7 +180,7 @@ fn a_visitor_sees_what_the_run_gave() {
         assert_eq!(said("left size"), "320x240");
         let matched = result.matches.len();
         assert_eq!(said("segments"), format!("{matched} {matched}"));
-        assert!(said("hint").starts_with("Point at a segment"));
+        assert!(said("hint").starts_with("ImagePosition at a segment"));
         let pointed: Vec<usize> = said("pointed").split(' ').map(|count| count.parse().unwrap()).collect();
         assert!(pointed.iter().all(|&count| count <= matched && 10 * count >= 9 * matched), "{pointed:?} of {matched}");
         assert_eq!((said("nothing"), said("escape")), (said("hint"), said("hint")));
@@ -248,6 +248,6 @@ fn a_page_without_a_rig_says_what_is_missing() {
     std::fs::write(&file, page.html().unwrap()).unwrap();
     let document = browser.document(Path::new(&file), &[]).unwrap();
     assert!(document.contains("Metres need a rig"));
-    assert!(document.contains("Point at a segment"));
+    assert!(document.contains("ImagePosition at a segment"));
     assert!(document.contains("<h1 id=\"title\">pair</h1>"));
 }

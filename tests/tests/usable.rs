@@ -1,8 +1,8 @@
 //! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold never matters.
 
 use linestereo::{
-    Confidence, Dims, Gray, MARGIN, Match, Params, PointClaim, Scratch, Span, ViewError, mark_words,
-    most_support_points, row_bytes, shrink_to_usable,
+    Confidence, Dims, Gray, MARGIN, Match, Params, Point, Scratch, Span, ViewError, mark_words, most_support_points,
+    row_bytes, shrink_to_usable,
 };
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -42,7 +42,7 @@ fn with_garbage(image: &GrayImage, content: &Spans, mut garbage: impl FnMut() ->
     image
 }
 
-fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<PointClaim>) {
+fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
     let mut memory = Box::new(Memory::new());
     let params = Params { max_disparity: 48, min_confidence: Confidence::from_num(0.5), ..Params::default() };
     let plan = params.plan(DIMS).unwrap();

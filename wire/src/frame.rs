@@ -7,7 +7,7 @@ use crate::health::{Health, PairReport};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Match, Owner, PairHealth, Point, PointClaim, Position, Rejection, Source,
+    Confidence, Depth, Dims, Disparity, ImagePosition, Match, Owner, PairHealth, Point, Position, Rejection, Source,
     Techniques,
 };
 use serde::{Deserialize, Serialize};
@@ -116,7 +116,7 @@ pub struct Points {
     pub list: Vec<PointRecord, POINTS_PER_PACKET>,
 }
 
-/// A [`PointClaim`] in plain numbers.
+/// A [`Point`] in plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointRecord {
     /// Column.
@@ -162,14 +162,14 @@ impl From<PointSource> for Source {
     }
 }
 
-impl From<&PointClaim> for PointRecord {
-    fn from(claim: &PointClaim) -> Self {
-        let PointClaim { x, y, disparity, confidence, source } = *claim;
+impl From<&Point> for PointRecord {
+    fn from(claim: &Point) -> Self {
+        let Point { x, y, disparity, confidence, source } = *claim;
         Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source: source.into() }
     }
 }
 
-impl From<&PointRecord> for PointClaim {
+impl From<&PointRecord> for Point {
     fn from(record: &PointRecord) -> Self {
         Self {
             x: record.x,
@@ -240,7 +240,7 @@ impl From<&Match> for Segment {
 
 impl From<&Segment> for Match {
     fn from(segment: &Segment) -> Self {
-        let point = |[x, y]: [u16; 2]| Point { x: Position::from_bits(x), y: Position::from_bits(y) };
+        let point = |[x, y]: [u16; 2]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) };
         Self {
             ends: segment.ends_q5.map(point),
             disparity: segment.disparity_q6.map(Disparity::from_bits),

@@ -197,7 +197,7 @@ pub struct RowsReport {
     /// Spread, 1/256 px.
     pub spread_q8: u16,
     /// Matches that said so.
-    pub witnesses: u8,
+    pub samples: u8,
 }
 
 impl From<&PairHealth> for PairReport {
@@ -205,7 +205,7 @@ impl From<&PairHealth> for PairReport {
         let camera = |&CameraHealth { level, detail_q4, black_permille, white_permille, view_permille }: &_| {
             CameraReport { level, detail_q4, black_permille, white_permille, view_permille }
         };
-        let rows = |Rows { offset_q8, spread_q8, witnesses }| RowsReport { offset_q8, spread_q8, witnesses };
+        let rows = |Rows { offset_q8, spread_q8, samples }| RowsReport { offset_q8, spread_q8, samples };
         Self {
             cameras: health.cameras.each_ref().map(camera),
             skew_us: health.skew_us,

@@ -11,7 +11,7 @@ use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, MAX_PACKET, Record, encode};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use core::fmt;
-use linestereo::{Match, ObjectDepth, PointClaim};
+use linestereo::{Match, ObjectDepth, Point};
 
 /// Why something was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl PointStream {
     /// Adds a point.
     pub fn push<E>(
         &mut self,
-        point: &PointClaim,
+        point: &Point,
         write: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), SendError<E>> {
         let _ = self.points.list.push(PointRecord::from(point)); // never full here

@@ -6,8 +6,8 @@
 //! (`get_face`, `check_face_timeout`), `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
 
 use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, Match, ObstacleParams, ObstaclePlan, Obstacles, Owner, Params, Point,
-    Position, Rig, Techniques,
+    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, ObstacleParams, ObstaclePlan, Obstacles, Owner,
+    Params, Position, Rig, Techniques,
 };
 use linestereo_wire::mavlink::{AutopilotParams, AutopilotStream, Policy};
 use mavlink::MavlinkReader;
@@ -155,7 +155,7 @@ fn plan() -> ObstaclePlan {
 /// A sure vertical edge; its distance ahead is 30 m / disparity.
 fn edge(x: u16, disparity: f64) -> Match {
     let d = Disparity::from_num(disparity);
-    let point = |y: u16| Point { x: Position::from_num(x), y: Position::from_num(y) };
+    let point = |y: u16| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
     Match {
         ends: [point(110), point(130)],
         disparity: [d; 2],
@@ -189,7 +189,7 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
     for now_ms in (0..end_ms).step_by(10) {
         if now_ms % 50 == 0 {
             let health = if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::ROWS_OFF };
-            obstacles.see(&plan, matches, None, health, now_ms * 1000);
+            obstacles.update(&plan, matches, None, health, now_ms * 1000);
             stream
                 .turn(&obstacles, &plan, now_ms * 1000, &mut |frame: &[u8]| {
                     if let (_, MavMessage::OBSTACLE_DISTANCE(message)) = MavlinkReader::new(frame).read_any_message()? {
@@ -298,7 +298,7 @@ fn px4_with_36_bins_sees_an_obstacle_between_them_because_it_is_widened() {
     let mut matches = far();
     matches.push(edge(187, 20.0)); // 5.2 degrees to the right: sector 1, which is not read
     let mut obstacles = Obstacles::new();
-    obstacles.see(&plan, &matches, None, HealthFlags::GOOD, 0);
+    obstacles.update(&plan, &matches, None, HealthFlags::GOOD, 0);
     for (widen, expected) in [(false, Px4Says::Moves), (true, Px4Says::Stops)] {
         let params = AutopilotParams { widen, ..policy(Policy::Block) };
         let mut stream = AutopilotStream::new(params, &plan).unwrap();
@@ -321,7 +321,7 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
     let mut matches = far();
     matches.extend([edge(160, 64.0), edge(240, 29.0)]);
     let mut obstacles = Obstacles::new();
-    obstacles.see(&plan, &matches, None, HealthFlags::GOOD, 0);
+    obstacles.update(&plan, &matches, None, HealthFlags::GOOD, 0);
     let params = AutopilotParams { min_distance_cm: 60, block_cm: 60, widen: false, ..Default::default() };
     let message = AutopilotStream::new(params, &plan).unwrap().distances(&obstacles, &plan, 7);
     assert_eq!(message.distances[0], 60, "47 cm are nearer than what can be measured: ArduPilot would ignore them");
@@ -344,7 +344,7 @@ fn the_sensor_ahead_is_clear_only_if_all_ahead_is() {
     let stream = AutopilotStream::new(AutopilotParams { widen: false, ..Default::default() }, &plan).unwrap();
     let ahead = |matches: &[Match]| {
         let mut obstacles = Obstacles::new();
-        obstacles.see(&plan, matches, None, HealthFlags::GOOD, 0);
+        obstacles.update(&plan, matches, None, HealthFlags::GOOD, 0);
         stream.forward(&stream.distances(&obstacles, &plan, 0), &plan).map(|sensor| sensor.current_distance)
     };
     assert_eq!(ahead(&far()), Some(1001));
@@ -353,7 +353,7 @@ fn the_sensor_ahead_is_clear_only_if_all_ahead_is() {
     assert_eq!(ahead(&[]), None);
     let sensor = {
         let mut obstacles = Obstacles::new();
-        obstacles.see(&plan, &far(), None, HealthFlags::GOOD, 1_000_000);
+        obstacles.update(&plan, &far(), None, HealthFlags::GOOD, 1_000_000);
         stream.forward(&stream.distances(&obstacles, &plan, 1_234_567), &plan).unwrap()
     };
     assert_eq!(sensor.time_boot_ms, 1234);

@@ -154,7 +154,7 @@ fn messages(params: AutopilotParams, seconds: u64, step_us: u64, is_fit: bool) -
     let mut sent = Vec::new();
     let mut time = 0;
     while time < seconds * 1_000_000 {
-        obstacles.see(&plan, &[], None, health, time);
+        obstacles.update(&plan, &[], None, health, time);
         let written = stream.turn(&obstacles, &plan, time, &mut |frame: &[u8]| {
             sent.push((time, frame.to_vec()));
             Ok::<(), ()>(())

@@ -184,7 +184,7 @@ fn the_layout_of_this_version_is_exactly_this() {
     let pair = PairReport {
         cameras: [camera(1), camera(6)],
         skew_us: Some(7),
-        rows: Some(RowsReport { offset_q8: -1, spread_q8: 9, witnesses: 10 }),
+        rows: Some(RowsReport { offset_q8: -1, spread_q8: 9, samples: 10 }),
         row_offset_q8: Some(-6),
         row_drift_q8: None,
         least_disparity_q6: Some(6),

@@ -11,7 +11,7 @@
 //! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 28 products below 2^34 each, summed in `i64`.
 //!
 //! # Cost
-//! 28 multiply-adds and one interpolation per claim.
+//! 28 multiply-adds and one interpolation per hypothesis.
 //!
 //! # Source
 //! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve instead of a second sigmoid.
@@ -26,7 +26,7 @@ use crate::matching::evidence::{EVIDENCE, HEARD, Kind};
 /// Nodes of the tables: scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
 
-/// The model of one kind of claim, over `N` kinds of evidence.
+/// The model of one kind of hypothesis, over `N` kinds of evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Model<const N: usize = EVIDENCE> {
     /// Log-odds without evidence, Q12.
@@ -39,7 +39,7 @@ pub struct Model<const N: usize = EVIDENCE> {
     pub sigma_q6: [u16; NODES],
 }
 
-/// Models for segments that run down the rows and for near-horizontal ones: of the pixels that a side claims, and of the edge itself, which
+/// Models for segments that run down the rows and for near-horizontal ones: of the pixels beside a side, and of the edge itself, which
 /// may belong to the surface on the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Models {
@@ -66,7 +66,7 @@ impl Models {
 }
 
 impl<const N: usize> Model<N> {
-    /// Log-odds of a claim, Q8, before calibration.
+    /// Log-odds of a hypothesis, Q8, before calibration.
     #[must_use]
     pub fn score_q8(&self, evidence: &[i16; N]) -> i32 {
         let products = self.coefficients_q12.iter().zip(evidence).map(|(&c, &e)| i64::from(c) * i64::from(e));

@@ -33,7 +33,7 @@ pub struct CameraHealth {
 
 /// What the grid saw.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
     /// Between the darkest and the brightest sample.
     pub(super) range: u8,
@@ -42,7 +42,7 @@ pub(super) struct Look {
 }
 
 /// Looks at an image.
-pub(super) fn look(image: Gray<'_>) -> Look {
+pub(super) fn check(image: Gray<'_>) -> CameraCheck {
     let dims = image.dims();
     let step = |side: u16, most: u16| usize::from(side.div_ceil(most));
     let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
@@ -81,7 +81,7 @@ pub(super) fn look(image: Gray<'_>) -> Look {
         white_permille: share(white, 1000) as u16,
         view_permille: quotient(usable as i32 * 1000, all as i32) as u16,
     };
-    Look { health, range: high.saturating_sub(low), digest }
+    CameraCheck { health, range: high.saturating_sub(low), digest }
 }
 
 /// FNV-1a, 32 bits (Fowler, Noll, Vo).

@@ -33,7 +33,7 @@ pub struct HealthLimits {
     /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not believed. Default 51.
     pub row_spread_q8: u16,
     /// Least matches that measure a difference of rows; fewer say nothing. Default 6.
-    pub row_witnesses: u8,
+    pub min_row_samples: u8,
     /// Pairs over which the difference of rows is smoothed, and its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),
     /// Least share of the compared left segments that find a partner, per thousand, where at least 24 are compared. Default 50.
@@ -59,7 +59,7 @@ impl HealthLimits {
         row_offset_q8: 51,
         row_drift_q8: 38,
         row_spread_q8: 51,
-        row_witnesses: 6,
+        min_row_samples: 6,
         row_pairs: (8, 256),
         matched_permille: 50,
         least_disparity_q6: -64,

@@ -3,9 +3,9 @@
 //! In: the pair, when it was captured, its matches. Out: a [`PairHealth`]: a few numbers and the flags that they raise.
 //!
 //! ```text
-//! before matching: HealthMonitor::look          skew, levels, saturation, dead, covered and frozen cameras, valid view
+//! before matching: HealthMonitor::check_images          skew, levels, saturation, dead, covered and frozen cameras, valid view
 //!                  PairHealth::is_refused       captured too far apart: not to be matched
-//! after it:        HealthMonitor::look_at_matches   difference of rows (rows), few matches, matches beyond infinity
+//! after it:        HealthMonitor::check_matches   difference of rows (rows), few matches, matches beyond infinity
 //! ```
 //! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`] pairs in a row were free of it; a pair
 //! that cannot tell (no edges to compare rows with) leaves it as it is. Differences of rows are smoothed before they are judged:
@@ -91,7 +91,7 @@ impl PairHealth {
 /// let (alive, dead) = (Gray::new(&alive, dims, 16)?, Gray::new(&dead, dims, 16)?);
 ///
 /// let mut monitor = HealthMonitor::new();
-/// let health = monitor.look(&HealthLimits::DEFAULT, alive, dead, None);
+/// let health = monitor.check_images(&HealthLimits::DEFAULT, alive, dead, None);
 /// assert_eq!(health.flags, HealthFlags::RIGHT_DEAD);
 /// # Ok::<(), linestereo::ViewError>(())
 /// ```
@@ -117,14 +117,14 @@ impl HealthMonitor {
 
     /// Looks at a pair before it is matched. `times_us` is when the left and the right image were captured, microseconds of one clock;
     /// without them no pair is refused.
-    pub fn look(
+    pub fn check_images(
         &mut self,
         limits: &HealthLimits,
         left: Gray<'_>,
         right: Gray<'_>,
         times_us: Option<[u64; 2]>,
     ) -> PairHealth {
-        let looks = [left, right].map(camera::look);
+        let looks = [left, right].map(camera::check);
         let [left, right] = &looks;
         let mut now = self.fault(limits, left, right, 0) | self.fault(limits, right, left, 1);
         let mut judged = CAMERA_FLAGS;
@@ -147,7 +147,7 @@ impl HealthMonitor {
     }
 
     /// Looks at what the pair's matching gave, and adds to its health.
-    pub fn look_at_matches(
+    pub fn check_matches(
         &mut self,
         limits: &HealthLimits,
         (left, right): (Gray<'_>, Gray<'_>),
@@ -165,7 +165,7 @@ impl HealthMonitor {
         let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
         now |= HealthFlags::BEYOND_INFINITY.when(beyond);
 
-        let found = rows::measure(left, right, matches).filter(|rows| rows.witnesses >= limits.row_witnesses);
+        let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= limits.min_row_samples);
         if let Some(rows) = found {
             let is_uneven = rows.spread_q8 > limits.row_spread_q8;
             judged |= HealthFlags::ROWS_UNEVEN;
@@ -191,7 +191,13 @@ impl HealthMonitor {
     }
 
     /// What is wrong with one camera's image; `eye` is 0 or 1, and its flags are those of the left one, moved by it.
-    fn fault(&mut self, limits: &HealthLimits, own: &camera::Look, other: &camera::Look, eye: usize) -> HealthFlags {
+    fn fault(
+        &mut self,
+        limits: &HealthLimits,
+        own: &camera::CameraCheck,
+        other: &camera::CameraCheck,
+        eye: usize,
+    ) -> HealthFlags {
         let health = &own.health;
         let is_dead = own.range <= limits.dead_range;
         let is_saturated = health.black_permille + health.white_permille > limits.saturated_permille;

@@ -8,8 +8,8 @@
 //!     gradients down the rows of both means; normalised correlation of the left one with the right one moved by -5 .. 5 px
 //!     one clear peak of at least 0.83; the place in the right image compared with the left one moved by -1 and 1 px as well, so that what
 //!     stands beside the edge does not pull to one side: equal images differ by 0 exactly
-//!     the vertex of the means of both ways is a witness
-//! median of the witnesses; mean of those near it; spread = median distance from the median
+//!     the vertex of the means of both ways is a sample
+//! median of the samples; mean of those near it; spread = median distance from the median
 //! ```
 //! An edge along the columns is placed by the texture beside it, so its disparity owes nothing to its row; what is left is the row. The
 //! search for a match moves windows by whole rows only: it leaves the difference where it is.
@@ -22,7 +22,7 @@
 //! Disparity and position in 1/64 px below 2^17; slopes at most 0.5 and 1, Q12, times an extent of 24 px in 1/32 px: 2^22.
 //!
 //! # Cost
-//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST`] matches. 48 witnesses at 12 columns each cost 0.5 M instructions a
+//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST`] matches. 48 samples at 12 columns each cost 0.5 M instructions a
 //! pair; the largest error against known offsets was 0.062 px then, and is 0.078 px now.
 //!
 //! # Source
@@ -35,7 +35,7 @@ use crate::sort::sort_by_key;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Most witnesses heard.
+/// Most samples heard.
 const MOST: usize = 24;
 /// Gradients compared on each side of the edge.
 const HALF: i32 = 3;
@@ -59,7 +59,7 @@ const RIGHT_FIRST: i32 = HALF + 2 + REACH;
 const MIN_ROOT: u32 = 887;
 /// Least correlation of a peak, and the largest share of it that another peak may have.
 const MIN_PEAK_Q12: i32 = 3400;
-const MAX_RIVAL_Q8: i32 = 200;
+const MAX_SECOND_PEAK_Q8: i32 = 200;
 /// Witnesses nearer to the median than this, or than three times the spread, are averaged; 1/256 px.
 const NEAR_Q8: i16 = 32;
 
@@ -68,10 +68,10 @@ const NEAR_Q8: i16 = 32;
 pub struct Rows {
     /// Row in the right image minus row in the left image, 1/256 px: positive when the right image is too low.
     pub offset_q8: i16,
-    /// Median distance of a witness from the median, 1/256 px.
+    /// Median distance of a sample from the median, 1/256 px.
     pub spread_q8: u16,
     /// Matches that said so.
-    pub witnesses: u8,
+    pub samples: u8,
 }
 
 /// Asks the matches; `None` when none of them can say.
@@ -98,7 +98,7 @@ pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Opt
     Some(Rows {
         offset_q8: quotient(2 * sum + count * sum.signum(), 2 * count) as i16,
         spread_q8: spread.unsigned_abs(),
-        witnesses: offsets.len() as u8,
+        samples: offsets.len() as u8,
     })
 }
 
@@ -121,7 +121,7 @@ struct Edge {
 
 impl Edge {
     fn of(found: &Match) -> Option<Self> {
-        let end = |point: crate::result::Point| (i32::from(point.x.to_bits()), i32::from(point.y.to_bits()));
+        let end = |point: crate::result::ImagePosition| (i32::from(point.x.to_bits()), i32::from(point.y.to_bits()));
         let ([a, b], [d0, d1]) = (found.ends.map(end), found.disparity.map(|d| i32::from(d.to_bits())));
         let ((x0, y0), (x1, y1), d0, d1) = if a.0 <= b.0 { (a, b, d0, d1) } else { (b, a, d1, d0) };
         let (dx, dy) = (x1 - x0, y1 - y0);
@@ -260,12 +260,12 @@ fn only_peak(scores: &[i32; SHIFTS]) -> Option<(i32, [i32; 3])> {
     }
     // One at the end of the range says nothing: the true one may lie beyond.
     let (low, high) = (at(place - 1)?, at(place + 1)?);
-    let is_rival = |shift: i32| {
+    let is_second_peak = |shift: i32| {
         let score = at(shift).unwrap_or(i32::MIN);
         let is_top = at(shift - 1) <= Some(score) && at(shift + 1) <= Some(score);
-        is_top && (shift - place).abs() >= 2 && score << 8 > peak * MAX_RIVAL_Q8
+        is_top && (shift - place).abs() >= 2 && score << 8 > peak * MAX_SECOND_PEAK_Q8
     };
-    let is_clear = peak >= MIN_PEAK_Q12 && !(-REACH..=REACH).any(is_rival);
+    let is_clear = peak >= MIN_PEAK_Q12 && !(-REACH..=REACH).any(is_second_peak);
     is_clear.then_some((place, [low, peak, high]))
 }
 

@@ -26,7 +26,7 @@ mod fit;
 
 use crate::area::Area;
 use crate::image::{Gray, MAX_HEIGHT, MAX_WIDTH};
-use crate::result::Point;
+use crate::result::ImagePosition;
 use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;
 use crate::units::quotient;
@@ -55,7 +55,7 @@ pub(crate) const MAX_POSITIONS: usize = if MAX_WIDTH > MAX_HEIGHT { MAX_WIDTH } 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Segment {
     /// Ends: top first; left first when [`Segment::near_horizontal`].
-    pub ends: [Point; 2],
+    pub ends: [ImagePosition; 2],
     /// True when the pixels right of the edge (below it, when near-horizontal) are the brighter ones.
     pub rising: bool,
     /// Mean grey step across the edge along the segment, 0 ..= 255.
@@ -246,7 +246,7 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
         let end = |t: i32| {
             let along = position(((chain.first + t * STEP) << 5) + 16);
             let across = position(run.at_q5(t));
-            if near_horizontal { Point { x: along, y: across } } else { Point { x: across, y: along } }
+            if near_horizontal { ImagePosition { x: along, y: across } } else { ImagePosition { x: across, y: along } }
         };
         list.push(Segment {
             ends: [end(t0), end(t1)],

@@ -57,19 +57,19 @@ pub(crate) struct Band<'a> {
     /// Row of the right image that matches row 0 of the left one.
     row_offset: i32,
     /// What windows reach; everything without.
-    reached: Option<&'a [Reached]>,
+    extents: Option<&'a [WindowExtent]>,
 }
 
 /// Pixels of rows that windows may look at.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached {
+pub(crate) struct WindowExtent {
     /// Rows of the left image.
     rows: Span,
     /// Columns of the left and of the right image.
     columns: [Span; 2],
 }
 
-impl Reached {
+impl WindowExtent {
     /// By windows of segments that lie in an area, at disparities from `min` to before `max`.
     pub(crate) fn around(area: Area, (min, max): (i32, i32), dims: Dims) -> Self {
         let span = |from: i32, to: i32, size: u16| {
@@ -91,7 +91,7 @@ impl<'a> Band<'a> {
     pub(crate) fn new(
         [left, right]: [Gray<'a>; 2],
         row_offset: i32,
-        reached: Option<&'a [Reached]>,
+        extents: Option<&'a [WindowExtent]>,
         rows: &'a mut [u8],
     ) -> Option<Self> {
         let dims = left.dims();
@@ -111,7 +111,7 @@ impl<'a> Band<'a> {
             first_row: 0,
             next_row: 0,
             row_offset,
-            reached,
+            extents,
         })
     }
 
@@ -177,8 +177,8 @@ impl<'a> Band<'a> {
 
     /// Columns of both images to compute for a row of the left one.
     fn columns(&self, y: i32) -> [Span; 2] {
-        let Some(reached) = self.reached else { return [Span { start: 0, end: self.width as u16 }; 2] };
-        let of_row = reached.iter().filter(|reached| reached.rows.contains(y)).map(|reached| reached.columns);
+        let Some(extents) = self.extents else { return [Span { start: 0, end: self.width as u16 }; 2] };
+        let of_row = extents.iter().filter(|extents| extents.rows.contains(y)).map(|extents| extents.columns);
         of_row.reduce(|[a, b], [c, d]| [join(a, c), join(b, d)]).unwrap_or_default()
     }
 

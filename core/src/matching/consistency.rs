@@ -1,6 +1,6 @@
-//! Agreement and contradiction among the claims of segments.
+//! Agreement and contradiction among the hypotheses of segments.
 //!
-//! In: every claim's place and disparity. Out: evidence of agreement for each; the pairs that want the same place in the right image with
+//! In: every hypothesis's place and disparity. Out: evidence of agreement for each; the pairs that want the same place in the right image with
 //! different disparities, of which at most one is right.
 //!
 //! ```text
@@ -13,7 +13,7 @@
 //! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at hand.
 //!
 //! # Cost
-//! Quadratic in the claims of [`TOPS_REACH`] rows.
+//! Quadratic in the hypotheses of [`TOPS_REACH`] rows.
 
 use super::evidence::log2_mean_q8;
 use super::{Candidate, Side, about_length, narrow};
@@ -21,13 +21,13 @@ use crate::lines::MAX_ROWS;
 
 /// Distance at which a neighbour counts nothing, px.
 const REACH: i32 = 40;
-/// Rows between the tops of two segments beyond which their claims are out of [`REACH`]: half of the taller one on top.
+/// Rows between the tops of two segments beyond which their hypotheses are out of [`REACH`]: half of the taller one on top.
 const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
 /// Agreement of a neighbour at hand with full weight.
 const FULL: i32 = (256 * REACH) >> 5;
-/// Distance of a claim's centre from its edge, px.
+/// Distance of a hypothesis's centre from its edge, px.
 const OFF_EDGE: i32 = 4;
-/// Largest difference of rows and of right columns at which two claims explain the same place, px.
+/// Largest difference of rows and of right columns at which two hypotheses explain the same place, px.
 const SAME_ROWS: i32 = 6;
 const SAME_COLUMNS_Q6: i32 = 2 << 6;
 /// Least difference of disparity that makes them contradict each other.
@@ -35,49 +35,50 @@ const OTHER_SURFACE_Q6: i32 = 2 << 6;
 
 /// A candidate reduced to what its neighbours need to know: its middle, and what each side says.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Neighbour {
     pub(crate) x: i16,
     pub(crate) y: i16,
     /// First row of the segment.
     top: i16,
     near_horizontal: bool,
-    pub(crate) claims: [Claim; 2],
+    pub(crate) hypotheses: [SideHypothesis; 2],
 }
 
 /// What a side says, and what is said of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Claim {
+pub(crate) struct SideHypothesis {
     pub(crate) d_q6: i16,
-    /// 0 = no claim.
+    /// 0 = no hypothesis.
     pub(crate) weight_q8: u16,
     /// Sum of weight times nearness of the neighbours that agree, in 1/320 of one at hand with full weight; when a surface is sought, its weight,
     /// which falls to the border of a box.
-    pub(crate) agreeing: u16,
+    pub(crate) support: u16,
 }
 
-impl Place {
-    pub(crate) const EMPTY: Self = Self { x: 0, y: 0, top: 0, near_horizontal: false, claims: [Claim::EMPTY; 2] };
+impl Neighbour {
+    pub(crate) const EMPTY: Self =
+        Self { x: 0, y: 0, top: 0, near_horizontal: false, hypotheses: [SideHypothesis::EMPTY; 2] };
 
     pub(crate) fn new(candidate: &Candidate) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
-        let claim = |side: &Option<Side>| side.as_ref().map_or(Claim::EMPTY, Claim::new);
+        let hypothesis = |side: &Option<Side>| side.as_ref().map_or(SideHypothesis::EMPTY, SideHypothesis::new);
         let [left, right] = &candidate.sides;
         Self {
             x: narrow((x0 + x1) >> 6),
             y: narrow((y0 + y1) >> 6),
             top: narrow(y0.min(y1) >> 5),
             near_horizontal: candidate.segment.near_horizontal,
-            claims: [claim(left), claim(right)],
+            hypotheses: [hypothesis(left), hypothesis(right)],
         }
     }
 
     /// Of a support point.
     pub(crate) fn of_point(x: i32, y: i32, d_q6: i16, weight_q8: u16) -> Self {
-        let claims = [Claim { d_q6, weight_q8, ..Claim::EMPTY }, Claim::EMPTY];
-        Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, claims }
+        let hypotheses = [SideHypothesis { d_q6, weight_q8, ..SideHypothesis::EMPTY }, SideHypothesis::EMPTY];
+        Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, hypotheses }
     }
 
-    /// Lets the claims of two segments speak of each other.
+    /// Lets the hypotheses of two segments speak of each other.
     fn weigh(&mut self, other: &mut Self) {
         let dx = i32::from(other.x - self.x);
         if dx.abs() >= REACH {
@@ -87,14 +88,14 @@ impl Place {
         if distance >= REACH {
             return;
         }
-        for own in &mut self.claims {
-            for theirs in &mut other.claims {
+        for own in &mut self.hypotheses {
+            for theirs in &mut other.hypotheses {
                 own.weigh(theirs, distance);
             }
         }
     }
 
-    /// Column in the right image that one side's claim wants, 1/64 px.
+    /// Column in the right image that one side's hypothesis wants, 1/64 px.
     fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
         let off = if self.near_horizontal {
             0
@@ -107,8 +108,8 @@ impl Place {
     }
 }
 
-impl Claim {
-    const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, agreeing: 0 };
+impl SideHypothesis {
+    const EMPTY: Self = Self { d_q6: 0, weight_q8: 0, support: 0 };
 
     fn new(side: &Side) -> Self {
         Self { d_q6: narrow(side.sum_q6() >> 1), weight_q8: side.weight_q8, ..Self::EMPTY }
@@ -124,19 +125,19 @@ impl Claim {
         }
         let nearness = (REACH - distance) as u32; // of REACH
         let word = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
-        self.agreeing = self.agreeing.saturating_add(word(other.weight_q8));
-        other.agreeing = other.agreeing.saturating_add(word(self.weight_q8));
+        self.support = self.support.saturating_add(word(other.weight_q8));
+        other.support = other.support.saturating_add(word(self.weight_q8));
     }
 }
 
-/// Fills `places`, one per candidate (candidates in the order of their tops), and sets every side's agreement with other segments.
-pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place]) {
-    for (candidate, place) in candidates.iter().zip(places.iter_mut()) {
-        *place = Place::new(candidate);
+/// Fills `neighbours`, one per candidate (candidates in the order of their tops), and sets every side's agreement with other segments.
+pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut [Neighbour]) {
+    for (candidate, place) in candidates.iter().zip(neighbours.iter_mut()) {
+        *place = Neighbour::new(candidate);
     }
-    let places = places.get_mut(..candidates.len()).unwrap_or(&mut []);
-    for i in 0..places.len() {
-        let Some((place, after)) = places.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+    let neighbours = neighbours.get_mut(..candidates.len()).unwrap_or(&mut []);
+    for i in 0..neighbours.len() {
+        let Some((place, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
         for neighbour in after {
             if i32::from(neighbour.top - place.top) > TOPS_REACH {
                 break;
@@ -144,30 +145,30 @@ pub(crate) fn weigh_neighbours(candidates: &mut [Candidate], places: &mut [Place
             place.weigh(neighbour);
         }
     }
-    for (candidate, place) in candidates.iter_mut().zip(places.iter_mut()) {
-        for (side, claim) in candidate.sides.iter_mut().zip(&mut place.claims) {
+    for (candidate, place) in candidates.iter_mut().zip(neighbours.iter_mut()) {
+        for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut place.hypotheses) {
             if let Some(side) = side {
                 let [.., segments] = &mut side.heard_q8;
-                *segments = narrow(log2_mean_q8(claim.agreeing.into(), FULL));
+                *segments = narrow(log2_mean_q8(hypothesis.support.into(), FULL));
             }
-            claim.agreeing = 0;
+            hypothesis.support = 0;
         }
     }
 }
 
-/// Rows between the tops of two segments beyond which their claims cannot contradict each other.
+/// Rows between the tops of two segments beyond which their hypotheses cannot contradict each other.
 const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;
 
-/// Calls `found` with the claims `(candidate, side)` of every two of the first `count` that want the same part of the right image with
+/// Calls `found` with the hypotheses `(candidate, side)` of every two of the first `count` that want the same part of the right image with
 /// different disparities: at most one of them is right.
 pub(crate) fn for_each_contradiction(
-    places: &[Place],
+    neighbours: &[Neighbour],
     count: usize,
     mut found: impl FnMut((usize, usize), (usize, usize)),
 ) {
-    let places = places.get(..count).unwrap_or(&[]);
-    for (i, place) in places.iter().enumerate() {
-        for (other, j) in places.get(i + 1..).unwrap_or(&[]).iter().zip(i + 1..) {
+    let neighbours = neighbours.get(..count).unwrap_or(&[]);
+    for (i, place) in neighbours.iter().enumerate() {
+        for (other, j) in neighbours.get(i + 1..).unwrap_or(&[]).iter().zip(i + 1..) {
             if i32::from(other.top - place.top) > CONTRADICTION_REACH {
                 break;
             }
@@ -185,11 +186,13 @@ pub(crate) fn for_each_contradiction(
     }
 }
 
-fn contradict((a, a_side): (&Place, usize), (b, b_side): (&Place, usize)) -> bool {
-    let (Some(claim_a), Some(claim_b)) = (a.claims.get(a_side), b.claims.get(b_side)) else { return false };
-    let (da, db) = (i32::from(claim_a.d_q6), i32::from(claim_b.d_q6));
-    claim_a.weight_q8 > 0
-        && claim_b.weight_q8 > 0
+fn contradict((a, a_side): (&Neighbour, usize), (b, b_side): (&Neighbour, usize)) -> bool {
+    let (Some(hypothesis_a), Some(hypothesis_b)) = (a.hypotheses.get(a_side), b.hypotheses.get(b_side)) else {
+        return false;
+    };
+    let (da, db) = (i32::from(hypothesis_a.d_q6), i32::from(hypothesis_b.d_q6));
+    hypothesis_a.weight_q8 > 0
+        && hypothesis_b.weight_q8 > 0
         && (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6
         && (da - db).abs() > OTHER_SURFACE_Q6
 }

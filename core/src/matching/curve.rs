@@ -1,9 +1,9 @@
-//! Cost over disparity: minimum, rival, sub-pixel position.
+//! Cost over disparity: minimum, second-best, sub-pixel position.
 //!
 //! Curves live in a [`Workspace`](super::Workspace) of the caller's and are written in place: none is copied, none is on the stack.
 //!
 //! # Source
-//! Rival outside +-2 px and the best/rival ratio: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi
+//! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi
 //! 2001): two lines of equal and opposite slope, the right shape for absolute differences.
 
 use crate::kernel::{LANES, lower_curve, lower_sum_curve, lowest, sum_curve};
@@ -11,7 +11,7 @@ use crate::units::quotient;
 
 /// Most disparities of a search.
 pub(crate) const MAX_DISPARITIES: usize = 256;
-/// Disparities on both sides of a minimum that are not its rivals.
+/// Disparities on both sides of a minimum where no second-best is looked for.
 const NEIGHBOURHOOD: i32 = 2;
 /// Curves of a workspace: what one segment needs at a time.
 pub(crate) const CURVES: usize = 12;
@@ -126,14 +126,14 @@ impl Curve {
         Minimum { at: self.first + i32::try_from(place).unwrap_or(0), cost }
     }
 
-    /// Lowest cost outside the neighbourhood of `at`: the rival.
-    pub(crate) fn rival(&mut self, at: i32) -> u16 {
+    /// Lowest cost outside the neighbourhood of `at`: the second-best.
+    pub(crate) fn second_best(&mut self, at: i32) -> u16 {
         // The neighbourhood is covered while the rest is looked at.
         let mut covered = [u16::MAX; 2 * NEIGHBOURHOOD as usize + 1];
         self.swap_neighbourhood(at, &mut covered);
-        let rival = lowest(self.whole());
+        let second_best = lowest(self.whole());
         self.swap_neighbourhood(at, &mut covered);
-        rival
+        second_best
     }
 
     fn swap_neighbourhood(&mut self, at: i32, other: &mut [u16]) {
@@ -179,7 +179,7 @@ pub(crate) fn subpixel_q6(at: i32, cost: impl Fn(i32) -> Option<u16>) -> i32 {
     (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
 }
 
-/// `256 * (cost + 1) / (rival + 1)`, at most 3 * 256: below 256 the minimum is better than its rival. The ones make two perfect matches a tie.
-pub(crate) fn ratio_q8(cost: u16, rival: u16) -> i32 {
-    quotient((i32::from(cost) + 1) << 8, i32::from(rival) + 1).min(768)
+/// `256 * (cost + 1) / (second_best + 1)`, at most 3 * 256: below 256 the minimum is better than the second-best. The ones make two perfect matches a tie.
+pub(crate) fn ratio_q8(cost: u16, second_best: u16) -> i32 {
+    quotient((i32::from(cost) + 1) << 8, i32::from(second_best) + 1).min(768)
 }

@@ -1,8 +1,8 @@
-//! The evidence of a claim: plain numbers in Q8 that a linear model weighs.
+//! The evidence of a hypothesis: plain numbers in Q8 that a linear model weighs.
 //!
 //! In: sums, counts and disparities of the matching. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
-/// What is known about a claim, in the order of the model's coefficients.
+/// What is known about a hypothesis, in the order of the model's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Kind {
@@ -50,7 +50,7 @@ pub enum Kind {
     Detail,
     /// log2(1 + support points nearby that agree).
     SupportAgreeing,
-    /// Share of those that are farther: the claim may be of something thin before a surface.
+    /// Share of those that are farther: the hypothesis may be of something thin before a surface.
     SupportFarther,
     /// Share of those that are nearer.
     SupportNearer,

@@ -75,7 +75,7 @@ struct SideWindows<'w> {
     whole: &'w mut Curve,
     pixels: i32,
     best: Minimum,
-    rival: u16,
+    second_best: u16,
     ratio_q8: i32,
 }
 
@@ -152,8 +152,8 @@ impl<'w> SideWindows<'w> {
         }
         whole.set_sum(a, b);
         let best = whole.minimum();
-        let rival = whole.rival(best.at);
-        Self { halves: [a, b], whole, pixels, best, rival, ratio_q8: ratio_q8(best.cost, rival) }
+        let second_best = whole.second_best(best.at);
+        Self { halves: [a, b], whole, pixels, best, second_best, ratio_q8: ratio_q8(best.cost, second_best) }
     }
 }
 
@@ -246,7 +246,7 @@ fn place(
     let range = context.range_before(columns.0, band.right_columns(row))?;
     let points = census_curve(line, columns, census_rows, range, band, census);
     let census_near = census.minimum_near(at, 1);
-    let census_ratio_q8 = ratio_q8(census_near.cost, census.rival(at));
+    let census_ratio_q8 = ratio_q8(census_near.cost, census.second_best(at));
     if census_ratio_q8 > MAX_CENSUS_RATIO_Q8 {
         return Err(Rejection::CensusNotUnique);
     }
@@ -262,7 +262,7 @@ fn place(
     let mut evidence = shared;
     evidence.set(Kind::SideRatio, own.ratio_q8);
     evidence.set(Kind::SideCost, log2_mean_q8(own.best.cost.into(), own.pixels));
-    evidence.set(Kind::SideMargin, log2_mean_q8(own.rival.saturating_sub(own.best.cost).into(), own.pixels));
+    evidence.set(Kind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.best.cost).into(), own.pixels));
     evidence.set(Kind::CensusRatio, census_ratio_q8);
     evidence.set(Kind::CensusCost, log2_mean_q8(census_near.cost.into(), points));
     evidence.set(Kind::CensusGap, (window_q6 - census_q6).abs() << 2);

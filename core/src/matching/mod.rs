@@ -33,15 +33,15 @@ use evidence::{Evidence, Kind};
 
 // The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
 
-/// Least disparities that a search must compare: with fewer there is no rival to be better than.
+/// Least disparities that a search must compare: with fewer there is no second-best.
 pub(crate) const MIN_RANGE: i32 = 8;
 /// Disparities on both sides of what support points name at which a segment is sought as well.
 const AROUND: i32 = 3;
-/// Largest best/rival ratio of the segment's window.
+/// Largest uniqueness ratio, best / second-best, of the segment's window.
 const MAX_WINDOW_RATIO_Q8: i32 = 230;
-/// Largest best/rival ratio of census.
+/// Largest uniqueness ratio, best / second-best, of census.
 const MAX_CENSUS_RATIO_Q8: i32 = 240;
-/// Largest best/rival ratio of a side's own window.
+/// Largest uniqueness ratio, best / second-best, of a side's own window.
 const MAX_SIDE_RATIO_Q8: i32 = 230;
 /// Two sides whose disparities, summed over both ends, lie closer than this are one surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 2 * 64;
@@ -61,8 +61,8 @@ pub struct Candidate {
     pub census_q6: i16,
     /// By the edge in the right image.
     pub feature_q6: Option<i16>,
-    /// True when a more probable claim explains the same place in the right image.
-    pub(crate) beaten: bool,
+    /// True when a more probable hypothesis explains the same place in the right image.
+    pub(crate) violates_uniqueness: bool,
     /// Its position in the list of matches.
     pub(crate) listed: Option<u16>,
 }
@@ -81,7 +81,7 @@ impl Candidate {
             window_q6: narrow(window_q6),
             census_q6: narrow(census_q6),
             feature_q6: feature_q6.map(narrow),
-            beaten: false,
+            violates_uniqueness: false,
             listed: None,
         }
     }
@@ -125,7 +125,7 @@ pub(crate) fn narrow(value: i32) -> i16 {
     i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
 }
 
-/// One side's claim.
+/// One side's hypothesis.
 #[derive(Clone, Debug, Hash)]
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
@@ -147,7 +147,7 @@ pub struct Side {
 
 impl Side {
     pub(crate) fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
-        // A side whose rival costs 0.8 times as much or less says nothing to its neighbours.
+        // A side whose second-best costs less than best / 0.8 weighs nothing as a neighbour.
         let weight = 256 - evidence.get(Kind::SideRatio) * 5 / 4;
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],

@@ -79,7 +79,7 @@ struct CensusMatch {
 /// What one side's own window says of the accepted disparity.
 struct Ownership {
     cost: u16,
-    rival: u16,
+    second_best: u16,
     ratio_q8: i32,
     preferred: i32,
     disparity_q6: i32,
@@ -126,8 +126,8 @@ pub(crate) fn match_steep(
     let at = window.best.at;
     let [left, right] = windows.ask_sides(at, upper_q6, lower_q6);
     let evidence = [
-        claim(shared, &left, &right, census_left, at, windows.rows, -256),
-        claim(shared, &right, &left, census_right, at, windows.rows, 256),
+        hypothesis(shared, &left, &right, census_left, at, windows.rows, -256),
+        hypothesis(shared, &right, &left, census_right, at, windows.rows, 256),
     ];
     let mut sides = work.rate(evidence, |_| line_q6, context.models.of(false));
     if sides.iter().all(Option::is_none) {
@@ -188,7 +188,7 @@ impl Windows<'_> {
         let [left, edge, right] = &self.whole;
         joint.set_lower_sum(left, right, edge);
         let best = joint.minimum();
-        let ratio_q8 = ratio_q8(best.cost, joint.rival(best.at));
+        let ratio_q8 = ratio_q8(best.cost, joint.second_best(best.at));
         if ratio_q8 > MAX_WINDOW_RATIO_Q8 {
             return Err(Rejection::WindowNotUnique);
         }
@@ -218,7 +218,7 @@ impl Windows<'_> {
     /// How much better the edge alone matches here than elsewhere.
     fn edge_ratio_q8(&mut self, at: i32) -> i32 {
         let [_, edge, _] = &mut self.whole;
-        ratio_q8(edge.minimum_near(at, 1).cost, edge.rival(at))
+        ratio_q8(edge.minimum_near(at, 1).cost, edge.second_best(at))
     }
 
     /// What the left and the right side's own windows, edge left out, say of the disparity `at`; each half moved by its own slant.
@@ -231,11 +231,11 @@ impl Windows<'_> {
                 curve.set_shifted_sum(upper, upper_shift, lower, lower_shift);
             }
             let near = curve.minimum_near(at, 1);
-            let rival = curve.rival(at);
+            let second_best = curve.second_best(at);
             Ownership {
                 cost: near.cost,
-                rival,
-                ratio_q8: ratio_q8(near.cost, rival),
+                second_best,
+                ratio_q8: ratio_q8(near.cost, second_best),
                 preferred: curve.minimum().at,
                 disparity_q6: curve.subpixel_q6(near.at),
             }
@@ -293,7 +293,7 @@ fn place_by_census(
     }
     lower.set_lower(left, right);
     let best = lower.minimum();
-    let ratio_q8 = ratio_q8(best.cost, lower.rival(best.at));
+    let ratio_q8 = ratio_q8(best.cost, lower.second_best(best.at));
     if ratio_q8 > MAX_CENSUS_RATIO_Q8 {
         return Err(Rejection::CensusNotUnique);
     }
@@ -301,8 +301,8 @@ fn place_by_census(
     Ok(CensusMatch { points, cost: best.cost, ratio_q8, disparity_q6: lower.subpixel_q6(best.at) })
 }
 
-/// The evidence of one side's claim, if the side owns the disparity.
-fn claim(
+/// The evidence of one side's hypothesis, if the side owns the disparity.
+fn hypothesis(
     shared: Evidence,
     own: &Ownership,
     other: &Ownership,
@@ -317,8 +317,8 @@ fn claim(
     let mut evidence = shared;
     evidence.set(Kind::SideRatio, own.ratio_q8);
     evidence.set(Kind::SideCost, log2_mean_q8(own.cost.into(), rows * 8));
-    evidence.set(Kind::SideMargin, log2_mean_q8(own.rival.saturating_sub(own.cost).into(), rows * 8));
-    evidence.set(Kind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.rival(at)));
+    evidence.set(Kind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.cost).into(), rows * 8));
+    evidence.set(Kind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)));
     evidence.set(Kind::OtherRatio, other.ratio_q8);
     evidence.set(Kind::OtherDiffers, i32::from((other.preferred - at).abs() > 2) << 8);
     evidence.set(Kind::SideDiffers, i32::from((own.preferred - at).abs() > 1) << 8);

@@ -1,11 +1,11 @@
-//! Evidence for and against the claims of a segment by the support points around it.
+//! Evidence for and against the hypotheses of a segment by the support points around it.
 //!
 //! In: candidates, the grid of support points. Out: evidence of agreement and conflict for each side.
 //!
 //! ```text
 //! weight    = how sure the point is * nearness to the middle of the side's window
 //! agreeing  = log2(1 + sum of the weights of those that agree)
-//! farther   = those that are farther / (all + 0.2), nearer the same: a claim before a surface may be of something thin, one behind it is not
+//! farther   = those that are farther / (all + 0.2), nearer the same: a hypothesis before a surface may be of something thin, one behind it is not
 //! ```
 //! A point agrees when its disparity differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of distance.
 //!
@@ -29,8 +29,8 @@ const FULL: i32 = 255 * REACH * REACH / 4;
 /// Contradicting weight that says nothing: a fifth of [`FULL`].
 const LITTLE: i32 = FULL / 5;
 
-/// Sets what support points say of every claim.
-pub(crate) fn ask(candidates: &mut [Candidate], grid: Grid, points: &mut [SupportPoint]) {
+/// Sets what support points say of every hypothesis.
+pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &mut [SupportPoint]) {
     if points.is_empty() {
         return;
     }

@@ -4,31 +4,31 @@
 //!
 //! ```text
 //! cover:   the region's pixels, its centre
-//! witness: claims whose windows lie in it, each with a weight of its own
+//! region_support: hypotheses whose windows lie in it, each with a weight of its own
 //! surface: what most of them agree on (in a box: the nearest that many agree on), as a plane
-//! answer:  the plane at the region's centre, as far as claims reach; refused where the weight is small, where it lies on the outline only,
+//! answer:  the plane at the region's centre, as far as hypotheses reach; refused where the weight is small, where it lies on the outline only,
 //!          where a second surface is as good
-//! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the claims' middle from the region's / 48)^2 + (range of their disparities / 8)^2
+//! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's / 48)^2 + (range of their disparities / 8)^2
 //! ```
-//! In a box 0.8^2 and range / 4: its claims and its centre need not be the object's.
-//! Surfaces bend: away from its claims a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
+//! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's.
+//! Surfaces bend: away from its hypotheses a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
 //! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region, on segments within [`witness::OBJECT_REACH`] of it and on support points around these: not on other regions,
+//! The answer depends on the region, on segments within [`region_support::OBJECT_REACH`] of it and on support points around these: not on other regions,
 //! or the order of lists.
 //!
 //! # Cost
-//! A box of a fifteenth of a QVGA image: 27 000 instructions on a Cortex-M7; at most 24 comparisons a claim.
+//! A box of a fifteenth of a QVGA image: 27 000 instructions on a Cortex-M7; at most 24 comparisons a hypothesis.
 
 mod cover;
 mod region;
+pub(crate) mod region_support;
 mod rows;
 mod surface;
-pub(crate) mod witness;
 
 use crate::confidence::Models;
 use crate::image::Dims;
-use crate::matching::consistency::Place;
+use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, about_length};
 use crate::report::Ranked;
 use crate::rig::Rig;
@@ -44,11 +44,11 @@ use surface::Surface;
 /// Why an object has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NoDepth {
-    /// Too few credible claims in the region.
+    /// Too few credible hypotheses in the region.
     LittleSupport,
-    /// Two groups of claims explain the region equally well.
+    /// Two groups of hypotheses explain the region equally well.
     TwoSurfaces,
-    /// Claims lie on the outline only: they may belong to what is behind.
+    /// Hypotheses lie on the outline only: they may belong to what is behind.
     OnlyOutline,
     /// The pair is not fit to be used.
     UnhealthyPair,
@@ -73,9 +73,9 @@ impl NoDepth {
 impl fmt::Display for NoDepth {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::LittleSupport => "too few credible claims in the region",
+            Self::LittleSupport => "too few credible hypotheses in the region",
             Self::TwoSurfaces => "two surfaces explain the region equally well",
-            Self::OnlyOutline => "claims on the outline only: they may belong to what is beside the region",
+            Self::OnlyOutline => "hypotheses on the outline only: they may belong to what is beside the region",
             Self::UnhealthyPair => "the pair is not fit to be used",
         })
     }
@@ -100,41 +100,41 @@ pub struct ObjectDepth {
     pub depth_sigma: Option<Depth>,
     /// Nearest credible depth of the object; `None` where depth is.
     pub nearest: Option<Depth>,
-    /// Claims that speak for the answer: segments and support points.
+    /// Hypotheses that speak for the answer: segments and support points.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
     pub confidence: Confidence,
 }
 
-/// Least weight of an answer, 1/256: one claim of high probability that lies in the region with its whole window.
+/// Least weight of an answer, 1/256: one hypothesis of high probability that lies in the region with its whole window.
 const LEAST_WEIGHT_Q8: i32 = 282;
 
 /// What a region is asked with: everything that the last run left and that may be overwritten.
-pub(crate) struct Witnessed<'a> {
+pub(crate) struct ObjectQuery<'a> {
     pub(crate) candidates: &'a [Candidate],
     pub(crate) support: Support<'a>,
     pub(crate) models: &'a Models,
     pub(crate) dims: Dims,
     pub(crate) rig: Option<Rig>,
-    pub(crate) places: &'a mut [Place],
+    pub(crate) neighbours: &'a mut [Neighbour],
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) marks: &'a mut [u32],
 }
 
-impl Witnessed<'_> {
+impl ObjectQuery<'_> {
     /// The depth of one region.
     #[inline(never)]
     pub(crate) fn depth_of(&mut self, region: &Region<'_>) -> ObjectDepth {
         let cover = Cover::new(region, self.dims.width, self.marks);
-        let found = witness::gather(
+        let found = region_support::gather(
             (self.candidates, self.support),
             self.models,
             (&cover, region.area(), self.dims),
-            self.places,
+            self.neighbours,
         );
-        let places = self.places.get(..found.claims).unwrap_or(&[]);
-        let surface = surface::find(places, cover.centre, cover.is_box(), self.order).unwrap_or_default();
-        match refusal(&surface, &cover, found.weight_q8, found.withheld_q8) {
+        let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
+        let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
+        match refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.segments),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
         }
@@ -142,23 +142,23 @@ impl Witnessed<'_> {
 }
 
 /// Why the surface is no answer.
-fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, withheld_q8: u32) -> Option<NoDepth> {
+fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8: u32) -> Option<NoDepth> {
     let weight = surface.weight_q8;
     if weight < LEAST_WEIGHT_Q8 {
-        let with_outline = i32::try_from(all_q8.saturating_add(withheld_q8)).unwrap_or(i32::MAX);
-        let is_outline = withheld_q8 > 0 && with_outline >= LEAST_WEIGHT_Q8;
+        let with_outline = i32::try_from(all_q8.saturating_add(outline_weight_q8)).unwrap_or(i32::MAX);
+        let is_outline = outline_weight_q8 > 0 && with_outline >= LEAST_WEIGHT_Q8;
         return Some(if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport });
     }
     let two = if cover.is_box() {
         // The nearest surface may be a neighbour that reaches into a corner.
         i64::from(weight) * 2 < i64::from(all_q8) && is_in_a_corner(surface, cover.half_size)
     } else {
-        u64::from(surface.rival_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
+        u64::from(surface.second_weight_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
     };
     two.then_some(NoDepth::TwoSurfaces)
 }
 
-/// Is the middle of its claims further than 0.6 from the centre, with a standard deviation of less than 0.3? In half sizes of the region.
+/// Is the middle of its hypotheses further than 0.6 from the centre, with a standard deviation of less than 0.3? In half sizes of the region.
 fn is_in_a_corner(surface: &Surface, half_size: [i32; 2]) -> bool {
     let part_q8 = |value: i32, of: i32| quotient(value.min(1 << 22) << 8, of);
     let [width2, height2] = half_size.map(|half| half * half);
@@ -235,10 +235,10 @@ mod tests {
     use crate::lines::Segment;
     use crate::matching::Side;
     use crate::matching::evidence::Evidence;
-    use crate::result::Point;
+    use crate::result::ImagePosition;
     use crate::units::Position;
     use heapless::Vec;
-    use witness::OBJECT_REACH;
+    use region_support::OBJECT_REACH;
 
     const DIMS: Dims = Dims { width: 320, height: 240 };
     const MOST: usize = 64;
@@ -259,13 +259,13 @@ mod tests {
     }
 
     fn candidate([x0, y0, x1, y1]: [u16; 4], sides: [Option<Side>; 2]) -> Candidate {
-        let end = |x: u16, y: u16| Point { x: Position::from_num(x), y: Position::from_num(y) };
+        let end = |x: u16, y: u16| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let near_horizontal = x0.abs_diff(x1) > y0.abs_diff(y1);
         let segment = Segment { ends: [end(x0, y0), end(x1, y1)], rising: true, contrast: 40, near_horizontal };
         Candidate::new(segment, sides, 0, 0, None)
     }
 
-    /// Claims of every kind, all over the image.
+    /// Hypotheses of every kind, all over the image.
     fn scattered(seed: u32, count: usize, least_x: u16, most_x: u16) -> Vec<Candidate, MOST> {
         let mut random = Random(seed);
         let mut list = Vec::new();
@@ -281,10 +281,12 @@ mod tests {
     }
 
     fn ask(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
-        let (mut places, mut order, mut marks) = ([Place::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
-        let (places, order, marks) = (&mut places[..], &mut order, &mut marks[..]);
+        let (mut neighbours, mut order, mut marks) =
+            ([Neighbour::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
+        let (neighbours, order, marks) = (&mut neighbours[..], &mut order, &mut marks[..]);
         let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[], 0);
-        Witnessed { candidates, support, models: &FITTED, dims: DIMS, rig: None, places, order, marks }.depth_of(region)
+        ObjectQuery { candidates, support, models: &FITTED, dims: DIMS, rig: None, neighbours, order, marks }
+            .depth_of(region)
     }
 
     /// A disc as runs.
@@ -319,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_elsewhere_change_no_bit() {
+    fn hypotheses_elsewhere_change_no_bit() {
         let mut runs = [Run { label: 0, y: 0, span: Span { start: 0, end: 1 } }; 60];
         let region = disc(&mut runs);
         let reach = region.area().right + OBJECT_REACH;
@@ -333,7 +335,7 @@ mod tests {
             assert_eq!(ask(&all, &region), first, "seed {seed}");
             // What the report made of the candidates with the help of others.
             for candidate in &mut all {
-                candidate.beaten = true;
+                candidate.violates_uniqueness = true;
                 candidate.listed = Some(3);
                 for side in candidate.sides.iter_mut().flatten() {
                     side.weight_q8 = 1;
@@ -360,7 +362,7 @@ mod tests {
 
     #[test]
     fn a_slanted_plane_is_followed_to_the_centre() {
-        // d = 20 px at the centre (100, 100), 0.02 px per px to the right, -0.01 downwards; claims on the left half only.
+        // d = 20 px at the centre (100, 100), 0.02 px per px to the right, -0.01 downwards; hypotheses on the left half only.
         let mut list = Vec::<Candidate, MOST>::new();
         for y in [60, 80, 100, 120] {
             for x in [60_u16, 75, 90] {

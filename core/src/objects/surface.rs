@@ -1,63 +1,63 @@
-//! The surface that a region's claims agree on, as a plane of disparity.
+//! The surface that a region's hypotheses agree on, as a plane of disparity.
 //!
-//! In: the region's claims. Out: a plane with its support, or which of them there are too few of.
+//! In: the region's hypotheses. Out: a plane with its support, or which of them there are too few of.
 //!
 //! ```text
-//! two claims agree when their disparities differ by at most 1 px plus 0.04 px per px between them
-//! mask: the claim with which most agree.  box: of the claims with which at least a third as many agree, the nearest; it is the best of
+//! two hypotheses agree when their disparities differ by at most 1 px plus 0.04 px per px between them
+//! mask: the hypothesis with which most agree.  box: of the hypotheses with which at least a third as many agree, the nearest; it is the best of
 //!     its surface. A box holds background, and more of it than of a thin object.
 //! plane: least squares over those that agree, then over all within 1 px of that plane; slopes shrink to 0 where little supports them
 //! ```
 //!
 //! # Bounds
-//! Weights are at most 307, claims 2 * 4096: sums below 2^22. Products with columns or disparities below 2^36, with squares below 2^48, `i64`;
+//! Weights are at most 307, hypotheses 2 * 4096: sums below 2^22. Products with columns or disparities below 2^36, with squares below 2^48, `i64`;
 //! scaled to 26 bits before they are multiplied by each other.
 //!
 //! # Cost
-//! [`HYPOTHESES`] comparisons a claim at 12 instructions, and four passes at 30.
+//! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 30.
 
 use crate::matching::about_length;
-use crate::matching::consistency::Place;
+use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
 use crate::units::quotient;
 use heapless::vec::VecView;
 
-/// Largest difference of disparity between claims at one place, and between a claim and its plane.
+/// Largest difference of disparity between hypotheses at one place, and between a hypothesis and its plane.
 const TOLERANCE_Q6: i32 = 64;
-/// Claims that are asked how many agree with them: of more, every second, third ... by disparity.
+/// Hypotheses that are asked how many agree with them: of more, every second, third ... by disparity.
 const HYPOTHESES: usize = 24;
-/// Weight by which a plane prefers no slope, times squared px: as if each claim were off by 0.8 px, and slopes of 0.03 px per px common.
+/// Weight by which a plane prefers no slope, times squared px: as if each hypothesis were off by 0.8 px, and slopes of 0.03 px per px common.
 const LEVEL: i64 = 711 << 8;
 /// A second surface lies further than this from the plane.
-const RIVAL_Q6: i32 = 3 << 6;
-/// How far beyond its claims' disparities a plane's value is believed at the region's centre.
+const SECOND_SURFACE_Q6: i32 = 3 << 6;
+/// How far beyond its hypotheses' disparities a plane's value is believed at the region's centre.
 const BEYOND_Q6: i32 = 16;
 
-/// What most claims agree on.
+/// What most hypotheses agree on.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Surface {
     /// Disparity at the region's centre, 1/64 px.
     pub(crate) centre_q6: i32,
     /// Its change per pixel to the right and downwards, 1/1024 px.
     pub(crate) slope_q10: [i32; 2],
-    /// Sum of its claims' weights, 1/256.
+    /// Sum of its hypotheses' weights, 1/256.
     pub(crate) weight_q8: i32,
     /// Segments that speak for it.
     pub(crate) segments: u16,
-    /// Least and largest disparity of its claims.
+    /// Least and largest disparity of its hypotheses.
     pub(crate) range_q6: (i32, i32),
     /// The largest distance of one of them from the plane.
     pub(crate) spread_q6: i32,
-    /// Mean place of its claims, from the region's centre.
+    /// Mean place of its hypotheses, from the region's centre.
     pub(crate) middle: [i32; 2],
     /// Their mean squared distance from there, per direction.
     pub(crate) extent2: [i32; 2],
-    /// Weight of the claims that agree best with each other far from this plane.
-    pub(crate) rival_q8: u32,
+    /// Weight of the hypotheses that agree best with each other far from this plane.
+    pub(crate) second_weight_q8: u32,
 }
 
-/// A claim that others may agree with.
+/// A hypothesis that others may agree with.
 #[derive(Clone, Copy, Default)]
 struct Hypothesis {
     x: i32,
@@ -67,21 +67,21 @@ struct Hypothesis {
 }
 
 impl Hypothesis {
-    fn new(place: &Place) -> Self {
-        let [a, b] = &place.claims;
-        let claim = if b.agreeing > a.agreeing { b } else { a };
-        Self { x: place.x.into(), y: place.y.into(), d_q6: claim.d_q6.into(), weight_q8: 0 }
+    fn new(place: &Neighbour) -> Self {
+        let [a, b] = &place.hypotheses;
+        let hypothesis = if b.support > a.support { b } else { a };
+        Self { x: place.x.into(), y: place.y.into(), d_q6: hypothesis.d_q6.into(), weight_q8: 0 }
     }
 
     /// Sums up what agrees with it.
-    fn weigh(&mut self, places: &[Place]) {
+    fn weigh(&mut self, neighbours: &[Neighbour]) {
         let mut weight_q8 = 0;
-        for place in places {
+        for place in neighbours {
             let tolerance_q6 = self.tolerance_q6(place.x.into(), place.y.into());
-            let [a, b] = &place.claims;
-            for claim in [a, b] {
-                let agrees = (i32::from(claim.d_q6) - self.d_q6).abs() <= tolerance_q6;
-                weight_q8 += if agrees { u32::from(claim.agreeing) } else { 0 };
+            let [a, b] = &place.hypotheses;
+            for hypothesis in [a, b] {
+                let agrees = (i32::from(hypothesis.d_q6) - self.d_q6).abs() <= tolerance_q6;
+                weight_q8 += if agrees { u32::from(hypothesis.support) } else { 0 };
             }
         }
         self.weight_q8 = weight_q8;
@@ -101,13 +101,13 @@ impl Hypothesis {
         (d_q6 - self.d_q6).abs() <= self.tolerance_q6(x, y)
     }
 
-    /// Largest difference of disparity to a claim there that agrees.
+    /// Largest difference of disparity to a hypothesis there that agrees.
     fn tolerance_q6(&self, x: i32, y: i32) -> i32 {
         TOLERANCE_Q6 + ((5 * about_length(x - self.x, y - self.y)) >> 1)
     }
 }
 
-/// Disparity as a plane over places relative to the region's centre.
+/// Disparity as a plane over positions relative to the region's centre.
 #[derive(Clone, Copy)]
 struct Plane {
     level_q6: i32,
@@ -121,61 +121,71 @@ impl Plane {
     }
 }
 
-/// Finds the surface of the claims in `places`; `None` without a claim that weighs anything.
-pub(crate) fn find(places: &[Place], centre: [i32; 2], is_box: bool, order: &mut VecView<Ranked>) -> Option<Surface> {
+/// Finds the surface of the hypotheses in `neighbours`; `None` without a hypothesis that weighs anything.
+pub(crate) fn find(
+    neighbours: &[Neighbour],
+    centre: [i32; 2],
+    is_box: bool,
+    order: &mut VecView<Ranked>,
+) -> Option<Surface> {
     let mut hypotheses = [Hypothesis::default(); HYPOTHESES];
-    let count = ask(places, order, &mut hypotheses);
+    let count = ask(neighbours, order, &mut hypotheses);
     let asked = hypotheses.get(..count)?;
     let chosen = choose(asked, is_box)?;
-    let near = fit(places, centre, |x, y, d_q6| chosen.agrees(x, y, d_q6))?;
+    let near = fit(neighbours, centre, |x, y, d_q6| chosen.agrees(x, y, d_q6))?;
     let [x0, y0] = centre;
     let on = |plane: &Plane, x: i32, y: i32, d_q6: i32| (d_q6 - plane.at_q6(x - x0, y - y0)).abs() <= TOLERANCE_Q6;
-    let plane = fit(places, centre, |x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
-    let mut surface = describe(places, centre, &plane, |x, y, d_q6| on(&plane, x, y, d_q6))?;
-    let far = asked.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > RIVAL_Q6);
-    surface.rival_q8 = far.max_by_key(|h| h.by_weight()).map_or(0, |rival| parted(places, chosen, rival));
+    let plane = fit(neighbours, centre, |x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
+    let mut surface = describe(neighbours, centre, &plane, |x, y, d_q6| on(&plane, x, y, d_q6))?;
+    let far = asked.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
+    surface.second_weight_q8 = far.max_by_key(|h| h.by_weight()).map_or(0, |second| parted(neighbours, chosen, second));
     Some(surface)
 }
 
-/// Weight of what agrees with `rival`; 0 where an eighth of it agrees with `chosen` too: then it is one surface that bends.
-fn parted(places: &[Place], chosen: &Hypothesis, rival: &Hypothesis) -> u32 {
+/// Weight of what agrees with `second`; 0 where an eighth of it agrees with `chosen` too: then it is one surface that bends.
+fn parted(neighbours: &[Neighbour], chosen: &Hypothesis, second: &Hypothesis) -> u32 {
     let mut common = 0;
-    visit(places, [0; 2], |x, y, d_q6| chosen.agrees(x, y, d_q6) && rival.agrees(x, y, d_q6), |_, _, _, w| common += w);
-    if common.unsigned_abs() * 8 >= rival.weight_q8 { 0 } else { rival.weight_q8 }
+    visit(
+        neighbours,
+        [0; 2],
+        |x, y, d_q6| chosen.agrees(x, y, d_q6) && second.agrees(x, y, d_q6),
+        |_, _, _, w| common += w,
+    );
+    if common.unsigned_abs() * 8 >= second.weight_q8 { 0 } else { second.weight_q8 }
 }
 
-/// Weighs what agrees with each claim, or with every n-th of many by disparity; returns how many were asked. The order of the places does not
+/// Weighs what agrees with each hypothesis, or with every n-th of many by disparity; returns how many were asked. The order of the neighbours does not
 /// matter.
-fn ask(places: &[Place], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothesis; HYPOTHESES]) -> usize {
-    let step = places.len().div_ceil(HYPOTHESES).max(1);
+fn ask(neighbours: &[Neighbour], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothesis; HYPOTHESES]) -> usize {
+    let step = neighbours.len().div_ceil(HYPOTHESES).max(1);
     if step == 1 {
-        for (place, hypothesis) in places.iter().zip(hypotheses.iter_mut()) {
+        for (place, hypothesis) in neighbours.iter().zip(hypotheses.iter_mut()) {
             *hypothesis = Hypothesis::new(place);
         }
     } else {
-        sort_by_disparity(places, order);
+        sort_by_disparity(neighbours, order);
         for (ranked, hypothesis) in order.iter().step_by(step).zip(hypotheses.iter_mut()) {
-            *hypothesis = places.get(usize::from(ranked.candidate)).map(Hypothesis::new).unwrap_or_default();
+            *hypothesis = neighbours.get(usize::from(ranked.candidate)).map(Hypothesis::new).unwrap_or_default();
         }
     }
-    let count = places.len().div_ceil(step);
+    let count = neighbours.len().div_ceil(step);
     for hypothesis in hypotheses.iter_mut().take(count) {
-        hypothesis.weigh(places);
+        hypothesis.weigh(neighbours);
     }
     count
 }
 
-fn sort_by_disparity(places: &[Place], order: &mut VecView<Ranked>) {
+fn sort_by_disparity(neighbours: &[Neighbour], order: &mut VecView<Ranked>) {
     order.clear();
-    for (place, i) in places.iter().zip(0..) {
+    for (place, i) in neighbours.iter().zip(0..) {
         let disparity = (Hypothesis::new(place).d_q6 + 32768) as u16;
         let _ = order.push(Ranked { probability_q16: disparity, candidate: i }); // one per candidate: it fits
     }
-    let column = |r: &Ranked| places.get(usize::from(r.candidate)).map(|place| (place.y, place.x));
+    let column = |r: &Ranked| neighbours.get(usize::from(r.candidate)).map(|place| (place.y, place.x));
     sort_by_key(order, |r| (r.probability_q16, column(r)));
 }
 
-/// The claim that speaks for the object; of equal ones the nearest.
+/// The hypothesis that speaks for the object; of equal ones the nearest.
 fn choose(asked: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
     let best = asked.iter().max_by_key(|h| h.by_weight())?;
     if !is_box {
@@ -185,22 +195,22 @@ fn choose(asked: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
     asked.iter().filter(|h| nearest.agrees(h.x, h.y, h.d_q6)).max_by_key(|h| h.by_weight())
 }
 
-/// Calls `visit(u, v, disparity, weight)` for each claim that belongs, with its place relative to the centre; returns how many places have one.
+/// Calls `visit(u, v, disparity, weight)` for each hypothesis that belongs, with its place relative to the centre; returns how many have one.
 fn visit(
-    places: &[Place],
+    neighbours: &[Neighbour],
     [x0, y0]: [i32; 2],
     belongs: impl Fn(i32, i32, i32) -> bool,
     mut visit: impl FnMut(i32, i32, i32, i32),
 ) -> u16 {
     let mut count = 0_u16;
-    for place in places {
+    for place in neighbours {
         let (x, y) = (i32::from(place.x), i32::from(place.y));
         let mut speaks = false;
-        let [a, b] = &place.claims;
-        for claim in [a, b] {
-            let d_q6 = i32::from(claim.d_q6);
-            if claim.weight_q8 > 0 && belongs(x, y, d_q6) {
-                visit(x - x0, y - y0, d_q6, claim.weight_q8.into());
+        let [a, b] = &place.hypotheses;
+        for hypothesis in [a, b] {
+            let d_q6 = i32::from(hypothesis.d_q6);
+            if hypothesis.weight_q8 > 0 && belongs(x, y, d_q6) {
+                visit(x - x0, y - y0, d_q6, hypothesis.weight_q8.into());
                 speaks = true;
             }
         }
@@ -209,7 +219,7 @@ fn visit(
     count
 }
 
-/// Weighted sums over claims: places relative to the centre, disparities, and products of places.
+/// Weighted sums over hypotheses: positions relative to the centre, disparities, and products of positions.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     weight: i32,
@@ -231,7 +241,7 @@ impl Sums {
         self.vv += i64::from(wv) * i64::from(v);
     }
 
-    /// Mean place and disparity; `None` without a claim.
+    /// Mean place and disparity; `None` without a hypothesis.
     fn means(&self) -> Option<[i32; 3]> {
         Some([self.per_weight(self.u)?, self.per_weight(self.v)?, self.per_weight(self.d_q6)?])
     }
@@ -250,11 +260,11 @@ impl Sums {
     }
 }
 
-/// The plane through the claims that belong, by least squares; `None` when none does.
-fn fit(places: &[Place], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bool) -> Option<Plane> {
+/// The plane through the hypotheses that belong, by least squares; `None` when none does.
+fn fit(neighbours: &[Neighbour], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bool) -> Option<Plane> {
     let mut sums = Sums::default();
     let [mut uv, mut ud, mut vd] = [0_i64; 3];
-    visit(places, centre, &belongs, |u, v, d_q6, w| {
+    visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
         sums.add(u, v, d_q6, w);
         let wu = i64::from(w * u);
         uv += wu * i64::from(v);
@@ -286,16 +296,16 @@ const MAX_SLOPE_Q10: i32 = 2 << 10;
 /// Of 32 bits.
 const LIMIT: i64 = i32::MAX as i64;
 
-/// What there is to say of the plane by the claims on it; `None` when none is.
+/// What there is to say of the plane by the hypotheses on it; `None` when none is.
 fn describe(
-    places: &[Place],
+    neighbours: &[Neighbour],
     centre: [i32; 2],
     plane: &Plane,
     belongs: impl Fn(i32, i32, i32) -> bool,
 ) -> Option<Surface> {
     let mut sums = Sums::default();
     let (mut low, mut high, mut spread) = (i32::MAX, i32::MIN, 0);
-    let segments = visit(places, centre, &belongs, |u, v, d_q6, w| {
+    let segments = visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
         sums.add(u, v, d_q6, w);
         low = low.min(d_q6);
         high = high.max(d_q6);
@@ -314,6 +324,6 @@ fn describe(
         spread_q6: spread,
         middle: [u, v],
         extent2: [sums.about(sums.uu, of_u, of_u), sums.about(sums.vv, of_v, of_v)].map(per_weight),
-        rival_q8: 0,
+        second_weight_q8: 0,
     })
 }

@@ -5,12 +5,12 @@
 //!
 //! ```text
 //! per match, in each sector that it crosses, and per support point (at most 0.8 probable: neighbours share paths, and are wrong together):
-//!   within the range and the height band     joins the nearest claims of the sector
+//!   within the range and the height band     joins the nearest hypotheses of the sector
 //!   behind them                              speaks for free
-//! per sector, from the nearest claim on:
-//!   claims that agree with it (1 px and 1/16 of the nearness behind it) multiply their doubts, 1 - confidence, from near to far;
-//!   where the product falls to the limit is the obstacle: something is at least so near, but for that doubt
-//!   no claim up to 5/4 of the range, and claims behind it in a quarter of the rows whose doubts multiply to the limit: free
+//! per sector, from the nearest hypothesis on:
+//!   hypotheses that agree with it (1 px and 1/16 of the nearness behind it) multiply their error probabilities, 1 - confidence, from near to far;
+//!   where the product falls to the limit is the obstacle: something is at least so near, but for that probability
+//!   no hypothesis up to 5/4 of the range, and hypotheses behind it in a quarter of the rows whose error probabilities multiply to the limit: free
 //!   otherwise nothing
 //! an obstacle takes the place of what was known, unless that is an obstacle nearer by more than 1/8: it stays until it is too old
 //! ```
@@ -40,19 +40,19 @@
 mod plan;
 
 use crate::health::HealthFlags;
-use crate::result::{Match, PointClaim, Source};
+use crate::result::{Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use plan::PARTS;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 
-/// Claims kept of a sector, the nearest ones.
+/// Hypotheses kept of a sector, the nearest ones.
 const KEPT: usize = 6;
-/// Claims agree within this and a sixteenth of their nearness, 1/64 px.
+/// Hypotheses agree within this and a sixteenth of their nearness, 1/64 px.
 const AGREE_Q6: i32 = 64;
 
-/// Doubt about a support point at least, Q16: neighbours share paths and are wrong together.
-const POINT_DOUBT_Q16: u16 = 13107;
+/// Least error probability of a support point, Q16: neighbours share paths and are wrong together.
+const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
 /// Parts of the rows, and those of them in which something behind has to be seen for a sector to be free.
 const PARTS_OF_ROWS: i32 = 8;
@@ -108,7 +108,7 @@ impl Known {
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
 /// let plan = ObstacleParams::new(300.0).plan(&params, dims)?;
 /// let mut obstacles = Obstacles::new();
-/// obstacles.see(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
+/// obstacles.update(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
 /// assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown); // ahead
 /// assert_eq!(obstacles.sector(&plan, 36, 0), Sector::Outside); // behind
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -135,49 +135,49 @@ impl Obstacles {
     /// Takes the matches of a pair, and its support points among `points`, that was captured at this time (microseconds of a clock that does not run backwards) and has these
     /// [flags](crate::PairHealth::flags). Of a pair that is not fit to be used no sector gets anything.
     #[inline(never)]
-    pub fn see(
+    pub fn update(
         &mut self,
         plan: &ObstaclePlan,
         matches: &[Match],
-        points: impl IntoIterator<Item = PointClaim>,
+        points: impl IntoIterator<Item = Point>,
         health: HealthFlags,
         time_us: u64,
     ) {
         let now_ms = milliseconds(time_us);
         self.is_fit = (health.bits() & plan.unfit.bits()) == 0;
-        let mut found = [Claims::NONE; MAX_IN_VIEW];
+        let mut found = [Hypotheses::NONE; MAX_IN_VIEW];
         if self.is_fit {
             for one in matches {
-                let doubt = u16::MAX - one.confidence.to_bits();
+                let error_q16 = u16::MAX - one.confidence.to_bits();
                 plan.for_each_sector(one, |sector, ray| {
-                    if let Some(claims) = found.get_mut(sector) {
-                        claims.add(ray, doubt);
+                    if let Some(hypotheses) = found.get_mut(sector) {
+                        hypotheses.add(ray, error_q16);
                     }
                 });
             }
             for point in points.into_iter().filter(|point| point.source == Source::Support) {
                 let (sector, ray) = plan.ray_of(&point);
-                if let (Some(claims), Some(ray)) = (found.get_mut(sector), ray) {
-                    claims.add(ray, (u16::MAX - point.confidence.to_bits()).max(POINT_DOUBT_Q16));
+                if let (Some(hypotheses), Some(ray)) = (found.get_mut(sector), ray) {
+                    hypotheses.add(ray, (u16::MAX - point.confidence.to_bits()).max(LEAST_POINT_ERROR_Q16));
                 }
             }
         }
-        for ((known, claims), sector) in self.known.iter_mut().zip(&found).zip(0_u32..) {
+        for ((known, hypotheses), sector) in self.known.iter_mut().zip(&found).zip(0_u32..) {
             let can_be_free = plan.complete >> sector & 1 == 1;
             let age_ms = now_ms.wrapping_sub(known.seen_ms);
             if known.distance_cm != NOTHING && age_ms > plan.keep_ms {
                 *known = Known::NONE;
             }
-            let Some((nearness_q6, doubt)) = claims.judge(plan, can_be_free) else { continue };
+            let Some((nearness_q6, error_q16)) = hypotheses.judge(plan, can_be_free) else { continue };
             let distance_cm = nearness_q6.map_or(FREE, |nearness_q6| plan.distance_cm(nearness_q6));
-            if !stays(known.distance_cm, distance_cm) {
-                *known = Known { distance_cm, confidence_q16: u16::MAX - doubt, seen_ms: now_ms };
+            if !keeps_previous(known.distance_cm, distance_cm) {
+                *known = Known { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
             }
         }
     }
 
     /// There was no pair, or it was refused: what is known grows old, and the source is not fit to be used.
-    pub fn miss(&mut self) {
+    pub fn mark_missing(&mut self) {
         self.is_fit = false;
     }
 
@@ -209,7 +209,7 @@ impl Obstacles {
 
 /// Does what is known of a sector stay although something else is seen there? A nearer obstacle does: that it was not seen again is no
 /// proof that it is gone.
-fn stays(known_cm: u16, seen_cm: u16) -> bool {
+fn keeps_previous(known_cm: u16, seen_cm: u16) -> bool {
     let is_obstacle = known_cm != NOTHING && known_cm != FREE;
     is_obstacle && u32::from(known_cm) + u32::from(known_cm) / 8 < u32::from(seen_cm)
 }
@@ -230,69 +230,70 @@ enum Ray {
 
 /// What a pair says of one sector.
 #[derive(Clone, Copy)]
-struct Claims {
-    /// Nearness (1/64 px, 0 = none) and doubt of the nearest claims, nearest first.
+struct Hypotheses {
+    /// Nearness (1/64 px, 0 = none) and error probability of the nearest hypotheses, nearest first.
     near: [(i32, u16); KEPT],
-    /// All claims behind are wrong with this probability.
-    clear_doubt: u16,
+    /// All hypotheses behind are wrong with this probability.
+    clear_error_q16: u16,
     /// Parts of the rows in which something behind is seen.
     clear_parts: u8,
 }
 
-impl Claims {
-    const NONE: Self = Self { near: [(0, 0); KEPT], clear_doubt: u16::MAX, clear_parts: 0 };
+impl Hypotheses {
+    const NONE: Self = Self { near: [(0, 0); KEPT], clear_error_q16: u16::MAX, clear_parts: 0 };
 
-    fn add(&mut self, ray: Ray, doubt: u16) {
+    fn add(&mut self, ray: Ray, error_q16: u16) {
         match ray {
             Ray::Ends(nearness_q6) => {
-                let mut claim = (nearness_q6, doubt);
-                if self.near.last().is_some_and(|last| claim.0 <= last.0) {
+                let mut hypothesis = (nearness_q6, error_q16);
+                if self.near.last().is_some_and(|last| hypothesis.0 <= last.0) {
                     return; // most are not among the nearest
                 }
                 for place in &mut self.near {
-                    if claim.0 > place.0 {
-                        core::mem::swap(place, &mut claim);
+                    if hypothesis.0 > place.0 {
+                        core::mem::swap(place, &mut hypothesis);
                     }
                 }
             }
             Ray::Passes(parts) => {
-                self.clear_doubt = both(self.clear_doubt, doubt);
+                self.clear_error_q16 = both(self.clear_error_q16, error_q16);
                 self.clear_parts |= parts;
             }
         }
     }
 
-    /// The nearness of the obstacle, `None` for free, and the doubt; nothing where too little was seen.
+    /// The nearness of the obstacle, `None` for free, and the error probability; nothing where too little was seen.
     fn judge(&self, plan: &ObstaclePlan, can_be_free: bool) -> Option<(Option<i32>, u16)> {
-        for (first, &(nearest_q6, _)) in self.near.iter().enumerate().take_while(|(_, claim)| claim.0 > 0) {
+        for (first, &(nearest_q6, _)) in self.near.iter().enumerate().take_while(|(_, hypothesis)| hypothesis.0 > 0) {
             let agree_q6 = nearest_q6 - (AGREE_Q6 + nearest_q6 / 16);
-            let (mut doubt, mut found) = (u16::MAX, None);
-            for &(nearness_q6, its_doubt) in self.near.iter().skip(first).take_while(|claim| claim.0 >= agree_q6.max(1))
+            let (mut error_q16, mut found) = (u16::MAX, None);
+            for &(nearness_q6, its_error_q16) in
+                self.near.iter().skip(first).take_while(|hypothesis| hypothesis.0 >= agree_q6.max(1))
             {
-                doubt = both(doubt, its_doubt);
-                if found.is_none() && doubt <= plan.doubt_q16 {
+                error_q16 = both(error_q16, its_error_q16);
+                if found.is_none() && error_q16 <= plan.error_q16 {
                     found = Some(nearness_q6);
                 }
             }
             if let Some(nearness_q6) = found {
-                return (nearness_q6 >= plan.far_q6).then_some((found, doubt));
+                return (nearness_q6 >= plan.far_q6).then_some((found, error_q16));
             }
         }
-        let is_clear = self.near.first().is_some_and(|claim| claim.0 == 0);
+        let is_clear = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
         let is_covered = self.clear_parts.count_ones() >= CLEAR_PARTS;
-        (is_clear && is_covered && can_be_free && self.clear_doubt <= plan.doubt_q16)
-            .then_some((None, self.clear_doubt))
+        (is_clear && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
+            .then_some((None, self.clear_error_q16))
     }
 }
 
 /// The probability that both are wrong.
-fn both(doubt: u16, other: u16) -> u16 {
-    ((u32::from(doubt) * u32::from(other)) >> 16) as u16
+fn both(one: u16, other: u16) -> u16 {
+    ((u32::from(one) * u32::from(other)) >> 16) as u16
 }
 
 impl ObstaclePlan {
-    /// Calls `claim` with the sectors in view that a match crosses, and how near it is there.
-    fn for_each_sector(&self, one: &Match, mut claim: impl FnMut(usize, Ray)) {
+    /// Calls `each` with the sectors in view that a match crosses, and how near it is there.
+    fn for_each_sector(&self, one: &Match, mut each: impl FnMut(usize, Ray)) {
         let bits = |p: Position| i32::from(p.to_bits());
         let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
         let [da, db] = one.disparity.map(|d: Disparity| i32::from(d.to_bits()) + self.offset_q6);
@@ -312,13 +313,13 @@ impl ObstaclePlan {
             ];
             let [na, nb] = ends.map(|(x, _, d)| self.nearness_q6(x, d));
             if let Some(ray) = self.ray(na.max(nb), ends.map(|(_, y, d)| (y, d))) {
-                claim(place, ray);
+                each(place, ray);
             }
         }
     }
 
     /// The sector of a support point, and what it says there: rows up to the next ones above and below.
-    fn ray_of(&self, point: &PointClaim) -> (usize, Option<Ray>) {
+    fn ray_of(&self, point: &Point) -> (usize, Option<Ray>) {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
         let d_q6 = i32::from(point.disparity.to_bits()) + self.offset_q6;

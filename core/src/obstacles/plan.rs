@@ -38,9 +38,9 @@ pub struct ObstacleParams {
     pub heights_m: [f64; 2],
     /// How long something is kept that is not seen again, ms. Both autopilots keep what they were told for half a second themselves.
     pub keep_ms: u16,
-    /// The claims behind an answer may all be wrong with this probability, taken as independent; 0.00002 ..= 0.5. At 0.01 one claim is enough
+    /// The hypotheses behind an answer may all be wrong with this probability, taken as independent; 0.00002 ..= 0.5. At 0.01 one hypothesis is enough
     /// only if its confidence is 0.99, otherwise two or more have to agree.
-    pub doubt: f64,
+    pub error_probability: f64,
     /// A pair with one of these flags says nothing.
     pub unfit: HealthFlags,
 }
@@ -57,7 +57,7 @@ impl ObstacleParams {
             range_m: 10.0,
             heights_m: [-1000.0, 1000.0],
             keep_ms: 500,
-            doubt: 0.01,
+            error_probability: 0.01,
             unfit: HealthFlags::UNFIT,
         }
     }
@@ -73,7 +73,7 @@ impl ObstacleParams {
         let [low, high] = self.heights_m;
         check("lowest height (m)", low, -1000.0, 1000.0)?;
         check("highest height (m)", high, low, 1000.0)?;
-        check("doubt", self.doubt, 0.000_02, 0.5)?;
+        check("error probability", self.error_probability, 0.000_02, 0.5)?;
         let (width, height) = (f64::from(dims.width), f64::from(dims.height));
         let [cx, cy] = self.centre.unwrap_or([0.5 * (width - 1.0), 0.5 * (height - 1.0)]);
         check("principal column (px)", cx, 0.0, width)?;
@@ -103,7 +103,7 @@ impl ObstacleParams {
             range_cm: nearest(100.0 * self.range_m) as u16,
             near_cm: 0,
             keep_ms: self.keep_ms.into(),
-            doubt_q16: nearest(65536.0 * self.doubt) as u16,
+            error_q16: nearest(65536.0 * self.error_probability) as u16,
             unfit: self.unfit,
         };
         // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
@@ -177,7 +177,7 @@ pub struct ObstaclePlan {
     pub(super) range_cm: u16,
     pub(super) near_cm: u16,
     pub(super) keep_ms: u32,
-    pub(super) doubt_q16: u16,
+    pub(super) error_q16: u16,
     pub(super) unfit: HealthFlags,
 }
 

@@ -10,10 +10,10 @@ pub enum PixelKind {
     CensusRatio,
     /// Dislocated windows and census together: cost at the disparity / best cost elsewhere.
     JointRatio,
-    /// The same, elsewhere being only what features nearby leave possible.
+    /// The same, elsewhere being only what features nearby allow.
     GuidedRatio,
     /// |searched back - answer|, px, at most 4.
-    BackGap,
+    LeftRightGap,
     /// log2(1 + mean gradient around the pixel).
     Texture,
     /// log2(1 + features nearby that agree).
@@ -33,7 +33,7 @@ impl PixelKind {
     pub const NAMES: [&'static str; PIXEL_EVIDENCE] = [
         "census: cost at the disparity / best cost elsewhere",
         "windows and census together: cost at the disparity / best cost elsewhere",
-        "the same, elsewhere being what features nearby leave possible",
+        "the same, elsewhere being what features nearby allow",
         "|searched back - answer|, px",
         "log2(1 + mean gradient around the pixel)",
         "log2(1 + features nearby that agree)",

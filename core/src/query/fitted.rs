@@ -10,7 +10,7 @@ pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {
     coefficients_q12: [
         -2662, // census: cost at the disparity / best cost elsewhere
         -6511, // windows and census together: cost at the disparity / best cost elsewhere
-        -6098, // the same, elsewhere being what features nearby leave possible
+        -6098, // the same, elsewhere being what features nearby allow
         -1297, // |searched back - answer|, px
         -1737, // log2(1 + mean gradient around the pixel)
         352, // log2(1 + features nearby that agree)

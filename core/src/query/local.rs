@@ -21,8 +21,8 @@
 //! Fusiello, Roberto, Trucco 1997 (windows around a pixel, the best of them counts); Hirschmueller, Innocent, Garibaldi 2002.
 
 use super::evidence::{PixelEvidence, PixelKind};
-use super::guide::Guide;
 use super::patch::{Patch, ROWS_REACH};
+use super::prior::DisparityPrior;
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::matching::curve::{CURVES, Curve, Minimum, ratio_q8};
 use heapless::Vec;
@@ -40,7 +40,7 @@ const POINTS: usize = CENSUS_ROWS.len() * CENSUS_COLUMNS.len();
 const CENSUS_WEIGHT: u16 = 16;
 /// What features nearby speak for may cost so much more than the lowest cost.
 const GUIDED_Q8: u32 = 256 + 26;
-/// Disparities around the answer that are not its rivals.
+/// Disparities around the answer where no second-best is looked for.
 const NEIGHBOURHOOD: i32 = 2;
 /// Beyond that, differences between disparities say no more, 1/64 px.
 const FAR_APART_Q6: i32 = 256;
@@ -68,7 +68,7 @@ pub(super) fn place(
     patch: &mut Patch<'_>,
     range: (i32, i32),
     range_back: impl Fn(i32) -> (i32, i32),
-    guide: &Guide,
+    prior: &DisparityPrior,
     curves: &mut [Curve; CURVES],
 ) -> (i32, PixelEvidence) {
     patch.fill(range, &CENSUS_ROWS);
@@ -89,16 +89,16 @@ pub(super) fn place(
     count_census(patch, range, census);
     joint.set_weighted_sum(windows, census, CENSUS_WEIGHT);
 
-    let possible = guide.possible(range);
-    let best = choose(joint, possible);
+    let search_range = prior.search_range(range);
+    let best = choose(joint, search_range);
     let at = best.at;
     let d_q6 = joint.subpixel_q6(at);
 
     let mut evidence = PixelEvidence::new();
     let census_cost = census.minimum_near(at, 1).cost;
-    evidence.set(PixelKind::CensusRatio, ratio_q8(census_cost, census.rival(at)));
-    evidence.set(PixelKind::JointRatio, ratio_q8(best.cost, joint.rival(at)));
-    evidence.set(PixelKind::GuidedRatio, ratio_q8(best.cost, rival_within(joint, at, possible)));
+    evidence.set(PixelKind::CensusRatio, ratio_q8(census_cost, census.second_best(at)));
+    evidence.set(PixelKind::JointRatio, ratio_q8(best.cost, joint.second_best(at)));
+    evidence.set(PixelKind::GuidedRatio, ratio_q8(best.cost, second_best_within(joint, at, search_range)));
 
     let [above, below] = HALVES;
     let corners = [(&*corner_a, above, 0), (&*corner_b, above, 1), (&*corner_c, below, 0), (&*corner_d, below, 1)];
@@ -115,14 +115,14 @@ pub(super) fn place(
     let columns = COLUMNS.get(column..column + 2).unwrap_or(&[]);
     back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, own, range_back.0), costs));
     let returned = back.minimum().at;
-    evidence.set(PixelKind::BackGap, gap_q8(returned << 6, d_q6));
+    evidence.set(PixelKind::LeftRightGap, gap_q8(returned << 6, d_q6));
 
-    let verdict = guide.verdict(d_q6);
-    evidence.set(PixelKind::Support, verdict.support_q8);
-    evidence.set(PixelKind::Across, verdict.across_q8);
-    evidence.set(PixelKind::Outside, verdict.outside_q8);
-    evidence.set(PixelKind::PointsAgreeing, verdict.points_agreeing_q8);
-    evidence.set(PixelKind::PointsConflicting, verdict.points_conflicting_q8);
+    let agreement = prior.agreement(d_q6);
+    evidence.set(PixelKind::Support, agreement.support_q8);
+    evidence.set(PixelKind::Across, agreement.across_q8);
+    evidence.set(PixelKind::Outside, agreement.outside_q8);
+    evidence.set(PixelKind::PointsAgreeing, agreement.points_agreeing_q8);
+    evidence.set(PixelKind::PointsConflicting, agreement.points_conflicting_q8);
     (d_q6, evidence)
 }
 
@@ -138,7 +138,7 @@ fn count_census(patch: &Patch<'_>, range: (i32, i32), curve: &mut Curve) {
     curve.fill(range, |costs| hamming_curve(&points, costs));
 }
 
-/// The lowest cost, or that among the `possible` disparities if it is nearly as low.
+/// The lowest cost, or that among the disparities of `search_range` if it is nearly as low.
 fn choose(joint: &Curve, (low, high): (i32, i32)) -> Minimum {
     let best = joint.minimum();
     let mut guided = Minimum { at: best.at, cost: u16::MAX };
@@ -152,9 +152,9 @@ fn choose(joint: &Curve, (low, high): (i32, i32)) -> Minimum {
     if u32::from(guided.cost) << 8 <= u32::from(best.cost) * GUIDED_Q8 { guided } else { best }
 }
 
-fn rival_within(joint: &Curve, at: i32, (low, high): (i32, i32)) -> u16 {
-    let rivals = (low..=high).filter(|d| (d - at).abs() > NEIGHBOURHOOD);
-    rivals.filter_map(|d| joint.at(d)).min().unwrap_or(u16::MAX)
+fn second_best_within(joint: &Curve, at: i32, (low, high): (i32, i32)) -> u16 {
+    let others = (low..=high).filter(|d| (d - at).abs() > NEIGHBOURHOOD);
+    others.filter_map(|d| joint.at(d)).min().unwrap_or(u16::MAX)
 }
 
 fn gap_q8(a_q6: i32, b_q6: i32) -> i32 {

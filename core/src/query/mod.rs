@@ -1,15 +1,15 @@
 //! Depth at a pixel that lies on no segment: the closest features and support points, and a match on demand around it.
 //!
 //! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`], or why it is
-//! [`NotKnown`].
+//! [`PixelRejection`].
 //!
 //! ```text
-//! guide:  what sides of segments and support points nearby say of the pixel, those of the same region if known    (guide)
+//! prior:  what sides of segments and support points nearby say of the pixel, those of the same region if known    (prior)
 //! patch:  gradients and census codes of the rows around the pixel, in the columns that a search reads              (patch)
 //! local:  windows that the pixel does not lie in the middle of, and census, over every disparity and back          (local)
 //! answer: evidence -> probability of being within 1 px and standard deviation, by one fitted line and its tables  (evidence, fitted)
 //! ```
-//! Guide and match know little of each other: features nearby may be of another surface, a match may have found a look-alike. Where they
+//! Prior and match know little of each other: features nearby may be of another surface, a match may have found a look-alike. Where they
 //! agree, both are believed.
 //!
 //! # Cost
@@ -21,9 +21,9 @@
 
 mod evidence;
 mod fitted;
-mod guide;
 mod local;
 mod patch;
+mod prior;
 
 use crate::confidence::Model;
 use crate::image::{Dims, Gray};
@@ -37,8 +37,8 @@ use crate::units::{Confidence, Depth, Disparity};
 use core::fmt;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
 pub use fitted::FITTED_PIXEL;
-use guide::Guide;
 use patch::{COLUMNS_REACH, Patch};
+use prior::DisparityPrior;
 
 /// Mean gradients around a pixel (half a grey level per px) times two, below which there is nothing to match.
 const BLANK: u32 = 1;
@@ -46,8 +46,8 @@ const BLANK: u32 = 1;
 const LITTLE_TEXTURE_Q8: i32 = 256;
 /// A search back that ends so far away has found another place, px in Q8.
 const ANOTHER_PLACE_Q8: i32 = 384;
-/// A rival that costs less than best / this is a rival, Q8.
-const RIVAL_Q8: i32 = 205;
+/// Uniqueness ratio, best / second-best, above which the answer is not unique, Q8.
+const SECOND_BEST_Q8: i32 = 205;
 
 /// The depth of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,7 +66,7 @@ pub struct PixelDepth {
 
 /// Why the depth of a pixel is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum NotKnown {
+pub enum PixelRejection {
     /// The images, or the memory, are not of the planned size.
     OtherSize,
     /// The pixel lies outside of the image, or of its usable part.
@@ -87,7 +87,7 @@ pub enum NotKnown {
     UnhealthyPair,
 }
 
-impl NotKnown {
+impl PixelRejection {
     /// Every reason.
     pub const ALL: [Self; 9] = [
         Self::OtherSize,
@@ -118,7 +118,7 @@ impl NotKnown {
     }
 }
 
-impl fmt::Display for NotKnown {
+impl fmt::Display for PixelRejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::OtherSize => "the pair or the memory is not of the planned size",
@@ -134,7 +134,7 @@ impl fmt::Display for NotKnown {
     }
 }
 
-impl core::error::Error for NotKnown {}
+impl core::error::Error for PixelRejection {}
 
 /// One question, with all it needs.
 pub(crate) struct Query<'a> {
@@ -153,13 +153,13 @@ pub(crate) struct Query<'a> {
 
 impl Query<'_> {
     #[inline(never)]
-    pub(crate) fn answer(self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, NotKnown> {
+    pub(crate) fn answer(self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
         let (params, model) = (self.params, self.model);
-        let (d_q6, evidence) = self.weigh_up(pixel, region)?;
+        let (d_q6, evidence) = self.evidence_of(pixel, region)?;
         let score_q8 = model.score_q8(&evidence.0);
         let confidence = Confidence::from_bits(model.probability_q16(score_q8));
         if confidence < params.min_confidence {
-            return Err(why_not(&evidence));
+            return Err(rejection_of(&evidence));
         }
         let disparity = Disparity::from_bits(narrow(d_q6));
         let sigma = Disparity::from_bits(narrow(model.sigma_q6(score_q8).into()));
@@ -174,22 +174,22 @@ impl Query<'_> {
 
     /// Disparity in 1/64 px, and the evidence for it.
     #[inline(never)]
-    pub(crate) fn weigh_up(
+    pub(crate) fn evidence_of(
         self,
         (x, y): (u16, u16),
         region: Option<&Region<'_>>,
-    ) -> Result<(i32, PixelEvidence), NotKnown> {
+    ) -> Result<(i32, PixelEvidence), PixelRejection> {
         let [left, right] = self.images;
         if self.images.iter().any(|image| image.dims() != self.dims) {
-            return Err(NotKnown::OtherSize);
+            return Err(PixelRejection::OtherSize);
         }
         let (x, y) = (i32::from(x), i32::from(y));
         let inside = x < i32::from(self.dims.width) && y < i32::from(self.dims.height);
         if !inside || !left.usable_columns(y).contains(x) {
-            return Err(NotKnown::Outside);
+            return Err(PixelRejection::Outside);
         }
         if region.is_some_and(|region| !region.contains(x, y)) {
-            return Err(NotKnown::OutsideRegion);
+            return Err(PixelRejection::OutsideRegion);
         }
         let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
         let (usable, seen) = (left.usable_columns(y), right.usable_columns(y + self.row_offset));
@@ -198,34 +198,35 @@ impl Query<'_> {
         let middle = x.min(end - 1 - COLUMNS_REACH).max(start + 1 + COLUMNS_REACH);
         let first = least.max(x + 1 - i32::from(seen.end));
         let len = most.min(x + 1 - i32::from(seen.start)) - first;
-        // A rival counts where its whole window lies in the right image.
+        // A second-best counts where its whole window lies in the right image.
         let whole = middle - COLUMNS_REACH - i32::from(seen.start) - first;
         if len.min(whole) < MIN_RANGE {
-            return Err(NotKnown::NearBorder);
+            return Err(PixelRejection::NearBorder);
         }
         let rows = (self.rows, row_bytes(self.dims.width));
-        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, rows).ok_or(NotKnown::OtherSize)?;
-        let (sum, count) = patch.look();
+        let mut patch =
+            Patch::new([left, right], (middle, y), self.row_offset, rows).ok_or(PixelRejection::OtherSize)?;
+        let (sum, count) = patch.gradient_sum();
         if sum * 2 < BLANK * count.unsigned_abs() {
-            return Err(NotKnown::NoTexture);
+            return Err(PixelRejection::NoTexture);
         }
-        let guide = Guide::new(self.candidates, self.support, (x, y), region);
+        let prior = DisparityPrior::new(self.candidates, self.support, (x, y), region);
         let range_back = |at: i32| (least, most.min(end - (middle - at)) - least);
-        let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &guide, &mut self.work.curves);
+        let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &prior, &mut self.work.curves);
         evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));
         Ok((d_q6, evidence))
     }
 }
 
 /// What speaks most against an answer that is not credible.
-fn why_not(evidence: &PixelEvidence) -> NotKnown {
+fn rejection_of(evidence: &PixelEvidence) -> PixelRejection {
     if evidence.get(PixelKind::Texture) < LITTLE_TEXTURE_Q8 {
-        NotKnown::NoTexture
-    } else if evidence.get(PixelKind::BackGap) > ANOTHER_PLACE_Q8 {
-        NotKnown::LeftRight
-    } else if evidence.get(PixelKind::GuidedRatio) > RIVAL_Q8 {
-        NotKnown::NotUnique
+        PixelRejection::NoTexture
+    } else if evidence.get(PixelKind::LeftRightGap) > ANOTHER_PLACE_Q8 {
+        PixelRejection::LeftRight
+    } else if evidence.get(PixelKind::GuidedRatio) > SECOND_BEST_Q8 {
+        PixelRejection::NotUnique
     } else {
-        NotKnown::LowConfidence
+        PixelRejection::LowConfidence
     }
 }

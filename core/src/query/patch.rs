@@ -79,7 +79,7 @@ impl<'a> Patch<'a> {
     }
 
     /// Mean gradient around the pixel, as a sum and a count.
-    pub(super) fn look(&mut self) -> (u32, i32) {
+    pub(super) fn gradient_sum(&mut self) -> (u32, i32) {
         let (plane, columns) = &mut self.near;
         let reach = COLUMNS_REACH + BORDER;
         *columns = Columns { first: self.x - reach, length: 2 * reach };

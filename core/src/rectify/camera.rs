@@ -268,7 +268,7 @@ impl Camera {
         [fx * x + self.skew * y + cx, fy * y + cy]
     }
 
-    /// Point of the normalised plane (z = 1) that lands on a raw pixel, to 1e-9; `None` where no ray does.
+    /// ImagePosition of the normalised plane (z = 1) that lands on a raw pixel, to 1e-9; `None` where no ray does.
     ///
     /// # Cost
     /// A few hundred floating-point operations: the radius by Newton's method, the tangential part by iteration.

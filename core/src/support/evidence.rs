@@ -11,7 +11,7 @@ use crate::matching::evidence::log2_mean_q8;
 use crate::matching::narrow;
 use core::ops::Range;
 
-/// Disparities on both sides of the best that are not its rivals.
+/// Disparities on both sides of the best where no second-best is looked for.
 const NEIGHBOURHOOD: usize = 2;
 /// Least uniqueness of a point, log2(second-best / best) of the paths' sum, 1/256: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
@@ -49,9 +49,9 @@ pub enum SupportKind {
     Agreeing,
     /// log2(1 + neighbours that contradict).
     Conflicting,
-    /// log2(1 + claims of segments nearby that agree).
+    /// log2(1 + hypotheses of segments nearby that agree).
     SegmentsAgreeing,
-    /// log2(1 + claims of segments nearby that contradict).
+    /// log2(1 + hypotheses of segments nearby that contradict).
     SegmentsConflicting,
     /// log2(1 + ranks that change in the mean window of the image): little in a blurred one, much in a noisy one.
     Detail,
@@ -70,8 +70,8 @@ impl SupportKind {
         "square of the second",
         "log2(1 + neighbours that agree)",
         "log2(1 + neighbours that contradict)",
-        "log2(1 + claims of segments nearby that agree)",
-        "log2(1 + claims of segments nearby that contradict)",
+        "log2(1 + hypotheses of segments nearby that agree)",
+        "log2(1 + hypotheses of segments nearby that contradict)",
         "log2(1 + ranks that change along a window, on average)",
     ];
 }

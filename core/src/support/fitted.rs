@@ -18,8 +18,8 @@ pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {
         2184, // square of the second
         4430, // log2(1 + neighbours that agree)
         -994, // log2(1 + neighbours that contradict)
-        2240, // log2(1 + claims of segments nearby that agree)
-        -3333, // log2(1 + claims of segments nearby that contradict)
+        2240, // log2(1 + hypotheses of segments nearby that agree)
+        -3333, // log2(1 + hypotheses of segments nearby that contradict)
         2017, // log2(1 + ranks that change along a window, on average)
     ],
     probability_q16: [

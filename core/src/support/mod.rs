@@ -35,7 +35,7 @@ use crate::image::{Dims, Gray, Span};
 use crate::kernel::{JUMP_PENALTY, rank_costs};
 use crate::matching::narrow;
 use crate::params::Params;
-use crate::result::{PointClaim, Source};
+use crate::result::{Point, Source};
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
 use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, heard};
@@ -51,7 +51,7 @@ const SURE_Q8: u8 = 32;
 const NAMED_REACH: i32 = 12;
 /// Distance from a segment within which half of the points have to be sure for it, px.
 const SURE_REACH: i32 = 6;
-/// Least disparities that a point must be able to have: with fewer there is no rival to be better than.
+/// Least disparities that a point must be able to have: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
 
 /// One point of the grid.
@@ -65,7 +65,7 @@ pub struct SupportPoint {
     pub(crate) probability_q16: u16,
     /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, 1/256, 0 ..= 255: its weight for others.
     pub(crate) sure_q8: u8,
-    /// Claims of segments around it that agree and that contradict, 255 at most.
+    /// Hypotheses of segments around it that agree and that contradict, 255 at most.
     pub(crate) heard: [u8; 2],
 }
 
@@ -246,11 +246,11 @@ impl<'a> Support<'a> {
 
     /// The points that are at least so probable, as they stand in the list of points; some of a pixel for which a segment has a more probable
     /// point, which that list does not have twice.
-    pub fn claims(&self, least: Confidence) -> impl Iterator<Item = PointClaim> + use<'a> {
+    pub fn credible(&self, least: Confidence) -> impl Iterator<Item = Point> + use<'a> {
         let probable = self.iter().filter(move |(_, point)| point.confidence() >= least && point.is_matched());
         probable.map(|((x, y), point)| {
             let (disparity, confidence) = (point.disparity(), point.confidence());
-            PointClaim { x, y, disparity, confidence, source: Source::Support }
+            Point { x, y, disparity, confidence, source: Source::Support }
         })
     }
 

@@ -4,7 +4,7 @@ use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
 use crate::ports::{ByteSink, Clock};
 use crate::vehicle::Vehicle;
-use linestereo::{Area, Counts, HealthFlags, Matched, Matcher, Observer, ObstaclePlan, Stage, Step};
+use linestereo::{Area, Counts, HealthFlags, Matched, Matcher, Observer, ObstaclePlan, Stage, StageEvent};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -30,7 +30,7 @@ struct StageClock<'a, C> {
 }
 
 impl<C: Clock> Observer for StageClock<'_, C> {
-    fn ended(&mut self, step: Step<'_>) {
+    fn on_event(&mut self, step: StageEvent<'_>) {
         let now = self.clock.now();
         if let Some(cost) = self.costs.get_mut(step.stage() as usize) {
             *cost += self.clock.elapsed(self.last, now);

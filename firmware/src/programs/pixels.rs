@@ -7,7 +7,7 @@ use crate::cases::Case;
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
 use core::fmt;
-use linestereo::{Matcher, NotKnown, PixelDepth};
+use linestereo::{Matcher, PixelDepth, PixelRejection};
 
 /// Columns and rows of the grid.
 const GRID: [u16; 2] = [13, 9];
@@ -56,7 +56,7 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
 }
 
 /// An answer without a rig.
-fn bytes(answer: Result<PixelDepth, NotKnown>) -> [u8; 6] {
+fn bytes(answer: Result<PixelDepth, PixelRejection>) -> [u8; 6] {
     let [d, s, c] = match answer {
         Ok(found) => [found.disparity.to_bits() as u16, found.sigma.to_bits() as u16, found.confidence.to_bits()],
         Err(reason) => [reason as u16, u16::MAX, 0],

@@ -1,6 +1,6 @@
 //! What every baseline gives: a disparity and a confidence per pixel, or none.
 
-use linestereo::{Confidence, Dims, Disparity, PointClaim};
+use linestereo::{Confidence, Dims, Disparity, Point};
 
 /// Disparities of the left image's pixels.
 #[derive(Clone, Debug)]
@@ -89,10 +89,10 @@ impl DisparityMap {
 
     /// The map as points of the core, one per known pixel. Disparities are rounded to 1/64 px.
     #[must_use]
-    pub fn points(&self) -> Vec<PointClaim> {
+    pub fn points(&self) -> Vec<Point> {
         let width = usize::from(self.dims.width);
         let known = self.disparity.iter().enumerate().filter(|(_, d)| d.is_finite());
-        let points = known.map(|(index, &disparity)| PointClaim {
+        let points = known.map(|(index, &disparity)| Point {
             x: (index % width) as u16,
             y: (index / width) as u16,
             disparity: Disparity::saturating_from_num(disparity),

@@ -262,7 +262,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Points(points) => {
                 let frame = frame.as_mut().context("points without a frame")?;
-                frame.result.points.extend(points.list.iter().map(linestereo::PointClaim::from));
+                frame.result.points.extend(points.list.iter().map(linestereo::Point::from));
             }
             Message::Objects(objects) => {
                 let frame = frame.as_mut().context("objects without a frame")?;

@@ -26,13 +26,13 @@ use core::fmt;
 use linestereo::{Calibration, CalibrationError, CameraError, Dims, Eye};
 use std::thread;
 
-/// Views without which nothing is estimated.
+/// ValidPixels without which nothing is estimated.
 pub const LEAST_VIEWS: usize = 5;
 /// A view whose error is above this many times the median of all views is dropped.
 const BAD_VIEW: f64 = 3.0;
 /// A corner further off than this many standard deviations, and than this in px, is dropped.
 const BAD_CORNER: (f64, f64) = (8.0, 0.5);
-/// Views that may differ in what they say of the cameras' pose before it is refined, in widths of the image.
+/// ValidPixels that may differ in what they say of the cameras' pose before it is refined, in widths of the image.
 const AGREE: f64 = 0.03;
 /// Rounds of dropping and estimating again.
 const ROUNDS: usize = 6;
@@ -300,7 +300,7 @@ fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> Option<Sing
     }
     let (_, mut bundle) = best?;
     let mut dropped = vec![None; sightings.len()];
-    // Views that do not fit pull the others off: estimate without them, then pose them again for the report.
+    // ValidPixels that do not fit pull the others off: estimate without them, then pose them again for the report.
     for _ in 0..ROUNDS {
         let kept: Vec<usize> = (0..dropped.len()).filter(|&view| dropped[view].is_none()).collect();
         let errors = view_errors(&bundle);

@@ -57,7 +57,7 @@ JSON:
                \"nearest_m\":z, \"support\":k, \"confidence\":c, \"reason\":null}],
    \"health\":{\"flags\":[\"...\"],
              \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
-             \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"witnesses\":n},
+             \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"samples\":n},
              \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d},
    \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
                \"confidence\":c, \"reason\":null|\"...\"}],

@@ -208,11 +208,12 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, Dims, Disparity, Point, PointClaim, Techniques};
+    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Point, Techniques};
     use linestereo_wire::{Counts, Health};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
-        let point = |y: f64| Point { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };
+        let point =
+            |y: f64| ImagePosition { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };
         let disparity = Disparity::from_num(disparity);
         Match {
             ends: [point(5.0), point(25.0)],
@@ -247,7 +248,7 @@ mod tests {
     #[test]
     fn near_is_red_far_is_blue_and_the_rest_is_dimmed() {
         let left = GrayImage { dims: Dims { width: 320, height: 32 }, pixels: vec![200; 320 * 32] };
-        let point = PointClaim {
+        let point = Point {
             x: 200,
             y: 9,
             disparity: Disparity::from_num(40),

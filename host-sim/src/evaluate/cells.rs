@@ -5,7 +5,7 @@
 //! all frames together; a cell whose claim has no truth takes its place and is neither right nor wrong.
 
 use crate::frames::Truth;
-use linestereo::PointClaim;
+use linestereo::Point;
 use serde::Serialize;
 
 /// Side of a cell, px; those at the right and lower border may be cut off.
@@ -45,10 +45,10 @@ pub struct CellRow {
 }
 
 impl CellClaims {
-    pub(super) fn new(truth: &Truth, points: &[PointClaim]) -> Self {
+    pub(super) fn new(truth: &Truth, points: &[Point]) -> Self {
         let dims = truth.dims();
         let (columns, rows) = (usize::from(dims.width).div_ceil(CELL), usize::from(dims.height).div_ceil(CELL));
-        let mut best: Vec<Option<&PointClaim>> = vec![None; columns * rows];
+        let mut best: Vec<Option<&Point>> = vec![None; columns * rows];
         for point in points {
             let cell = usize::from(point.y) / CELL * columns + usize::from(point.x) / CELL;
             // Of equal ones the first: lists are in the order of their probability.
@@ -58,7 +58,7 @@ impl CellClaims {
                 *best = Some(point);
             }
         }
-        let claim = |point: &PointClaim| CellClaim {
+        let claim = |point: &Point| CellClaim {
             confidence: point.confidence.to_num(),
             error: truth
                 .disparity(point.x.into(), point.y.into())

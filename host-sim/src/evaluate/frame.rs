@@ -153,11 +153,11 @@ pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use linestereo::{Confidence, Dims, Disparity, Owner, Point, PointClaim, Position, Techniques};
+    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner, Point, Position, Techniques};
     use linestereo_wire::{Counts, Health};
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {
-        let point = |[x, y]: [f64; 2]| Point { x: Position::from_num(x), y: Position::from_num(y) };
+        let point = |[x, y]: [f64; 2]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let disparity = disparity.map(Disparity::from_num);
         Match {
             ends: ends.map(point),
@@ -171,12 +171,12 @@ pub(super) mod tests {
         }
     }
 
-    pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> PointClaim {
+    pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
         let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
-        PointClaim { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
+        Point { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
     }
 
-    pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<PointClaim>) -> FrameResult {
+    pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<Point>) -> FrameResult {
         FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None }
     }
 

@@ -6,7 +6,7 @@
 use crate::engine::Engine;
 use crate::frames::{SplitMix64, Truth};
 use core::fmt::Write;
-use linestereo::{Confidence, Model, NotKnown, PIXEL_EVIDENCE, PixelEvidence};
+use linestereo::{Confidence, Model, PIXEL_EVIDENCE, PixelEvidence, PixelRejection};
 
 /// Shares of the visible pixels at which the curve of error against answers is read.
 const SHARES: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
@@ -25,7 +25,7 @@ pub struct AskedPixel {
     /// The true match is visible in the right image.
     pub is_visible: bool,
     /// Disparity in px and its evidence, whatever its probability.
-    pub found: Result<(f32, PixelEvidence), NotKnown>,
+    pub found: Result<(f32, PixelEvidence), PixelRejection>,
 }
 
 /// Asks an engine that has just run on this pair for random pixels, `count` of them visible (fewer where the truth has fewer).

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use sample::{Sample, SampleKind};
 use std::collections::BTreeMap;
 
-/// Penalty on the coefficients of segments' claims. Neighbouring pixels and distances of one side are no independent witnesses: a hundred of
+/// Penalty on the coefficients of segments' claims. Neighbouring pixels and distances of one side are no independent samples: a hundred of
 /// them weigh about as much as one claim.
 const CLAIMS_PENALTY: f64 = 100.0;
 /// Support points are one pixel each.

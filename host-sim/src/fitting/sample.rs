@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::frames::Truth;
-use linestereo::{Evidence, Kind, Observer, Params, PixelEvidence, Step, Support, SupportEvidence, Views};
+use linestereo::{Evidence, Kind, Observer, Params, PixelEvidence, StageEvent, Support, SupportEvidence, ValidPixels};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
@@ -82,8 +82,8 @@ pub struct EvidenceLog {
 }
 
 impl Observer for EvidenceLog {
-    fn ended(&mut self, step: Step<'_>) {
-        if let Step::Segment(Ok((_, &evidence))) = step {
+    fn on_event(&mut self, step: StageEvent<'_>) {
+        if let StageEvent::Segment(Ok((_, &evidence))) = step {
             self.sides.push(evidence);
         }
     }
@@ -118,7 +118,7 @@ pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth:
             let known = logged.with_heard(side.heard_q8);
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
-                candidate.for_each_pixel(index, distance, Views::whole(dims), |x, y, d_q6| {
+                candidate.for_each_pixel(index, distance, ValidPixels::whole(dims), |x, y, d_q6| {
                     let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
                     errors.extend(if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) });
                 });

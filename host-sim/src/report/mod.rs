@@ -39,7 +39,7 @@ const REASONS: [(&str, &str); Rejection::ALL.len()] = [
     ("techniques_disagree", "Window and census lie further apart than the margin."),
     ("slant", "Its two halves lie too far apart to be one straight edge."),
     ("no_owner", "Neither side of it carries the disparity on its own."),
-    ("not_exclusive", "A more credible segment explains the same place in the right image."),
+    ("not_unique", "A more credible segment explains the same place in the right image."),
     ("low_confidence", "Its probability is below the asked one."),
     ("edge_unclear", "Its points are credible, but the edge may belong to the surface on the other side."),
 ];

@@ -230,7 +230,7 @@ function describe(s) {
   const box = $("details");
   box.replaceChildren();
   if (!s) {
-    element(box, "p", { class: "faint" }, "Point at a segment, tap it, or go through them with the arrow keys.");
+    element(box, "p", { class: "faint" }, "ImagePosition at a segment, tap it, or go through them with the arrow keys.");
     return;
   }
   const title = element(box, "h3");

@@ -1,13 +1,13 @@
 //! Segments without a match, with the reason of each: what an observer of a run sees, and what the candidates say afterwards.
 
-use linestereo::{Candidate, Observer, Point, Rejection, Segment, Step};
+use linestereo::{Candidate, ImagePosition, Observer, Rejection, Segment, StageEvent};
 use std::collections::HashSet;
 
 /// A left segment that is not in the list of matches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
     /// Its ends.
-    pub ends: [Point; 2],
+    pub ends: [ImagePosition; 2],
     /// Why.
     pub reason: Rejection,
 }
@@ -21,11 +21,11 @@ pub struct RejectionLog {
 }
 
 impl Observer for RejectionLog {
-    fn ended(&mut self, step: Step<'_>) {
+    fn on_event(&mut self, step: StageEvent<'_>) {
         match step {
-            Step::LinesLeft(segments) => *self = Self { found: segments.to_vec(), ..Self::default() },
-            Step::Selection(_, segments) => self.prominent = segments.to_vec(),
-            Step::Segment(outcome) => self.outcomes.push(outcome.map(|_| ())),
+            StageEvent::LinesLeft(segments) => *self = Self { found: segments.to_vec(), ..Self::default() },
+            StageEvent::Selection(_, segments) => self.prominent = segments.to_vec(),
+            StageEvent::Segment(outcome) => self.outcomes.push(outcome.map(|_| ())),
             _ => {}
         }
     }

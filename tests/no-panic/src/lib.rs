@@ -12,11 +12,11 @@ use linestereo::{
     RowError, View, mesh_nodes,
 };
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, NotKnown, PairHealth, ParamError, Params,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, PixelRejection, PairHealth, ParamError, Params,
     PixelDepth, Plan, Region, Rejection, Rig, RigError, RunError, Scratch, ViewError, mark_words, most_support_points,
     row_bytes,
 };
-use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, PointClaim, Sector};
+use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Point, Sector};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
@@ -107,7 +107,7 @@ pub fn proof_matcher<'a>(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_points(matched: &mut Matched<'_>, each: fn(PointClaim)) -> usize {
+pub fn proof_points(matched: &mut Matched<'_>, each: fn(Point)) -> usize {
     matched.points(each);
     matched.support_points().for_each(each);
     matched.segments().len() + matched.candidates().len()
@@ -123,7 +123,7 @@ pub fn proof_pixel(
     matched: &mut Matched<'_>,
     pixel: (u16, u16),
     region: Option<&Region<'_>>,
-) -> Result<PixelDepth, NotKnown> {
+) -> Result<PixelDepth, PixelRejection> {
     matched.pixel(pixel, region)
 }
 
@@ -234,8 +234,8 @@ pub fn proof_health(
     times_us: Option<[u64; 2]>,
     (matches, counts): (&[Match], &Counts),
 ) -> PairHealth {
-    let mut health = monitor.look(limits, left, right, times_us);
-    monitor.look_at_matches(limits, (left, right), (matches, counts), &mut health);
+    let mut health = monitor.check_images(limits, left, right, times_us);
+    monitor.check_matches(limits, (left, right), (matches, counts), &mut health);
     health
 }
 
@@ -253,10 +253,10 @@ pub fn proof_obstacles(
     obstacles: &mut Obstacles,
     plan: &ObstaclePlan,
     matches: &[Match],
-    points: &[PointClaim],
+    points: &[Point],
     health: HealthFlags,
     time_us: u64,
 ) -> usize {
-    obstacles.see(plan, matches, points.iter().copied(), health, time_us);
+    obstacles.update(plan, matches, points.iter().copied(), health, time_us);
     obstacles.sectors(plan, time_us).filter(|sector| matches!(sector, Sector::Obstacle { .. })).count()
 }

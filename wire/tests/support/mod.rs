@@ -1,6 +1,6 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
 
-use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, Match, Owner, Point, Position, Techniques};
+use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Position, Techniques};
 use linestereo_wire::*;
 
 /// xorshift64*: enough for garbage, the same on every machine.
@@ -34,7 +34,7 @@ pub(crate) fn any_match(random: &mut Random) -> Match {
     };
     let (depth, depth_sigma) = (depths(), depths());
     let mut point =
-        || Point { x: Position::from_bits(random.next() as u16), y: Position::from_bits(random.next() as u16) };
+        || ImagePosition { x: Position::from_bits(random.next() as u16), y: Position::from_bits(random.next() as u16) };
     Match {
         ends: [point(), point()],
         disparity: disparities,
@@ -100,7 +100,7 @@ fn longest_report() -> PairReport {
     PairReport {
         cameras: [camera; 2],
         skew_us: Some(u32::MAX),
-        rows: Some(RowsReport { offset_q8: i16::MIN, spread_q8: u16::MAX, witnesses: u8::MAX }),
+        rows: Some(RowsReport { offset_q8: i16::MIN, spread_q8: u16::MAX, samples: u8::MAX }),
         row_offset_q8: Some(i16::MIN),
         row_drift_q8: Some(i16::MIN),
         least_disparity_q6: Some(i16::MIN),

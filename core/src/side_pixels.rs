@@ -1,4 +1,4 @@
-//! Pixels for which a side of a segment claims its disparity.
+//! Pixels beside a segment that have the disparity of one of its sides.
 //!
 //! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row (column, when near-horizontal) of the segment.
 
@@ -7,18 +7,18 @@ use crate::matching::Candidate;
 use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
 
-/// The first claim of a near-horizontal segment lies one pixel further off: its rows, not its columns, were matched.
+/// The first pixels beside a near-horizontal segment lie one pixel further off: its rows, not its columns, were matched.
 const FLAT_OFFSET: i32 = 1;
 
-/// Where disparities may be claimed: the size of both images and their usable pixels.
+/// Where pixels may have a disparity: the size of both images and their usable pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Views<'a> {
+pub struct ValidPixels<'a> {
     dims: Dims,
     left: &'a [Span],
     right: &'a [Span],
 }
 
-impl<'a> Views<'a> {
+impl<'a> ValidPixels<'a> {
     /// Of a pair of the same size.
     #[must_use]
     pub fn of(left: Gray<'a>, right: Gray<'a>) -> Self {
@@ -35,7 +35,7 @@ impl<'a> Views<'a> {
         self.dims
     }
 
-    /// May the left pixel claim this disparity? Both it and its match have to be usable.
+    /// May the left pixel have this disparity? Both it and its match have to be usable.
     pub(crate) fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
         let right_q6 = (x << 6) - d_q6;
         let usable = |spans: &[Span], x: i32| {
@@ -51,9 +51,15 @@ impl<'a> Views<'a> {
 }
 
 impl Candidate {
-    /// Calls `claim(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or above). Pixels outside
+    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or above). Pixels outside
     /// the image, or whose match lies outside the right image, are left out, and so are those that are not usable.
-    pub fn for_each_pixel(&self, side: usize, distance: u16, views: Views<'_>, mut claim: impl FnMut(u16, u16, i32)) {
+    pub fn for_each_pixel(
+        &self,
+        side: usize,
+        distance: u16,
+        views: ValidPixels<'_>,
+        mut each: impl FnMut(u16, u16, i32),
+    ) {
         let Some(Some(owner)) = self.sides.get(side) else { return };
         let sign = if side == 0 { -1 } else { 1 };
         let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
@@ -63,7 +69,7 @@ impl Candidate {
             if views.allow(x, y, d_q6)
                 && let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y))
             {
-                claim(column, row, d_q6);
+                each(column, row, d_q6);
             }
         };
         // d along the segment, 1/64 px in Q8 steps.

@@ -1,6 +1,6 @@
 //! The closest features: what the sides of segments near a pixel say of its disparity.
 //!
-//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`Guide`]: disparities of the sides
+//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`DisparityPrior`]: disparities of the sides
 //! and the points nearby, with their weights.
 //!
 //! ```text
@@ -13,7 +13,7 @@
 //! most likely what a window saw of that surface, and the pixel's own is behind.
 //!
 //! # Bounds
-//! Credibility is at most 255, nearness 48: 255 * 48^2 is below 2^20; [`WORDS`] weights of at most 255 are below 2^12.
+//! Credibility is at most 255, nearness 48: 255 * 48^2 is below 2^20; [`MOST_SIDES`] weights of at most 255 are below 2^12.
 //!
 //! # Cost
 //! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for each within reach.
@@ -31,7 +31,7 @@ use heapless::Vec;
 /// Distance at which a feature says nothing, px.
 const REACH: i32 = 48;
 /// Features that are listened to; the weightiest.
-const WORDS: usize = 16;
+const MOST_SIDES: usize = 16;
 /// Distance at which a support point says nothing, px, and how many stand within it at most.
 const POINT_REACH: i32 = 16;
 const POINTS: usize = 16;
@@ -46,9 +46,9 @@ const TWO_SURFACES_Q6: i32 = 2 * 64;
 const SAME_SURFACE_Q6: i32 = 96;
 /// Pixels off the edge at which a side is asked for its region.
 const OFF_EDGE: i32 = 3;
-/// Weight of all words from which on they limit what is possible: a quarter of a certain feature at hand.
+/// Least weight of all sides and points that limits the search range: a quarter of a certain feature at hand.
 const ENOUGH_Q8: i32 = 64;
-/// A word agrees when it differs by at most 1 px plus 3/64 px per px of distance: surfaces that slant up to that much.
+/// A side agrees when it differs by at most 1 px plus 3/64 px per px of distance: surfaces that slant up to that much.
 const AGREES_Q6: i32 = 64;
 const SLANT_Q6: i32 = 3;
 /// So much may contradict without saying anything.
@@ -58,7 +58,7 @@ const FAR_OUTSIDE_Q6: i32 = 256;
 
 /// What one side says.
 #[derive(Clone, Copy, Debug)]
-struct Word {
+struct NearbySide {
     /// Disparity at the pixel, 1/64 px.
     d_q6: i32,
     weight_q8: i32,
@@ -68,16 +68,16 @@ struct Word {
 
 /// What the sides nearby say, in no order.
 #[derive(Debug, Default)]
-pub(super) struct Guide {
-    words: Vec<Word, WORDS>,
+pub(super) struct DisparityPrior {
+    sides: Vec<NearbySide, MOST_SIDES>,
     /// Of surfaces that end before the pixel.
-    ends: Vec<Word, ENDS>,
+    ends: Vec<NearbySide, ENDS>,
     /// Of support points.
-    points: Vec<Word, POINTS>,
+    points: Vec<NearbySide, POINTS>,
 }
 
-/// What a guide makes of an answer, Q8.
-pub(super) struct Verdict {
+/// Agreement of an answer with the prior, Q8.
+pub(super) struct PriorAgreement {
     pub(super) support_q8: i32,
     pub(super) across_q8: i32,
     pub(super) outside_q8: i32,
@@ -110,7 +110,7 @@ impl Foot {
     }
 }
 
-impl Guide {
+impl DisparityPrior {
     /// Of the candidates, in the order of their tops.
     pub(super) fn new(
         candidates: &[Candidate],
@@ -118,24 +118,24 @@ impl Guide {
         (x, y): (i32, i32),
         region: Option<&Region<'_>>,
     ) -> Self {
-        let mut guide = Self::default();
+        let mut prior = Self::default();
         let first = candidates.partition_point(|candidate| candidate.segment.top() < y - REACH - MAX_ROWS);
         for candidate in candidates.get(first..).unwrap_or(&[]) {
             if candidate.segment.top() >= y + REACH {
                 break;
             }
-            guide.listen(candidate, (x, y), region);
+            prior.add_sides(candidate, (x, y), region);
         }
         for (u, v, point) in support.around((x, y), POINT_REACH) {
             let distance = about_length(x - u, y - v);
             if distance < POINT_REACH && region.is_none_or(|region| region.contains(u, v)) {
-                let _ = guide.points.push(Word::of_point(point, distance)); // no more stand there
+                let _ = prior.points.push(NearbySide::of_point(point, distance)); // no more stand there
             }
         }
-        guide
+        prior
     }
 
-    fn listen(&mut self, candidate: &Candidate, (x, y): (i32, i32), region: Option<&Region<'_>>) {
+    fn add_sides(&mut self, candidate: &Candidate, (x, y): (i32, i32), region: Option<&Region<'_>>) {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let beside = x <= (x0.min(x1) >> 5) - REACH || x >= (x0.max(x1) >> 5) + REACH;
         if beside || y >= (y0.max(y1) >> 5) + REACH {
@@ -152,50 +152,50 @@ impl Guide {
         let two_surfaces = has_two_surfaces(candidate);
         for (side, sign) in candidate.sides.iter().zip([-1, 1]) {
             let Some(side) = side else { continue };
-            // A claim that another one of the same place in the right image has beaten is wrong.
-            if side.rejected && candidate.beaten {
+            // One that lost the same place in the right image to another is wrong.
+            if side.rejected && candidate.violates_uniqueness {
                 continue;
             }
             if off * sign < 0 {
                 if two_surfaces && distance <= ACROSS_REACH {
-                    let _ = self.ends.push(Word::new(side, &foot, 0, distance)); // a few are enough
+                    let _ = self.ends.push(NearbySide::new(side, &foot, 0, distance)); // a few are enough
                 }
                 continue;
             }
             let (u, v) = if flat { (foot.x, foot.y + sign * OFF_EDGE) } else { (foot.x + sign * OFF_EDGE, foot.y) };
             if region.is_none_or(|region| region.contains(u, v)) {
-                self.hear(Word::new(side, &foot, off.abs(), distance));
+                self.add(NearbySide::new(side, &foot, off.abs(), distance));
             }
         }
     }
 
     /// Keeps the weightiest.
-    fn hear(&mut self, word: Word) {
-        if word.weight_q8 == 0 {
+    fn add(&mut self, side: NearbySide) {
+        if side.weight_q8 == 0 {
             return;
         }
-        let Err(word) = self.words.push(word) else { return };
-        if let Some(least) = self.words.iter_mut().min_by_key(|word| word.weight_q8)
-            && least.weight_q8 < word.weight_q8
+        let Err(side) = self.sides.push(side) else { return };
+        if let Some(least) = self.sides.iter_mut().min_by_key(|side| side.weight_q8)
+            && least.weight_q8 < side.weight_q8
         {
-            *least = word;
+            *least = side;
         }
     }
 
     /// Words of both kinds that weigh something.
-    fn heard(&self) -> impl Iterator<Item = &Word> {
-        self.words.iter().chain(&self.points).filter(|word| word.weight_q8 > 0)
+    fn weighted(&self) -> impl Iterator<Item = &NearbySide> {
+        self.sides.iter().chain(&self.points).filter(|side| side.weight_q8 > 0)
     }
 
     fn span_q6(&self) -> (i32, i32) {
-        let each = || self.heard().map(|word| word.d_q6);
+        let each = || self.weighted().map(|side| side.d_q6);
         (each().min().unwrap_or(i32::MIN), each().max().unwrap_or(i32::MAX))
     }
 
-    /// First and last of `range` that the features leave possible: what they span and 1 px more; all, when too few say something.
-    pub(super) fn possible(&self, (first, len): (i32, i32)) -> (i32, i32) {
+    /// First and last disparity of `range` that sides and points allow: their span and 1 px more; all of it where they weigh too little.
+    pub(super) fn search_range(&self, (first, len): (i32, i32)) -> (i32, i32) {
         let last = first + len - 1;
-        let weight: i32 = self.heard().map(|word| word.weight_q8).sum();
+        let weight: i32 = self.weighted().map(|side| side.weight_q8).sum();
         if weight < ENOUGH_Q8 {
             return (first, last);
         }
@@ -203,18 +203,18 @@ impl Guide {
         (((low_q6 >> 6) - 1).max(first), ((high_q6 >> 6) + 2).min(last))
     }
 
-    pub(super) fn verdict(&self, d_q6: i32) -> Verdict {
-        let (agreeing, _) = weigh(&self.words, d_q6);
+    pub(super) fn agreement(&self, d_q6: i32) -> PriorAgreement {
+        let (agreeing, _) = weigh(&self.sides, d_q6);
         let (points_agreeing, points_against) = weigh(&self.points, d_q6);
-        let ends = self.ends.iter().filter(|word| (word.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
-        let across: i32 = ends.map(|word| word.weight_q8).sum();
+        let ends = self.ends.iter().filter(|side| (side.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
+        let across: i32 = ends.map(|side| side.weight_q8).sum();
         let (low_q6, high_q6) = self.span_q6();
-        let outside_q6 = if self.heard().next().is_none() {
+        let outside_q6 = if self.weighted().next().is_none() {
             FAR_OUTSIDE_Q6 / 2
         } else {
             (low_q6 - d_q6).max(d_q6 - high_q6).clamp(0, FAR_OUTSIDE_Q6)
         };
-        Verdict {
+        PriorAgreement {
             support_q8: log2_mean_q8(agreeing.unsigned_abs(), ENOUGH_Q8),
             across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
             outside_q8: outside_q6 << 2,
@@ -224,11 +224,11 @@ impl Guide {
     }
 }
 
-/// Weights of the words that agree with a disparity, and of those that contradict it.
-fn weigh(words: &[Word], d_q6: i32) -> (i32, i32) {
-    words.iter().fold((0, 0), |(agreeing, against), word| {
-        let agrees = (word.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * word.distance;
-        if agrees { (agreeing + word.weight_q8, against) } else { (agreeing, against + word.weight_q8) }
+/// Weights of the sides that agree with a disparity, and of those that contradict it.
+fn weigh(sides: &[NearbySide], d_q6: i32) -> (i32, i32) {
+    sides.iter().fold((0, 0), |(agreeing, against), side| {
+        let agrees = (side.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * side.distance;
+        if agrees { (agreeing + side.weight_q8, against) } else { (agreeing, against + side.weight_q8) }
     })
 }
 
@@ -237,14 +237,14 @@ fn has_two_surfaces(candidate: &Candidate) -> bool {
     candidate.sides_apart_q6().is_none_or(|apart| apart > TWO_SURFACES_Q6)
 }
 
-/// Weight of a word with this probability at this distance, Q8.
+/// Weight of a side with this probability at this distance, Q8.
 fn weight_q8(probability_q16: u16, distance: i32, reach: i32) -> i32 {
     let credible_q8 = (i32::from(probability_q16) - (1 << 15)).max(0) >> 7;
     let nearness = reach - distance;
     quotient(credible_q8 * nearness * nearness, reach * reach)
 }
 
-impl Word {
+impl NearbySide {
     fn of_point(point: &SupportPoint, distance: i32) -> Self {
         let weight_q8 = weight_q8(point.probability_q16, distance, POINT_REACH);
         Self { d_q6: point.disparity_q6.into(), weight_q8, distance }

@@ -1,10 +1,10 @@
-//! The claims that speak of a region: support points in it, segments in and just around it, each with a weight.
+//! The hypotheses that speak of a region: support points in it, segments in and just around it, each with a weight.
 //!
-//! In: the candidates of a run, a region. Out: a [`Place`] per segment with at least one claim that counts, and what was withheld.
+//! In: the candidates of a run, a region. Out: a [`Neighbour`] per segment with at least one hypothesis that counts, and what was withheld.
 //!
 //! ```text
-//! a side's claim is asked at three pixels in the middle of its own window (they are that far off the edge):
-//!     fewer than two of them in the region: the claim is about something else
+//! a side's hypothesis is asked at three pixels in the middle of its own window (they are that far off the edge):
+//!     fewer than two of them in the region: the hypothesis is about something else
 //! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence and the support points around it
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
 //!     blank, seems to have the disparity of whatever stands beside the region
@@ -21,18 +21,18 @@ use crate::area::Area;
 use crate::confidence::{Model, Models};
 use crate::image::Dims;
 use crate::lines::Segment;
-use crate::matching::consistency::Place;
+use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Side};
 use crate::support::Support;
 
 /// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
-/// Weight of the least credible claim, 1/256: so little, and up to twice that, supports a surface but speaks against none.
+/// Weight of the least credible hypothesis, 1/256: so little, and up to twice that, supports a surface but speaks against none.
 const LEAST_WEIGHT: u16 = 13;
 /// Of three pixels, so many have to lie in the region.
 const LEAST_INSIDE: u16 = 2;
-/// Distance from the edge at which a claim is asked: the middle of its window. One more beside near-horizontal edges.
+/// Distance from the edge at which a hypothesis is asked: the middle of its window. One more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
 /// Support points of a region that are heard.
 const MOST_POINTS: usize = 24;
@@ -43,28 +43,28 @@ const WINDOW_HALF: i32 = 5;
 /// Disparities of both sides closer than this are one.
 const SAME_Q6: i32 = 64;
 
-/// All claims of a region.
+/// All hypotheses of a region.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Witnesses {
+pub(crate) struct RegionSupport {
     /// Support points and segments listed.
-    pub(crate) claims: usize,
-    /// Sum of the weights of credible claims, 1/256.
+    pub(crate) hypotheses: usize,
+    /// Sum of the weights of credible hypotheses, 1/256.
     pub(crate) weight_q8: u32,
     /// Weight that outlines lost.
-    pub(crate) withheld_q8: u32,
+    pub(crate) outline_weight_q8: u32,
 }
 
-/// Lists what says something of the region at the front of `places`: support points in it, then segments.
+/// Lists what says something of the region at the front of `neighbours`: support points in it, then segments.
 pub(crate) fn gather(
     (candidates, support): (&[Candidate], Support<'_>),
     models: &Models,
     (cover, area, dims): (&Cover<'_>, Area, Dims),
-    places: &mut [Place],
-) -> Witnesses {
+    neighbours: &mut [Neighbour],
+) -> RegionSupport {
     let near = area.grown(OBJECT_REACH, dims);
-    let mut found = Witnesses::default();
-    list_points(support, (cover, area), places, &mut found);
-    let points = found.claims;
+    let mut found = RegionSupport::default();
+    list_points(support, (cover, area), neighbours, &mut found);
+    let points = found.hypotheses;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
         let inside = pixels_inside(&candidate.segment, |x, y| cover.contains(x, y));
         let [a, b] = inside;
@@ -76,7 +76,7 @@ pub(crate) fn gather(
         for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(asked) {
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
             let full = weigh(probability(model, side), inside);
-            let lone = || !is_supported(places.get(..points).unwrap_or(&[]), side);
+            let lone = || !is_supported(neighbours.get(..points).unwrap_or(&[]), side);
             *weight = if agree && is_outline {
                 full >> 2
             } else if is_outline && lone() {
@@ -85,25 +85,30 @@ pub(crate) fn gather(
                 full
             };
             found.weight_q8 += if full > 2 * LEAST_WEIGHT { u32::from(*weight) } else { 0 };
-            found.withheld_q8 += u32::from(full - *weight);
+            found.outline_weight_q8 += u32::from(full - *weight);
         }
         if weights != [0; 2]
-            && let Some(place) = places.get_mut(found.claims)
+            && let Some(place) = neighbours.get_mut(found.hypotheses)
         {
-            *place = Place::new(candidate);
+            *place = Neighbour::new(candidate);
             let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
-            for (claim, weight) in place.claims.iter_mut().zip(weights) {
-                claim.weight_q8 = weight;
-                claim.agreeing = ((u32::from(weight) * nearness_q8) >> 8) as u16;
+            for (hypothesis, weight) in place.hypotheses.iter_mut().zip(weights) {
+                hypothesis.weight_q8 = weight;
+                hypothesis.support = ((u32::from(weight) * nearness_q8) >> 8) as u16;
             }
-            found.claims += 1;
+            found.hypotheses += 1;
         }
     }
     found
 }
 
 /// Lists the support points whose windows lie in the region; of more than [`MOST_POINTS`] every second, third, ...
-fn list_points(support: Support<'_>, (cover, area): (&Cover<'_>, Area), places: &mut [Place], found: &mut Witnesses) {
+fn list_points(
+    support: Support<'_>,
+    (cover, area): (&Cover<'_>, Area),
+    neighbours: &mut [Neighbour],
+    found: &mut RegionSupport,
+) {
     let inside = || {
         support.within(area).filter(|(x, y, point)| {
             let corners = [
@@ -116,25 +121,25 @@ fn list_points(support: Support<'_>, (cover, area): (&Cover<'_>, Area), places: 
             point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
         })
     };
-    let step = inside().count().div_ceil(MOST_POINTS.min(places.len() / 2).max(1)).max(1);
+    let step = inside().count().div_ceil(MOST_POINTS.min(neighbours.len() / 2).max(1)).max(1);
     for (x, y, point) in inside().step_by(step) {
         let full = weigh(point.probability_q16, 3) >> 1;
-        let Some(place) = places.get_mut(found.claims) else { break };
-        *place = Place::of_point(x, y, point.disparity_q6, full);
+        let Some(place) = neighbours.get_mut(found.hypotheses) else { break };
+        *place = Neighbour::of_point(x, y, point.disparity_q6, full);
         let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
-        for claim in &mut place.claims {
-            claim.agreeing = ((u32::from(claim.weight_q8) * nearness_q8) >> 8) as u16;
+        for hypothesis in &mut place.hypotheses {
+            hypothesis.support = ((u32::from(hypothesis.weight_q8) * nearness_q8) >> 8) as u16;
         }
         found.weight_q8 += u32::from(full);
-        found.claims += 1;
+        found.hypotheses += 1;
     }
 }
 
 /// Does a support point inside the region agree with the middle of the side?
-fn is_supported(points: &[Place], side: &Side) -> bool {
+fn is_supported(points: &[Neighbour], side: &Side) -> bool {
     points.iter().any(|place| {
-        let [claim, _] = place.claims;
-        (2 * i32::from(claim.d_q6) - side.sum_q6()).abs() <= 3 * SAME_Q6
+        let [hypothesis, _] = place.hypotheses;
+        (2 * i32::from(hypothesis.d_q6) - side.sum_q6()).abs() <= 3 * SAME_Q6
     })
 }
 
@@ -152,7 +157,7 @@ fn touches(segment: &Segment, area: Area) -> bool {
 }
 
 /// Can it speak of a region with this area? Only such segments are asked.
-pub(crate) fn may_speak(segment: &Segment, area: Area) -> bool {
+pub(crate) fn supports_area(segment: &Segment, area: Area) -> bool {
     pixels_inside(segment, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
 }
 
@@ -184,7 +189,7 @@ fn weigh(probability_q16: u16, inside: u16) -> u16 {
 }
 
 /// 1 at the centre of the area to 3/8 at its border, 1/256.
-fn nearness_q8(place: &Place, cover: &Cover<'_>) -> u32 {
+fn nearness_q8(place: &Neighbour, cover: &Cover<'_>) -> u32 {
     let [half_width, half_height] = cover.half_size;
     let [x, y] = cover.centre;
     let part = |d: i32, half: i32| crate::units::quotient(d.abs() << 8, half);
