@@ -82,6 +82,8 @@
 
 mod area;
 mod confidence;
+mod curve;
+mod evidence;
 mod focus;
 mod health;
 mod image;
@@ -95,11 +97,13 @@ mod observe;
 mod obstacles;
 mod params;
 mod pipeline;
+mod plan;
 mod query;
 mod rectify;
 mod report;
 mod result;
 mod rig;
+mod row_memory;
 mod scratch;
 mod side_pixels;
 mod sort;
@@ -108,20 +112,19 @@ mod units;
 
 pub use area::Area;
 pub use confidence::{FITTED, Model, Models, NODES};
+pub use evidence::{EVIDENCE, Evidence, Kind};
 pub use focus::Focus;
 pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
 pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
 pub use lines::Segment;
 pub use matched::{Matched, Summary};
 pub use matcher::{Matcher, Pair};
-pub use matching::band::row_bytes;
-pub use matching::evidence::{EVIDENCE, Evidence, Kind};
 pub use matching::{Candidate, Side};
 pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
 pub use observe::{Observer, Stage, StageDigests, StageEvent};
 pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 pub use params::{Margin, ParamError, Params, Parts};
-pub use pipeline::Plan;
+pub use plan::Plan;
 pub use query::{FITTED_PIXEL, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind, PixelRejection};
 pub use rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
@@ -129,6 +132,7 @@ pub use rectify::{
 };
 pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source, Techniques};
 pub use rig::{Rig, RigError};
+pub use row_memory::row_bytes;
 pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
 pub use side_pixels::ValidPixels;
 pub use support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};

@@ -8,7 +8,7 @@ use crate::health::PairHealth;
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
-use crate::pipeline::Plan;
+use crate::plan::Plan;
 use crate::query::{PixelDepth, PixelEvidence, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};

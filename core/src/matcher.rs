@@ -15,7 +15,7 @@ use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
 use crate::observe::{Observer, StageEvent};
 use crate::params::{ParamError, Params};
-use crate::pipeline::Plan;
+use crate::plan::Plan;
 use crate::scratch::{RunError, ScratchView};
 
 /// A rectified pair.

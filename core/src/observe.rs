@@ -2,10 +2,10 @@
 //!
 //! In: what each stage gives, at the moment it ends. Out: whatever the observer makes of it; the result of the run does not depend on it.
 
+use crate::evidence::Evidence;
 use crate::health::PairHealth;
 use crate::lines::Segment;
 use crate::matching::Candidate;
-use crate::matching::evidence::Evidence;
 use crate::result::{Match, Point, Rejection};
 use crate::support::SupportPoint;
 use crate::support::evidence::SupportEvidence;

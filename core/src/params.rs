@@ -3,8 +3,8 @@
 //! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or the name and range of the number that is
 //! wrong. After that a frame can fail only by being of another size.
 
+use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
-use crate::matching::curve::MAX_DISPARITIES;
 use crate::rig::Rig;
 use crate::units::{Confidence, Depth, Disparity};
 use core::fmt;

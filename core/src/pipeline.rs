@@ -1,63 +1,25 @@
 //! One rectified pair -> matches and points: the method, stage by stage.
 
-use crate::confidence::{FITTED, Model, Models};
 use crate::focus::{Focus, SearchRegions};
 use crate::health::PairHealth;
-use crate::image::{Dims, Gray};
+use crate::image::Gray;
 use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
 use crate::matching::{self, MatchContext, row_offset, surroundings};
 use crate::observe::{Observer, StageEvent};
-use crate::params::{ParamError, Params, Parts};
-use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
+use crate::params::Parts;
+use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Counts, Rejection};
 use crate::scratch::{RunError, ScratchView, mark_words};
-use crate::support::evidence::SUPPORT_EVIDENCE;
-use crate::support::{self, FITTED_SUPPORT, Grid, Support};
+use crate::support::{self, Grid, Support};
 
 /// Columns between two scans for the near-horizontal edges of the right image, which are not needed one by one.
 const RIGHT_SCAN_STEP: i32 = 3 * lines::SCAN_STEP;
 
-/// Checked parameters for one image size: all that a frame does not change.
-#[derive(Clone, Copy, Debug)]
-pub struct Plan {
-    pub(crate) dims: Dims,
-    pub(crate) params: Params,
-    pub(crate) models: &'static Models,
-    pub(crate) pixel_model: &'static Model<PIXEL_EVIDENCE>,
-    pub(crate) support_model: &'static Model<SUPPORT_EVIDENCE>,
-}
-
-impl Params {
-    /// Checks everything once, for images of this size.
-    pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
-        self.check(dims)?;
-        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_model: &FITTED_SUPPORT })
-    }
-}
-
 impl Plan {
-    /// Size of both images.
-    #[must_use]
-    pub fn dims(&self) -> Dims {
-        self.dims
-    }
-
-    /// The same plan with other confidence models.
-    #[must_use]
-    pub fn with_models(self, models: &'static Models) -> Self {
-        Self { models, ..self }
-    }
-
-    /// The same plan with another confidence model for support points.
-    #[must_use]
-    pub fn with_support_model(self, support_model: &'static Model<SUPPORT_EVIDENCE>) -> Self {
-        Self { support_model, ..self }
-    }
-
     /// Matches one rectified pair, left and right, as a whole. Its health is not looked at: [`Matcher`](crate::Matcher) does both.
     ///
     /// # Errors

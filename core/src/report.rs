@@ -7,15 +7,16 @@
 //! ```
 
 use crate::confidence::{Model, Models};
+use crate::evidence::Kind;
 use crate::image::Dims;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
-use crate::matching::evidence::Kind;
-use crate::matching::{Candidate, Side, narrow};
+use crate::matching::{Candidate, Side};
 use crate::params::Params;
 use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
 use crate::side_pixels::ValidPixels;
 use crate::sort::sort_by_key;
 use crate::support::Support;
+use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use heapless::vec::VecView;
 

@@ -2,11 +2,11 @@
 
 use crate::image::Dims;
 use crate::lines::{self, Segment};
-use crate::matching::band::{BAND_ROWS, PLANES, row_bytes};
 use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Workspace};
 use crate::report::Ranked;
 use crate::result::Match;
+use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::support::{SupportPoint, most_support_points};
 use core::fmt;
 use heapless::Vec;

@@ -17,5 +17,16 @@ pub(crate) fn quotient(numerator: i32, denominator: i32) -> i32 {
     numerator.checked_div(denominator).unwrap_or(0)
 }
 
+/// Length of a vector, within 7 %.
+pub(crate) fn about_length(dx: i32, dy: i32) -> i32 {
+    let (dx, dy) = (dx.abs(), dy.abs());
+    dx.max(dy) + ((3 * dx.min(dy)) >> 3)
+}
+
+/// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
+pub(crate) fn narrow(value: i32) -> i16 {
+    i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
+}
+
 /// What a disparity (plus offset) of zero or less becomes: too far to measure, and not an error.
 pub const INFINITE_DEPTH: Depth = Depth::MAX;

@@ -14,6 +14,7 @@ mod hardware;
 mod health;
 mod interchange;
 mod kernels;
+mod layers;
 mod layouts;
 mod lines;
 mod no_panic;

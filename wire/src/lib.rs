@@ -45,6 +45,7 @@
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod board_state;
+mod checksum;
 mod command;
 mod frame;
 mod health;

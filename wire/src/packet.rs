@@ -11,13 +11,14 @@
 //! A payload is counted in a `usize` up to the decoder's `N`; counters saturate.
 
 use crate::SEGMENTS_PER_PACKET;
+use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::command::Command;
 use crate::message::Message;
 use crate::rig_image::RigImage;
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use core::marker::PhantomData;
-use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+use crc::Digest;
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -46,10 +47,6 @@ pub const MAX_COMMAND: usize = {
 const fn packet_bytes(record: usize) -> usize {
     cobs::max_encoding_length(1 + record + CRC_BYTES) + 1
 }
-
-pub(crate) const CRC_BYTES: usize = size_of::<u32>();
-
-pub(crate) static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 mod sealed {
     pub trait Sealed {}

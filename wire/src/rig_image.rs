@@ -32,7 +32,7 @@
 //! Checking an image: one pass over its bytes. Decoding one: two cameras and a common view in double precision, a few million
 //! operations. No allocation, no panic path.
 
-use crate::packet::{CRC_32, CRC_BYTES};
+use crate::checksum::{CRC_32, CRC_BYTES};
 use core::fmt;
 use linestereo::{
     Calibration, CalibrationError, Camera, CameraError, Dims, Eye, Lens, ParamError, Params, Rectification,

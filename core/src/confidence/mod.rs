@@ -21,7 +21,7 @@ mod fitted;
 
 pub use fitted::FITTED;
 
-use crate::matching::evidence::{EVIDENCE, HEARD, Kind};
+use crate::evidence::{EVIDENCE, HEARD, Kind};
 
 /// Nodes of the tables: scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;

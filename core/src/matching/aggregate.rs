@@ -5,9 +5,10 @@
 //! # Source
 //! The chapter's disparity aggregation, Eq. 13: a margin in metres is a disparity interval that is not symmetric.
 
-use super::{Side, narrow};
+use super::Side;
 use crate::params::{Margin, Params};
 use crate::rig::Rig;
+use crate::units::narrow;
 use crate::units::{Disparity, quotient};
 
 /// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.

@@ -12,24 +12,11 @@ use crate::area::Area;
 use crate::image::{Dims, Gray, Span};
 use crate::kernel::{FLAT, STRIP, Strip, census_code, reverse_row};
 use crate::lines::Segment;
+use crate::row_memory::{BAND_ROWS, PAD, PLANES, row_bytes};
 use crate::units::quotient;
 
-/// Rows held, every second one of the image: those of the tallest segment (33) that starts as high as the current one, and the reach of
-/// the current one's window above it.
-pub(crate) const BAND_ROWS: usize = 22;
-/// Gradients of both images, census of the right one.
-pub(crate) const PLANES: usize = 3;
 /// Rows from one row of the band to the next.
 pub(crate) const ROW_STEP: i32 = 2;
-/// Pixels without content on both sides of a row: a window's half, a slant's shift, and the tail of a block of disparities.
-pub(crate) const PAD: usize = 44;
-
-/// Bytes of one padded row.
-#[must_use]
-pub const fn row_bytes(width: u16) -> usize {
-    width as usize + 2 * PAD
-}
-
 /// Rows that a window reaches above and below a near-horizontal segment; other windows end with their segment.
 const WINDOW_REACH: i32 = 6;
 

@@ -15,9 +15,11 @@
 //! # Cost
 //! Quadratic in the hypotheses of [`TOPS_REACH`] rows.
 
-use super::evidence::log2_mean_q8;
-use super::{Candidate, Side, about_length, narrow};
+use super::{Candidate, Side};
+use crate::evidence::log2_mean_q8;
 use crate::lines::MAX_ROWS;
+use crate::units::about_length;
+use crate::units::narrow;
 
 /// Distance at which a neighbour counts nothing, px.
 const REACH: i32 = 40;

@@ -15,9 +15,9 @@
 
 use super::aggregate::join_sides;
 use super::band::{Band, on_band};
-use super::curve::{Curve, Minimum, ratio_q8};
-use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Workspace};
+use crate::curve::{Curve, Minimum, ratio_q8};
+use crate::evidence::{Evidence, Kind, log2_mean_q8};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::{MAX_COLUMNS, Segment};
 use crate::result::Rejection;

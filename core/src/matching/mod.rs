@@ -10,8 +10,6 @@ pub(crate) mod aggregate;
 pub(crate) mod band;
 pub(crate) mod codes;
 pub(crate) mod consistency;
-pub(crate) mod curve;
-pub(crate) mod evidence;
 pub(crate) mod feature;
 pub(crate) mod flat;
 pub(crate) mod row_offset;
@@ -19,17 +17,17 @@ pub(crate) mod steep;
 pub(crate) mod surroundings;
 
 use crate::confidence::{Model, Models};
+use crate::curve::{CURVES, Curve};
+use crate::evidence::{Evidence, Kind};
 use crate::image::Dims;
 use crate::kernel::LANES;
 use crate::lines::Segment;
 use crate::params::Params;
 use crate::result::Rejection;
 use crate::support::Support;
-use crate::units::Confidence;
+use crate::units::{Confidence, narrow};
 use aggregate::Agreement;
 use band::Band;
-use curve::{CURVES, Curve};
-use evidence::{Evidence, Kind};
 
 // The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
 
@@ -112,17 +110,6 @@ impl Candidate {
             })
         })
     }
-}
-
-/// Length of a vector, within 7 %.
-pub(crate) fn about_length(dx: i32, dy: i32) -> i32 {
-    let (dx, dy) = (dx.abs(), dy.abs());
-    dx.max(dy) + ((3 * dx.min(dy)) >> 3)
-}
-
-/// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
-pub(crate) fn narrow(value: i32) -> i16 {
-    i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
 }
 
 /// One side's hypothesis.

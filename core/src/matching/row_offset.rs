@@ -43,7 +43,7 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
             }
         }
     }
-    super::narrow(peak(&votes))
+    crate::units::narrow(peak(&votes))
 }
 
 /// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them by half.

@@ -17,12 +17,12 @@
 
 use super::aggregate::join_sides;
 use super::band::{Band, SampledRows};
-use super::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
-use super::evidence::{Evidence, Kind, log2_mean_q8};
 use super::feature::{self, SteepLine};
 use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Workspace,
 };
+use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
+use crate::evidence::{Evidence, Kind, log2_mean_q8};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;

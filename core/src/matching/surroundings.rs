@@ -15,9 +15,10 @@
 //! # Cost
 //! Some 25 instructions a point, 15 points a side.
 
-use super::evidence::log2_mean_q8;
-use super::{Candidate, narrow};
+use super::Candidate;
+use crate::evidence::log2_mean_q8;
 use crate::support::{Grid, SupportPoint};
+use crate::units::narrow;
 use crate::units::quotient;
 
 /// Distance from the middle of the side's window at which a point says nothing, px.

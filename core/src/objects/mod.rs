@@ -28,11 +28,12 @@ mod surface;
 
 use crate::confidence::Models;
 use crate::image::Dims;
+use crate::matching::Candidate;
 use crate::matching::consistency::Neighbour;
-use crate::matching::{Candidate, about_length};
 use crate::report::Ranked;
 use crate::rig::Rig;
 use crate::support::Support;
+use crate::units::about_length;
 use crate::units::{Confidence, Depth, Disparity, quotient};
 use core::fmt;
 use cover::Cover;
@@ -174,7 +175,7 @@ fn answer(label: u16, surface: &Surface, all_q8: u32, is_box: bool, rig: Option<
         label,
         disparity: Ok(disparity),
         sigma,
-        slope_q10: surface.slope_q10.map(crate::matching::narrow),
+        slope_q10: surface.slope_q10.map(crate::units::narrow),
         spread: disparity_from_q6(surface.spread_q6),
         depth: rig.map(|rig| rig.depth(disparity)),
         depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
@@ -204,7 +205,7 @@ fn confidence(weight_q8: i32, all_q8: u32, is_box: bool) -> Confidence {
 }
 
 fn disparity_from_q6(d_q6: i32) -> Disparity {
-    Disparity::from_bits(crate::matching::narrow(d_q6))
+    Disparity::from_bits(crate::units::narrow(d_q6))
 }
 
 impl ObjectDepth {
@@ -231,10 +232,10 @@ mod tests {
     use super::*;
     use crate::area::Area;
     use crate::confidence::FITTED;
+    use crate::evidence::Evidence;
     use crate::image::Span;
     use crate::lines::Segment;
     use crate::matching::Side;
-    use crate::matching::evidence::Evidence;
     use crate::result::ImagePosition;
     use crate::units::Position;
     use heapless::Vec;

@@ -16,10 +16,10 @@
 //! # Cost
 //! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 30.
 
-use crate::matching::about_length;
 use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
+use crate::units::about_length;
 use crate::units::quotient;
 use heapless::vec::VecView;
 

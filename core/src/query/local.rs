@@ -23,8 +23,8 @@
 use super::evidence::{PixelEvidence, PixelKind};
 use super::patch::{Patch, ROWS_REACH};
 use super::prior::DisparityPrior;
+use crate::curve::{CURVES, Curve, Minimum, ratio_q8};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
-use crate::matching::curve::{CURVES, Curve, Minimum, ratio_q8};
 use heapless::Vec;
 
 /// First columns of the three strips that windows are made of, relative to the pixel.

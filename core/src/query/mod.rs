@@ -26,13 +26,14 @@ mod patch;
 mod prior;
 
 use crate::confidence::Model;
+use crate::evidence::log2_mean_q8;
 use crate::image::{Dims, Gray};
-use crate::matching::band::row_bytes;
-use crate::matching::evidence::log2_mean_q8;
-use crate::matching::{Candidate, MIN_RANGE, Workspace, narrow};
+use crate::matching::{Candidate, MIN_RANGE, Workspace};
 use crate::objects::Region;
 use crate::params::Params;
+use crate::row_memory::row_bytes;
 use crate::support::Support;
+use crate::units::narrow;
 use crate::units::{Confidence, Depth, Disparity};
 use core::fmt;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};

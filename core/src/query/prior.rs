@@ -18,13 +18,14 @@
 //! # Cost
 //! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for each within reach.
 
+use crate::evidence::log2_mean_q8;
 use crate::lines::MAX_ROWS;
-use crate::matching::evidence::log2_mean_q8;
 use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
-use crate::matching::{Candidate, Side, about_length};
+use crate::matching::{Candidate, Side};
 use crate::objects::Region;
 use crate::support::{Support, SupportPoint};
+use crate::units::about_length;
 use crate::units::quotient;
 use heapless::Vec;
 

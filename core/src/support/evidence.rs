@@ -5,10 +5,10 @@
 use super::SupportPoint;
 use super::paths::Answer;
 use crate::confidence::Model;
+use crate::curve::subpixel_q6;
+use crate::evidence::log2_mean_q8;
 use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte};
-use crate::matching::curve::subpixel_q6;
-use crate::matching::evidence::log2_mean_q8;
-use crate::matching::narrow;
+use crate::units::narrow;
 use core::ops::Range;
 
 /// Disparities on both sides of the best where no second-best is looked for.

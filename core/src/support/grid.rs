@@ -4,9 +4,8 @@ use super::paths;
 use super::ranks;
 use crate::area::Area;
 use crate::image::Dims;
-use crate::matching::band::row_bytes;
-use crate::matching::band::{BAND_ROWS, PLANES};
 use crate::params::Params;
+use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::units::quotient;
 
 /// Pixels from one support point to the next, across and down.

@@ -1,6 +1,6 @@
 //! Cost over disparity: minimum, second-best, sub-pixel position.
 //!
-//! Curves live in a [`Workspace`](super::Workspace) of the caller's and are written in place: none is copied, none is on the stack.
+//! Curves live in a `matching::Workspace` of the caller's and are written in place: none is copied, none is on the stack.
 //!
 //! # Source
 //! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi

@@ -1,0 +1,46 @@
+//! Parameters, checked once for one image size, and the models that rate evidence.
+
+use crate::confidence::{FITTED, Model, Models};
+use crate::image::Dims;
+use crate::params::{ParamError, Params};
+use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
+use crate::support::FITTED_SUPPORT;
+use crate::support::evidence::SUPPORT_EVIDENCE;
+
+/// Checked parameters for one image size: all that a frame does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    pub(crate) dims: Dims,
+    pub(crate) params: Params,
+    pub(crate) models: &'static Models,
+    pub(crate) pixel_model: &'static Model<PIXEL_EVIDENCE>,
+    pub(crate) support_model: &'static Model<SUPPORT_EVIDENCE>,
+}
+
+impl Params {
+    /// Checks everything once, for images of this size.
+    pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
+        self.check(dims)?;
+        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_model: &FITTED_SUPPORT })
+    }
+}
+
+impl Plan {
+    /// Size of both images.
+    #[must_use]
+    pub fn dims(&self) -> Dims {
+        self.dims
+    }
+
+    /// The same plan with other confidence models.
+    #[must_use]
+    pub fn with_models(self, models: &'static Models) -> Self {
+        Self { models, ..self }
+    }
+
+    /// The same plan with another confidence model for support points.
+    #[must_use]
+    pub fn with_support_model(self, support_model: &'static Model<SUPPORT_EVIDENCE>) -> Self {
+        Self { support_model, ..self }
+    }
+}
