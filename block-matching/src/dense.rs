@@ -24,7 +24,7 @@
 use crate::decision::{DecidedMemory, DecidedRow, decide};
 use crate::kernel::{CAP, Column, Group, Windows, add_column, slide_windows};
 use crate::{MOST_GROUPS, Misfit, Settings, values};
-use linestereo::kernel::reverse_row;
+use linestereo::diagnostics::kernel::reverse_row;
 use linestereo::{Dims, Gray};
 
 /// Side of a window, px.

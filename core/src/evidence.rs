@@ -46,7 +46,7 @@ pub enum Kind {
     Range,
     /// log2(1 + grey step).
     Contrast,
-    /// [`SupportKind::Detail`](crate::SupportKind::Detail) of the left image.
+    /// [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail) of the left image.
     Detail,
     /// log2(1 + support points nearby that agree).
     SupportAgreeing,

@@ -47,7 +47,8 @@ pub const MARGIN: u16 = 4;
 /// the image counts as content, because borders are treated everywhere. Rows of the image in order; done once, it does not change with frames.
 ///
 /// ```
-/// use linestereo::{Span, shrink_to_usable};
+/// use linestereo::Span;
+/// use linestereo::image::shrink_to_usable;
 /// let mut spans = [Span { start: 3, end: 40 }; 20];
 /// spans[0].end = 0; // nothing in the first row
 /// shrink_to_usable(&mut spans, 40);

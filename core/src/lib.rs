@@ -85,21 +85,23 @@ mod confidence;
 mod curve;
 mod evidence;
 mod focus;
-mod health;
-mod image;
+pub mod health;
+pub mod image;
+#[doc(hidden)] // stand in `diagnostics`
 pub mod kernel;
+#[doc(hidden)] // stand in `diagnostics`
 pub mod lines;
 mod matched;
 mod matcher;
 mod matching;
-mod objects;
+pub mod objects;
 mod observe;
-mod obstacles;
+pub mod obstacles;
 mod params;
 mod pipeline;
 mod plan;
 mod query;
-mod rectify;
+pub mod rectify;
 mod report;
 mod result;
 mod rig;
@@ -111,30 +113,33 @@ mod support;
 mod units;
 
 pub use area::Area;
-pub use confidence::{FITTED, Model, Models, NODES};
-pub use evidence::{EVIDENCE, Evidence, Kind};
 pub use focus::Focus;
-pub use health::{CameraHealth, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Rows, Skewed};
-pub use image::{Dims, Gray, MARGIN, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Span, ViewError, shrink_to_usable};
-pub use lines::Segment;
+pub use health::{HealthFlags, HealthLimits, PairHealth};
+pub use image::{Dims, Gray, Span};
 pub use matched::{Matched, Summary};
 pub use matcher::{Matcher, Pair};
-pub use matching::{Candidate, Side};
-pub use objects::{LabelRows, NoDepth, ObjectDepth, Region, RegionError, Run, Shape};
-pub use observe::{Observer, Stage, StageDigests, StageEvent};
-pub use obstacles::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
+pub use objects::{NoDepth, ObjectDepth, Region, RegionError};
 pub use params::{Margin, ParamError, Params, Parts};
 pub use plan::Plan;
-pub use query::{FITTED_PIXEL, PIXEL_EVIDENCE, PixelDepth, PixelEvidence, PixelKind, PixelRejection};
-pub use rectify::{
-    Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, MAX_TANGENT, Mesh, MeshError, Rectification,
-    RectifyError, RowError, View, fine_mesh_nodes, mesh_nodes,
-};
-pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source, Techniques};
+pub use query::{PixelDepth, PixelRejection};
+pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source};
 pub use rig::{Rig, RigError};
 pub use row_memory::row_bytes;
 pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
-pub use side_pixels::ValidPixels;
-pub use support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
-pub use support::{FITTED_SUPPORT, SUPPORT_PITCH, Support, SupportPoint, most_support_points};
+pub use support::{Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
+
+/// What fitting, tests and comparisons look at: evidence, models, the stages of a run, inner loops.
+pub mod diagnostics {
+    pub use crate::confidence::{FITTED, Model, Models, NODES};
+    pub use crate::evidence::{EVIDENCE, Evidence, Kind};
+    pub use crate::lines::Segment;
+    pub use crate::matching::{Candidate, Side};
+    pub use crate::observe::{Observer, Stage, StageDigests, StageEvent};
+    pub use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE, PixelEvidence, PixelKind};
+    pub use crate::result::Techniques;
+    pub use crate::side_pixels::ValidPixels;
+    pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
+    pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH};
+    pub use crate::{kernel, lines};
+}

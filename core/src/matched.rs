@@ -23,7 +23,7 @@ pub struct Summary {
     pub(crate) counts: Counts,
     /// Rows to add to a left row for the matching right one, 1/32 px.
     pub(crate) row_offset_q5: i16,
-    /// Detail of the left image, [`SupportKind::Detail`](crate::SupportKind::Detail).
+    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail).
     pub(crate) detail_q8: i16,
     pub(crate) health: PairHealth,
 }

@@ -143,7 +143,7 @@ impl Plan {
         row_offset_q5
     }
 
-    /// The surfaces between edges. Gives the detail of the left image, [`SupportKind::Detail`](crate::SupportKind::Detail).
+    /// The surfaces between edges. Gives the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail).
     fn match_support(
         &self,
         images: [Gray<'_>; 2],

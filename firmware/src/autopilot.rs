@@ -8,7 +8,8 @@
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
 use core::convert::Infallible;
-use linestereo::{HealthFlags, Matched, ObstaclePlan, Obstacles};
+use linestereo::obstacles::{ObstaclePlan, Obstacles};
+use linestereo::{HealthFlags, Matched};
 use linestereo_wire::mavlink::AutopilotStream;
 
 /// What is known of each direction, and who is told. Silent until there is a rig.

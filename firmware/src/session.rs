@@ -5,9 +5,9 @@ use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::vehicle::Vehicle;
 use heapless::Vec;
-use linestereo::{
-    Area, Counts, Dims, HealthLimits, MIN_SIDE, Matched, Matcher, ObjectDepth, ObstaclePlan, Params, Plan,
-};
+use linestereo::image::MIN_SIDE;
+use linestereo::obstacles::ObstaclePlan;
+use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params, Plan};
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
     RigFault, RigImage, RigInUse, RigReport,
@@ -288,7 +288,7 @@ impl<'a> Session<'a> {
             if fits { Ok(()) } else { Err(out_of_range(name, value.into(), MIN_SIDE.into(), high.into())) }
         };
         side("width", dims.width, self.board.largest.width)?;
-        side("height", dims.height, linestereo::MAX_HEIGHT)?;
+        side("height", dims.height, linestereo::image::MAX_HEIGHT)?;
         if self.board.fits(dims) {
             return Ok(());
         }
@@ -315,7 +315,9 @@ pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Hea
 #[must_use]
 pub fn refusal(error: RunError) -> Refusal {
     match error {
-        RunError::Size(dims) => out_of_range("width", dims.width.into(), MIN_SIDE.into(), linestereo::MAX_WIDTH.into()),
+        RunError::Size(dims) => {
+            out_of_range("width", dims.width.into(), MIN_SIDE.into(), linestereo::image::MAX_WIDTH.into())
+        }
     }
 }
 

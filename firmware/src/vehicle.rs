@@ -1,7 +1,7 @@
 //! What differs from vehicle to vehicle. A robot starts without a host that could say it, so it is chosen before a build: change [`VEHICLE`],
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
-use linestereo::{ObstacleParams, ObstaclePlan};
+use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo_wire::mavlink::{AutopilotParams, Policy};
 
 /// What `live` takes.

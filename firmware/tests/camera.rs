@@ -10,7 +10,8 @@ use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource, Operation};
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
-use linestereo::{Dims, Eye};
+use linestereo::Dims;
+use linestereo::rectify::Eye;
 use linestereo_firmware::camera::*;
 use std::rc::Rc;
 

@@ -4,7 +4,8 @@
 //! The interpreter knows only what the datasheet says of the instructions that are used, and panics at any other.
 
 use core::cell::RefCell;
-use linestereo::{Dims, Eye, RowError};
+use linestereo::Dims;
+use linestereo::rectify::{Eye, RowError};
 use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, nibbles};
 use linestereo_firmware::boards::rp235x::rows::{
     BORDER, DIMS, FRAME_ROWS, PLACE_WORDS, RING_ROWS, ROW_BYTES, RowCounter, Seen,

@@ -1,7 +1,8 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::{Band, Calibration, Camera, Dims, Eye, HealthFlags, Lens, Mesh, ObjectDepth, View};
+use linestereo::rectify::{Band, Calibration, Camera, Eye, Lens, Mesh, View};
+use linestereo::{Dims, HealthFlags, ObjectDepth};
 use linestereo_firmware::boards::capacities::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::camera::FrameStart;

@@ -5,7 +5,8 @@ use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use linestereo::{Calibration, Camera, Dims, Eye, Lens, Rectification, View};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, Rectification, View};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::{
     Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,

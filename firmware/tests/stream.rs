@@ -5,7 +5,8 @@
 
 use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
-use linestereo::{Dims, Eye, HealthFlags, HealthLimits};
+use linestereo::rectify::Eye;
+use linestereo::{Dims, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;

@@ -4,8 +4,10 @@
 
 use core::hint::black_box;
 use core::time::Duration;
-use linestereo::kernel::{LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, portable, sad_curve};
-use linestereo::lines::{LineParams, LineScratch, Segment, detect};
+use linestereo::diagnostics::kernel::{
+    LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, portable, sad_curve,
+};
+use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::{Dims, Params, mark_words};
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::frames::{find_scenes, load_scene};

@@ -2,7 +2,8 @@
 
 use core::convert::Infallible;
 use core::fmt::Write;
-use linestereo::{HealthFlags, Match, ObstaclePlan, Obstacles, Point, Sector};
+use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
+use linestereo::{HealthFlags, Match, Point};
 use linestereo_wire::mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 

@@ -1,10 +1,11 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
 use crate::fitting::FittedModels;
+use linestereo::diagnostics::Observer;
+use linestereo::image::ViewError;
 use linestereo::{
-    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Observer, Pair, ParamError, Params, PixelDepth,
-    PixelRejection, Point, Region, RunError, Scratch, Span, Summary, ViewError, mark_words, most_support_points,
-    row_bytes,
+    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params, PixelDepth,
+    PixelRejection, Point, Region, RunError, Scratch, Span, Summary, mark_words, most_support_points, row_bytes,
 };
 pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};

@@ -324,7 +324,8 @@ fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, Point, Position, Techniques};
+    use linestereo::diagnostics::Techniques;
+    use linestereo::{Confidence, Point, Position};
     use linestereo_wire::Health;
 
     fn example() -> FrameResult {

@@ -5,7 +5,8 @@
 
 use crate::engine::GrayImage;
 use core::fmt;
-use linestereo::{Band, Dims, Eye, Mesh, MeshError, Rectification, RowError, Span, fine_mesh_nodes};
+use linestereo::rectify::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
+use linestereo::{Dims, Span};
 use linestereo_firmware::boards;
 
 /// The largest images that a board rectifies.

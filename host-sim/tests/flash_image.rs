@@ -1,7 +1,8 @@
 //! `linestereo flash-image` as a user types it.
 
 use crate::support::{refused, succeed};
-use linestereo::{Dims, View};
+use linestereo::Dims;
+use linestereo::rectify::View;
 use linestereo_wire::RigImage;
 use std::fs;
 use tempfile::TempDir;

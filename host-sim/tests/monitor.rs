@@ -1,8 +1,7 @@
 //! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial port, and bad input.
 
-use linestereo::{
-    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params, Position, Techniques,
-};
+use linestereo::diagnostics::Techniques;
+use linestereo::{Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params, Position};
 use linestereo_wire::*;
 use serde_json::Value;
 use std::fs;

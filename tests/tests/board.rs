@@ -1,7 +1,8 @@
 //! The boards under QEMU: the PC's bits, and an end for everything that must not happen.
 
 use core::time::Duration;
-use linestereo::{Calibration, Camera, Confidence, Dims, Eye, Lens, Params, Span, View};
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
+use linestereo::{Confidence, Dims, Params, Span};
 use linestereo_firmware::boards::{Board, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;

@@ -1,8 +1,7 @@
 //! The same bits whatever the stride, the padding, the memory's contents, the number of runs and the profile.
 
-use linestereo::{
-    Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig, Scratch, Stage, StageDigests, mark_words, row_bytes,
-};
+use linestereo::diagnostics::{Stage, StageDigests};
+use linestereo::{Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig, Scratch, mark_words, row_bytes};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::with_padding;
 

@@ -2,7 +2,8 @@
 //!
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
 
-use linestereo::{Area, Candidate, Dims, Focus, Matched, Params, Plan, Segment, mark_words, row_bytes};
+use linestereo::diagnostics::{Candidate, Segment};
+use linestereo::{Area, Dims, Focus, Matched, Params, Plan, mark_words, row_bytes};
 use linestereo_sim::evaluate::object_cases;
 use linestereo_sim::frames::Scene;
 use linestereo_tests::captured;

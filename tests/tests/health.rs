@@ -3,9 +3,9 @@
 //! Exact scenes are rendered here; captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside it):
 //! without them the tests that need them say so and pass.
 
-use linestereo::{
-    Counts, Dims, Eye, Gray, HealthFlags, HealthLimits, HealthMonitor, PairHealth, Params, Rectification, Span, View,
-};
+use linestereo::health::HealthMonitor;
+use linestereo::rectify::{Eye, Rectification, View};
+use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_gray, load_scene};
 use linestereo_sim::interchange::{Options, load_rig};

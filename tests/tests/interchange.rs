@@ -4,7 +4,8 @@
 //! coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0, 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
 use core::time::Duration;
-use linestereo::{Calibration, Dims, Eye, Lens, View};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, Eye, Lens, View};
 use linestereo_sim::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };

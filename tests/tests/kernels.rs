@@ -1,6 +1,6 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
-use linestereo::kernel::{
+use linestereo::diagnostics::kernel::{
     CELL, Crossing, FLAT, Knot, LANES, LargestStep, Ring, Run, STRIP, Strip, bilinear, bilinear_cells, bilinear_runs,
     census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve,
     lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,

@@ -1,6 +1,6 @@
 //! The detector on drawn images: single edges of every direction, and images made to hurt it.
 
-use linestereo::lines::{LineParams, LineScratch, Segment, detect};
+use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::{Dims, Gray, mark_words};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};

@@ -1,8 +1,7 @@
 //! Depth per object: on captured frames against the promises, on drawn scenes against their geometry, and on whatever a detector may say.
 
-use linestereo::{
-    Area, Dims, LabelRows, NoDepth, ObjectDepth, Params, Region, RegionError, Run, Span, mark_words, row_bytes,
-};
+use linestereo::objects::{LabelRows, Run};
+use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span, mark_words, row_bytes};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use linestereo_sim::fitting::FittedModels;

@@ -1,8 +1,9 @@
 //! Distance per direction: sectors against a naive reference, the rules of support, age and freedom, and real frames against their truth.
 
+use linestereo::diagnostics::Techniques;
+use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, ObstacleError, ObstacleParams, ObstaclePlan,
-    Obstacles, Owner, Params, Point, Position, Rig, Sector, Source, Techniques,
+    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Point, Position, Rig, Source,
 };
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;

@@ -1,8 +1,9 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
+use linestereo::diagnostics::FITTED_PIXEL;
 use linestereo::{
-    Area, Dims, Disparity, FITTED_PIXEL, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig,
-    RunError, Scratch, Span, mark_words, most_candidates, row_bytes,
+    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Scratch,
+    Span, mark_words, most_candidates, row_bytes,
 };
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};

@@ -1,6 +1,7 @@
 //! Files of detectors: every form gives the same regions, and what is wrong with one object costs nothing else.
 
-use linestereo::{Area, Dims, Run, Span};
+use linestereo::objects::Run;
+use linestereo::{Area, Dims, Span};
 use linestereo_sim::regions::{Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,8 @@
 use core::fmt::Debug;
 use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, RectifyError, View};
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, RectifyError, View};
+use linestereo::{Dims, Params};
 use linestereo_firmware::rig_store::{LayoutError, RigKeeper as _, RigStore, Slot, SlotError, StoreError};
 use linestereo_wire::{RigImage, RigImageError, RigImageHead};
 use std::panic::catch_unwind;

@@ -1,8 +1,9 @@
 //! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold never matters.
 
+use linestereo::image::ViewError;
+use linestereo::image::{MARGIN, shrink_to_usable};
 use linestereo::{
-    Confidence, Dims, Gray, MARGIN, Match, Params, Point, Scratch, Span, ViewError, mark_words, most_support_points,
-    row_bytes, shrink_to_usable,
+    Confidence, Dims, Gray, Match, Params, Point, Scratch, Span, mark_words, most_support_points, row_bytes,
 };
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};

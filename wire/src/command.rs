@@ -8,7 +8,8 @@ use crate::rig_fault::RigFault;
 use crate::rig_image::RigImage;
 use core::fmt;
 use heapless::String;
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError, Skewed};
+use linestereo::health::Skewed;
+use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
 use serde::{Deserialize, Serialize};
 
 /// The name of a parameter in a refusal.

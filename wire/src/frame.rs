@@ -6,9 +6,9 @@
 use crate::health::{Health, PairReport};
 use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
+use linestereo::diagnostics::Techniques;
 use linestereo::{
     Confidence, Depth, Dims, Disparity, ImagePosition, Match, Owner, PairHealth, Point, Position, Rejection, Source,
-    Techniques,
 };
 use serde::{Deserialize, Serialize};
 

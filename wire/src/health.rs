@@ -10,7 +10,8 @@
 
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
-use linestereo::{CameraHealth, Counts, HealthFlags, PairHealth, Rows};
+use linestereo::health::{CameraHealth, Rows};
+use linestereo::{Counts, HealthFlags, PairHealth};
 use serde::{Deserialize, Serialize};
 
 /// Where the core's flags begin.

@@ -4,7 +4,8 @@
 
 use crate::rig_image::{RigImage, RigImageError};
 use core::fmt;
-use linestereo::{Dims, Eye};
+use linestereo::Dims;
+use linestereo::rectify::Eye;
 use serde::{Deserialize, Serialize};
 
 /// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.

@@ -34,10 +34,10 @@
 
 use crate::checksum::{CRC_32, CRC_BYTES};
 use core::fmt;
-use linestereo::{
-    Calibration, CalibrationError, Camera, CameraError, Dims, Eye, Lens, ParamError, Params, Rectification,
-    RectifyError, View,
+use linestereo::rectify::{
+    Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Rectification, RectifyError, View,
 };
+use linestereo::{Dims, ParamError, Params};
 use serde::{Deserialize, Serialize};
 
 /// The first bytes of every image.
@@ -227,7 +227,8 @@ impl RigImage {
     /// The image that these bytes are.
     ///
     /// ```
-    /// use linestereo::{Calibration, Camera, Dims, Lens, View};
+    /// use linestereo::Dims;
+    /// use linestereo::rectify::{Calibration, Camera, Lens, View};
     /// use linestereo_wire::{RigImage, RigImageError};
     /// let dims = Dims { width: 320, height: 240 };
     /// let camera = Camera::new(dims, [250.0; 2], [159.5, 119.5], 0.0, Lens::NONE)?;

@@ -5,10 +5,9 @@
 //! ArduPilot: `libraries/AP_Proximity/AP_Proximity_MAV.cpp` (`handle_obstacle_distance_msg`), `AP_Proximity_Boundary_3D.cpp`
 //! (`get_face`, `check_face_timeout`), `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
 
-use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, ObstacleParams, ObstaclePlan, Obstacles, Owner,
-    Params, Position, Rig, Techniques,
-};
+use linestereo::diagnostics::Techniques;
+use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
+use linestereo::{Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Position, Rig};
 use linestereo_wire::mavlink::{AutopilotParams, AutopilotStream, Policy};
 use mavlink::MavlinkReader;
 use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};

@@ -1,7 +1,8 @@
 //! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how many of them a serial line carries.
 
 use crate::support::Random;
-use linestereo::{Dims, HealthFlags, ObstacleParams, ObstaclePlan, Obstacles, Params, Rig};
+use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
+use linestereo::{Dims, HealthFlags, Params, Rig};
 use linestereo_wire::mavlink::{
     AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace, Policy,
     Sender, StreamError, SystemStatus, UNKNOWN_CM,

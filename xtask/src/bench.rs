@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
-use linestereo::{Dims, Params, Stage};
+use linestereo::diagnostics::Stage;
+use linestereo::{Dims, Params};
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::rectify::{self, BuiltIn};
 use linestereo_sim::board::firmware::{self, Logs};

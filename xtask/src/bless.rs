@@ -12,7 +12,7 @@ use std::path::Path;
 pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
         "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
-         use crate::boards::Board;\nuse linestereo::Stage;\n\n\
+         use crate::boards::Board;\nuse linestereo::diagnostics::Stage;\n\n\
          /// One digest per stage, and one of what an autopilot is told.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);

@@ -5,7 +5,9 @@
 use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
-use linestereo::{Calibration, Camera, Dims, Eye, Lens, Params, Stage, View};
+use linestereo::diagnostics::Stage;
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
+use linestereo::{Dims, Params};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, Costs, Machine, update};
 use linestereo_sim::rectify::PairRectifier;

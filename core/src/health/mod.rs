@@ -85,7 +85,8 @@ impl PairHealth {
 /// What pairs leave behind for the next ones.
 ///
 /// ```
-/// use linestereo::{Dims, Gray, HealthFlags, HealthLimits, HealthMonitor};
+/// use linestereo::{Dims, Gray, HealthFlags, HealthLimits};
+/// use linestereo::health::HealthMonitor;
 /// let dims = Dims { width: 16, height: 16 };
 /// let (alive, dead): ([u8; 256], _) = (core::array::from_fn(|i| 100 + (i * i % 31) as u8), [100; 256]);
 /// let (alive, dead) = (Gray::new(&alive, dims, 16)?, Gray::new(&dead, dims, 16)?);
@@ -93,7 +94,7 @@ impl PairHealth {
 /// let mut monitor = HealthMonitor::new();
 /// let health = monitor.check_images(&HealthLimits::DEFAULT, alive, dead, None);
 /// assert_eq!(health.flags, HealthFlags::RIGHT_DEAD);
-/// # Ok::<(), linestereo::ViewError>(())
+/// # Ok::<(), linestereo::image::ViewError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct HealthMonitor {

@@ -14,7 +14,7 @@
 //! Surfaces bend: away from its hypotheses a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
 //! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region, on segments within [`region_support::OBJECT_REACH`] of it and on support points around these: not on other regions,
+//! The answer depends on the region, on segments within `OBJECT_REACH`, 6 px, of it and on support points around these: not on other regions,
 //! or the order of lists.
 //!
 //! # Cost

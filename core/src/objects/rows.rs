@@ -12,7 +12,8 @@ use heapless::vec::VecView;
 /// Collects the runs of label rows, from the top row on.
 ///
 /// ```
-/// use linestereo::{Dims, LabelRows, Region};
+/// use linestereo::{Dims, Region};
+/// use linestereo::objects::LabelRows;
 /// let dims = Dims { width: 16, height: 16 };
 /// let mut runs = heapless::Vec::<_, 8>::new();
 /// let mut rows = LabelRows::new(dims, &mut runs);

@@ -103,7 +103,8 @@ impl Known {
 /// What is known of every direction: state between pairs.
 ///
 /// ```
-/// use linestereo::{Dims, HealthFlags, ObstacleParams, Obstacles, Params, Rig, Sector};
+/// use linestereo::{Dims, HealthFlags, Params, Rig};
+/// use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 /// let dims = Dims { width: 320, height: 240 };
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
 /// let plan = ObstacleParams::new(300.0).plan(&params, dims)?;

@@ -151,7 +151,8 @@ impl core::error::Error for CameraError {}
 /// A calibrated camera.
 ///
 /// ```
-/// use linestereo::{Camera, Dims, Lens};
+/// use linestereo::Dims;
+/// use linestereo::rectify::{Camera, Lens};
 /// let dims = Dims { width: 640, height: 480 };
 /// let lens = Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [0.0; 2] };
 /// let camera = Camera::new(dims, [500.0, 500.0], [319.5, 239.5], 0.0, lens)?;

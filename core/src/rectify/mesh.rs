@@ -28,7 +28,8 @@ use core::fmt;
 /// fills it.
 ///
 /// ```
-/// use linestereo::{Band, Calibration, Camera, Dims, Eye, Lens, Mesh, View, mesh_nodes};
+/// use linestereo::Dims;
+/// use linestereo::rectify::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
 ///
 /// const DIMS: Dims = Dims { width: 64, height: 48 };
 /// let lens = Lens::BrownConrady { k: [-0.2, 0.0, 0.0], p: [0.0; 2] };
@@ -159,7 +160,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     /// Of each rectified row the pixels that have a source (the largest run of them); all others are written 0. For
-    /// [`Gray::with_usable`](crate::Gray::with_usable) after [`shrink_to_usable`](crate::shrink_to_usable).
+    /// [`Gray::with_usable`](crate::Gray::with_usable) after [`shrink_to_usable`](crate::image::shrink_to_usable).
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])

@@ -3,7 +3,8 @@
 //! Nodes of a mesh are the same on every board: every 16 px of 320x240, and as many every 8 px of 160x120, where lenses may ask for it. A
 //! mesh depends on the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
 
-use linestereo::{Dims, mesh_nodes};
+use linestereo::Dims;
+use linestereo::rectify::mesh_nodes;
 
 /// Nodes of a camera's mesh.
 pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });

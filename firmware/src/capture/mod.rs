@@ -36,7 +36,8 @@ pub use source::{CameraSource, Cameras, FreeCameras};
 pub use tracker::Tracker;
 
 use core::fmt;
-use linestereo::{Dims, Eye, RowError};
+use linestereo::Dims;
+use linestereo::rectify::{Eye, RowError};
 use linestereo_wire::CaptureReport;
 
 /// What a camera's interrupts have seen.

@@ -19,7 +19,7 @@ use super::{Cameras, RowRing, Signal};
 use core::cell::RefCell;
 use core::fmt;
 use heapless::Deque;
-use linestereo::Eye;
+use linestereo::rectify::Eye;
 
 /// [`RowRing`] for rows of which parts are fetched.
 pub trait Stream {

@@ -2,7 +2,8 @@
 
 use super::RowSink;
 use crate::memory::Memory;
-use linestereo::{Dims, Eye, RowError};
+use linestereo::Dims;
+use linestereo::rectify::{Eye, RowError};
 
 /// Two frames of raw rows, without padding.
 #[derive(Debug)]

@@ -11,7 +11,10 @@ mod rectifier;
 pub use core_memory::CoreMemory;
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
-use linestereo::{Area, Dims, Eye, Gray, Matched, Matcher, Observer, Pair, Rectification, RowError, Span, ViewError};
+use linestereo::diagnostics::Observer;
+use linestereo::image::ViewError;
+use linestereo::rectify::{Eye, Rectification, RowError};
+use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
 #[derive(Debug)]

@@ -4,7 +4,9 @@ use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
 use crate::ports::{ByteSink, Clock};
 use crate::vehicle::Vehicle;
-use linestereo::{Area, Counts, HealthFlags, Matched, Matcher, Observer, ObstaclePlan, Stage, StageEvent};
+use linestereo::diagnostics::{Observer, Stage, StageEvent};
+use linestereo::obstacles::ObstaclePlan;
+use linestereo::{Area, Counts, HealthFlags, Matched, Matcher};
 
 /// What the stages of one pair cost, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];

@@ -6,7 +6,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::kernel::{CELL, Knot, RANK_ROWS, Ring, Run, STRIP, Strip};
+use linestereo::diagnostics::kernel::{CELL, Knot, RANK_ROWS, Ring, Run, STRIP, Strip};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;

@@ -9,8 +9,9 @@
 
 use crate::ports::Clock;
 use core::fmt;
-use linestereo::{
-    Band, Calibration, Camera, CameraError, Dims, Eye, Lens, Mesh, MeshError, RectifyError, RowError, View, mesh_nodes,
+use linestereo::Dims;
+use linestereo::rectify::{
+    Band, Calibration, Camera, CameraError, Eye, Lens, Mesh, MeshError, RectifyError, RowError, View, mesh_nodes,
 };
 
 /// The largest frames here.
@@ -120,8 +121,8 @@ impl From<CameraError> for CannotMeasure {
     }
 }
 
-impl From<linestereo::CalibrationError> for CannotMeasure {
-    fn from(_: linestereo::CalibrationError) -> Self {
+impl From<linestereo::rectify::CalibrationError> for CannotMeasure {
+    fn from(_: linestereo::rectify::CalibrationError) -> Self {
         Self::Pair
     }
 }

@@ -8,7 +8,9 @@ use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
-use linestereo::{HealthFlags, Matched, Matcher, ObstacleParams, ObstaclePlan, Params, Rig, Stage, StageDigests};
+use linestereo::diagnostics::{Stage, StageDigests};
+use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
+use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
 
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";

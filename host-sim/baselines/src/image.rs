@@ -1,6 +1,7 @@
 //! Grey images that own their pixels.
 
-use linestereo::{Dims, Gray, ViewError};
+use linestereo::image::ViewError;
+use linestereo::{Dims, Gray};
 
 /// An owned 8-bit grey image without padding.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,7 +6,8 @@ use super::{Board, qemu};
 use crate::engine::{FrameResult, GrayImage};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
-use linestereo::{Dims, Margin, ObjectDepth, Params, Stage};
+use linestereo::diagnostics::Stage;
+use linestereo::{Dims, Margin, ObjectDepth, Params};
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
     ParamUpdate, Refusal, Regions, Request, RigImage, RigReport, RigUpdate, encode,

@@ -23,7 +23,8 @@ use super::initial::{self, Sightings};
 use super::model::{FX, FY, Intrinsics, K1, LensModel, Pose, SKEW};
 use super::rig_file::quaternion;
 use core::fmt;
-use linestereo::{Calibration, CalibrationError, CameraError, Dims, Eye};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, CalibrationError, CameraError, Eye};
 use std::thread;
 
 /// ValidPixels without which nothing is estimated.

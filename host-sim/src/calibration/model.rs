@@ -2,7 +2,8 @@
 //!
 //! The lens is the core's own [`Lens`]: one definition for estimating and for rectifying.
 
-use linestereo::{Camera, CameraError, Dims, Lens};
+use linestereo::Dims;
+use linestereo::rectify::{Camera, CameraError, Lens};
 use nalgebra::{Rotation3, Vector3};
 
 /// Which family a lens belongs to.

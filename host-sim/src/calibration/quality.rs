@@ -7,7 +7,9 @@
 
 use super::estimate::{CornerError, Estimate};
 use core::fmt;
-use linestereo::{Dims, Eye, MAX_HEIGHT, MAX_WIDTH, Rectification, View};
+use linestereo::Dims;
+use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
+use linestereo::rectify::{Eye, Rectification, View};
 
 /// Cells that coverage is counted in, across and down.
 pub(super) const CELLS: [usize; 2] = [8, 6];

@@ -1,7 +1,8 @@
 //! The rig of raw images that were reduced.
 
 use anyhow::Result;
-use linestereo::{Calibration, Camera, Dims, Eye};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, Camera, Eye};
 
 /// The same rig for raw images of another size that show the same: whole pixels are centres, so borders are half a pixel outside.
 pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration> {
@@ -22,7 +23,7 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::Lens;
+    use linestereo::rectify::Lens;
 
     #[test]
     fn a_ray_stays_at_its_place_in_the_image() {

@@ -1,7 +1,8 @@
 //! `rig.toml`: two cameras and the pose between them, for people to read and programs to load.
 
 use core::fmt::{self, Write};
-use linestereo::{Calibration, CalibrationError, Camera, CameraError, Dims, Eye, Lens};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, CalibrationError, Camera, CameraError, Eye, Lens};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::{fs, io};

@@ -6,7 +6,8 @@ use crate::interchange::{Exported, Format, Imported, LensModel, Options, Transla
 use crate::output::OutputFiles;
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Camera, Dims, Eye, Lens};
+use linestereo::Dims;
+use linestereo::rectify::{Camera, Eye, Lens};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

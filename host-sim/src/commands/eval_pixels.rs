@@ -10,7 +10,7 @@ use crate::frames::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::FITTED_PIXEL;
+use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

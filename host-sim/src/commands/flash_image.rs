@@ -6,7 +6,7 @@ use crate::calibration::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use linestereo::{Calibration, Camera, Eye, Lens, View};
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
 use linestereo_wire::{RigImage, RigImageHead};
 use std::path::{Path, PathBuf};
 

@@ -34,7 +34,8 @@ use crate::engine::Engine;
 use crate::frames::resampled_height;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, error::ErrorKind};
-use linestereo::{Dims, MIN_SIDE, ParamError, Params, Rig};
+use linestereo::image::MIN_SIDE;
+use linestereo::{Dims, ParamError, Params, Rig};
 use std::io::{self, Write};
 use std::process::ExitCode;
 

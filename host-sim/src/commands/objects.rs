@@ -8,7 +8,8 @@ use crate::outline::{OutlineFile, Refined, label_png, refine};
 use crate::regions::{self, Frame, Object, ObjectsError, Skipped};
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
-use linestereo::{Area, Dims, ObjectDepth, Shape};
+use linestereo::objects::Shape;
+use linestereo::{Area, Dims, ObjectDepth};
 use linestereo_wire::{MAX_REGIONS, RegionBox};
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,8 @@
 use crate::output::OutputFiles;
 use crate::scene::{self, Kind, Sensor};
 use anyhow::Context;
-use linestereo::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use linestereo::Dims;
+use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -5,7 +5,7 @@ use crate::directions::Directions;
 use crate::engine::FrameResult;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use linestereo::{ObstacleError, ObstacleParams};
+use linestereo::obstacles::{ObstacleError, ObstacleParams};
 use linestereo_wire::mavlink::Policy;
 use std::path::PathBuf;
 

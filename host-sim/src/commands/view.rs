@@ -6,7 +6,9 @@ use crate::engine::GrayImage;
 use crate::frames::{area_average, resampled_height};
 use crate::interchange::{Options, load_rig};
 use anyhow::{Result, anyhow, bail};
-use linestereo::{Calibration, Dims, Eye, MIN_SIDE, RectifyError, View};
+use linestereo::Dims;
+use linestereo::image::MIN_SIDE;
+use linestereo::rectify::{Calibration, Eye, RectifyError, View};
 use linestereo_wire::{RigImage, RigImageError};
 use std::path::PathBuf;
 

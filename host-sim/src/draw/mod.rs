@@ -208,7 +208,8 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Point, Techniques};
+    use linestereo::diagnostics::Techniques;
+    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Point};
     use linestereo_wire::{Counts, Health};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {

@@ -153,7 +153,8 @@ pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner, Point, Position, Techniques};
+    use linestereo::diagnostics::Techniques;
+    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner, Point, Position};
     use linestereo_wire::{Counts, Health};
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {

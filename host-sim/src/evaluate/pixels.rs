@@ -6,7 +6,8 @@
 use crate::engine::Engine;
 use crate::frames::{SplitMix64, Truth};
 use core::fmt::Write;
-use linestereo::{Confidence, Model, PIXEL_EVIDENCE, PixelEvidence, PixelRejection};
+use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
+use linestereo::{Confidence, PixelRejection};
 
 /// Shares of the visible pixels at which the curve of error against answers is read.
 const SHARES: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];

@@ -4,7 +4,7 @@
 
 use super::logistic::{Rows, logistic, newton};
 use super::sample::Sample;
-use linestereo::NODES;
+use linestereo::diagnostics::NODES;
 use nalgebra::DVector;
 
 /// Scores at which the slope may change.

@@ -16,7 +16,7 @@ pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::{EVIDENCE, Kind, Model, Models, SUPPORT_EVIDENCE};
+use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models, SUPPORT_EVIDENCE};
 use logistic::Line;
 use rayon::prelude::*;
 use sample::{Sample, SampleKind};

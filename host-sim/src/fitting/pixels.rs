@@ -4,7 +4,7 @@ use super::sample::Sample;
 use super::source::fields;
 use super::{CLAIMS_PENALTY, fit_scenes};
 use crate::evaluate::AskedPixel;
-use linestereo::{Model, PIXEL_EVIDENCE, PixelKind};
+use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelKind};
 
 /// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]

@@ -2,7 +2,8 @@
 
 use crate::engine::Engine;
 use crate::frames::Truth;
-use linestereo::{Evidence, Kind, Observer, Params, PixelEvidence, StageEvent, Support, SupportEvidence, ValidPixels};
+use linestereo::diagnostics::{Evidence, Kind, Observer, PixelEvidence, StageEvent, SupportEvidence, ValidPixels};
+use linestereo::{Params, Support};
 
 /// Pixels from the edge up to which claims are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;

@@ -2,7 +2,7 @@
 
 use super::names;
 use core::fmt::Write;
-use linestereo::{Model, Models, SUPPORT_EVIDENCE, SupportKind};
+use linestereo::diagnostics::{Model, Models, SUPPORT_EVIDENCE, SupportKind};
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]

@@ -7,7 +7,8 @@
 use super::FrameError;
 use crate::engine::GrayImage;
 use image::{DynamicImage, ImageDecoder, ImageReader};
-use linestereo::{Dims, ViewError};
+use linestereo::Dims;
+use linestereo::image::ViewError;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;

@@ -25,7 +25,9 @@ pub use stored::{StoredPair, halves};
 pub use truth::Truth;
 
 use core::fmt;
-use linestereo::{Dims, MAX_WIDTH, RigError, ViewError};
+use linestereo::image::MAX_WIDTH;
+use linestereo::image::ViewError;
+use linestereo::{Dims, RigError};
 use std::io;
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,8 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
-use linestereo::{Camera, Dims, Eye, Lens};
+use linestereo::Dims;
+use linestereo::rectify::{Camera, Eye, Lens};
 
 /// What the coefficients of a lens mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

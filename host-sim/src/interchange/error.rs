@@ -2,7 +2,8 @@
 
 use crate::calibration::RigFileError;
 use core::fmt;
-use linestereo::{CalibrationError, CameraError, Dims, Eye, RectifyError};
+use linestereo::Dims;
+use linestereo::rectify::{CalibrationError, CameraError, Eye, RectifyError};
 use std::io;
 use std::path::PathBuf;
 

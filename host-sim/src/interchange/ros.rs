@@ -13,7 +13,8 @@ use super::error::{Fault, Problem};
 use super::node::{Matrix, Node};
 use super::opencv::projections;
 use super::pose;
-use linestereo::{Calibration, Camera, Dims, Eye, Lens, View};
+use linestereo::Dims;
+use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
 use nalgebra::Matrix3;
 
 /// Names in files, and in messages of ROS 1 and 2.

@@ -4,7 +4,8 @@ use super::{Refined, RefinedOutline};
 use crate::regions::Object;
 use anyhow::Result;
 use image::{ImageBuffer, ImageFormat, Luma};
-use linestereo::{Area, Dims, Region, Segment};
+use linestereo::diagnostics::Segment;
+use linestereo::{Area, Dims, Region};
 use serde::Serialize;
 use std::io::Cursor;
 

@@ -1,6 +1,7 @@
 //! A flag per pixel: what belongs to an object, on a PC, where memory is no matter.
 
-use linestereo::{Area, Dims, Region, Run, Span};
+use linestereo::objects::Run;
+use linestereo::{Area, Dims, Region, Span};
 
 /// What belongs to an object, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -17,7 +17,9 @@ mod file;
 mod mask;
 
 pub use file::{OutlineFile, label_png};
-use linestereo::{Area, Candidate, Confidence, Dims, ObjectDepth, Region, Segment, Shape};
+use linestereo::diagnostics::{Candidate, Segment};
+use linestereo::objects::Shape;
+use linestereo::{Area, Confidence, Dims, ObjectDepth, Region};
 pub use mask::Mask;
 
 /// Furthest that a mask's border moves, px.

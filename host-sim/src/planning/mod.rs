@@ -22,7 +22,8 @@ pub use advice::{Suggestion, Wish, suggest};
 
 use core::fmt;
 use core::ops::RangeInclusive;
-use linestereo::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, Rig, RigError};
+use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use linestereo::{Dims, Rig, RigError};
 
 /// Usual standard deviation of a disparity, px.
 pub const USUAL_SIGMA: f64 = 0.25;

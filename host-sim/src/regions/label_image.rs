@@ -2,7 +2,8 @@
 
 use super::{Frame, Object, Objects, ObjectsError, Pixels, reduced};
 use crate::frames::load_values;
-use linestereo::{Dims, Run, Span};
+use linestereo::objects::Run;
+use linestereo::{Dims, Span};
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -22,7 +22,8 @@ mod yolo;
 
 use crate::frames::FrameError;
 use core::fmt::{self, Write};
-use linestereo::{Area, Dims, Region, RegionError, Run};
+use linestereo::objects::Run;
+use linestereo::{Area, Dims, Region, RegionError};
 use std::io;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,8 @@
 //! Outlines with corners -> runs: the pixels whose centre is inside (even-odd), in any of the parts.
 
 use super::Why;
-use linestereo::{Dims, Run, Span};
+use linestereo::objects::Run;
+use linestereo::{Dims, Span};
 
 /// What can be said of an outline before its pixels are looked for.
 pub(super) fn check(parts: &[Vec<[f64; 2]>], dims: Dims) -> Result<(), Why> {

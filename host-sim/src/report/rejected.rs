@@ -1,6 +1,7 @@
 //! Segments without a match, with the reason of each: what an observer of a run sees, and what the candidates say afterwards.
 
-use linestereo::{Candidate, ImagePosition, Observer, Rejection, Segment, StageEvent};
+use linestereo::diagnostics::{Candidate, Observer, Segment, StageEvent};
+use linestereo::{ImagePosition, Rejection};
 use std::collections::HashSet;
 
 /// A left segment that is not in the list of matches.

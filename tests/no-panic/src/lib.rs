@@ -4,19 +4,21 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use linestereo::{
-    Area, Focus, LabelRows, Matched, Matcher, ObjectDepth, Pair, RegionError, Run, Span, StageDigests, Summary,
-};
-use linestereo::{
+use linestereo::diagnostics::StageDigests;
+use linestereo::health::HealthMonitor;
+use linestereo::image::ViewError;
+use linestereo::objects::{LabelRows, Run};
+use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
+use linestereo::rectify::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
+use linestereo::{Area, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
 use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, HealthMonitor, PixelRejection, PairHealth, ParamError, Params,
-    PixelDepth, Plan, Region, Rejection, Rig, RigError, RunError, Scratch, ViewError, mark_words, most_support_points,
-    row_bytes,
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection,
+    Plan, Region, Rejection, Rig, RigError, RunError, Scratch, mark_words, most_support_points, row_bytes,
 };
-use linestereo::{HealthFlags, Match, ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Point, Sector};
+use linestereo::{HealthFlags, Match, Point};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.

@@ -1,6 +1,6 @@
 //! MAVLink 2 to an autopilot: what is known of each direction, as OBSTACLE_DISTANCE and DISTANCE_SENSOR, and a HEARTBEAT.
 //!
-//! In: the core's [`Obstacles`](linestereo::Obstacles) and the time. Out: frames of at most [`MAX_FRAME`] bytes, paced by an
+//! In: the core's [`Obstacles`](linestereo::obstacles::Obstacles) and the time. Out: frames of at most [`MAX_FRAME`] bytes, paced by an
 //! [`AutopilotStream`]. The bytes are those of the `mavlink` crate with `mav2-message-extensions`, which does not build without std.
 //!
 //! ```text

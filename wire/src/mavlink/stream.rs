@@ -13,7 +13,7 @@ use super::frame::Sender;
 use super::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
 use super::pace::Pace;
 use core::fmt;
-use linestereo::{ObstaclePlan, Obstacles, Sector};
+use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 
 /// What is sent while the pair is not fit to be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
 
-use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Position, Techniques};
+use linestereo::diagnostics::Techniques;
+use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Position};
 use linestereo_wire::*;
 
 /// xorshift64*: enough for garbage, the same on every machine.

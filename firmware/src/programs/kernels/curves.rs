@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Random, Rooms, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::{LANES, STRIP, Strip, portable};
+use linestereo::diagnostics::kernel::{LANES, STRIP, Strip, portable};
 
 /// Lengths of cost curves: whole blocks, and such that are none.
 fn curve_lengths() -> impl Iterator<Item = usize> {

@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, Random, Rooms, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::portable;
+use linestereo::diagnostics::kernel::portable;
 
 pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     const FAR: [usize; 5] = [usize::MAX / 20, usize::MAX / 2, usize::MAX / 2 + 1, usize::MAX - 1, usize::MAX];

@@ -28,7 +28,9 @@ mod support;
 
 pub use rooms::{Fence, Rooms};
 
-use linestereo::kernel::{self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable};
+use linestereo::diagnostics::kernel::{
+    self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable,
+};
 use rooms::ALIGNMENTS;
 
 /// The kernels of one machine.

@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::{CELL, Knot, Ring, Run, columns, portable};
+use linestereo::diagnostics::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
 /// Most runs of one list here.
 const MOST: usize = 5;

@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, UNTOUCHED, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::portable;
+use linestereo::diagnostics::kernel::portable;
 
 /// A kernel that computes a row from three, at every width; then with rows that are not equally long.
 pub(super) fn rows(

@@ -2,7 +2,7 @@
 
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, place};
 use super::{Compared, Kernels};
-use linestereo::kernel::{RANK_ROWS, STRIP, portable};
+use linestereo::diagnostics::kernel::{RANK_ROWS, STRIP, portable};
 
 /// Lengths of curves of bytes: all short ones, and some up to the longest.
 fn lengths() -> impl Iterator<Item = usize> {
