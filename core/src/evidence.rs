@@ -2,7 +2,7 @@
 //!
 //! In: sums, counts and disparities of the matching. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
-/// What is known about a hypothesis, in the order of the model's coefficients.
+/// Kinds of evidence for a hypothesis, in the order of the model's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Kind {
@@ -65,7 +65,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What each entry says, in the model's order.
+    /// Meaning and unit of each entry, in the model's order.
     pub const NAMES: [&'static str; EVIDENCE] = [
         "this side's window: cost at the disparity / best cost elsewhere",
         "log2(1 + that cost per pixel)",

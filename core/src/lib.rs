@@ -129,7 +129,7 @@ pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
 pub use support::{Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
-/// What fitting, tests and comparisons look at: evidence, models, the stages of a run, inner loops.
+/// Evidence, models, stages of a run and inner loops: for fitting, tests and comparisons.
 pub mod diagnostics {
     pub use crate::confidence::{FITTED, Model, Models, NODES};
     pub use crate::evidence::{EVIDENCE, Evidence, Kind};

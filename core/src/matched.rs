@@ -17,7 +17,7 @@ use crate::side_pixels::ValidPixels;
 use crate::support::Support;
 use heapless::vec::VecView;
 
-/// What a run tells beside its lists.
+/// Counts, row offset and health of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Summary {
     pub(crate) counts: Counts,
@@ -29,7 +29,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// What was found, lost and rejected.
+    /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
         &self.counts
@@ -39,6 +39,11 @@ impl Summary {
     #[must_use]
     pub fn health(&self) -> &PairHealth {
         &self.health
+    }
+
+    /// Row of the right image that matches row 0 of the left one, px.
+    pub(crate) fn row_offset(&self) -> i32 {
+        (i32::from(self.row_offset_q5) + 16) >> 5
     }
 
     /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as
@@ -65,7 +70,7 @@ impl<'a> Matched<'a> {
         self.plan.dims
     }
 
-    /// What the run tells beside its lists.
+    /// Counts, row offset and health of the run.
     #[must_use]
     pub fn summary(&self) -> &Summary {
         &self.summary
@@ -77,7 +82,7 @@ impl<'a> Matched<'a> {
         &self.summary.health
     }
 
-    /// What was found, lost and rejected.
+    /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
         &self.summary.counts
@@ -174,7 +179,7 @@ impl<'a> Matched<'a> {
             dims: *dims,
             candidates,
             support: Support::new(params, *dims, support, self.summary.detail_q8),
-            row_offset: (i32::from(self.summary.row_offset_q5) + 16) >> 5,
+            row_offset: self.summary.row_offset(),
             rows,
             work,
         })

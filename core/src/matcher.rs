@@ -29,10 +29,10 @@ pub struct Pair<'a> {
     pub times_us: Option<[u64; 2]>,
 }
 
-/// A plan, with what its pairs so far have left behind.
+/// A plan, the health monitor and the row offset of the last whole pair.
 #[derive(Clone, Debug)]
 pub struct Matcher {
-    /// What a pair may be like.
+    /// Limits of health, in the units of each field.
     pub limits: HealthLimits,
     plan: Plan,
     monitor: HealthMonitor,
@@ -97,7 +97,7 @@ impl Matcher {
             });
         }
         let focus = areas.map_or(Focus::WHOLE, |areas| Focus { areas: Some(areas), row_offset_q5: self.row_offset_q5 });
-        let mut matched = self.plan.run_on([left, right], &focus, scratch, observer)?;
+        let mut matched = self.plan.run_stages([left, right], &focus, scratch, observer);
         if areas.is_none() {
             self.row_offset_q5 = Some(matched.summary.row_offset_q5);
         }

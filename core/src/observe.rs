@@ -11,7 +11,7 @@ use crate::support::SupportPoint;
 use crate::support::evidence::SupportEvidence;
 use core::hash::{Hash, Hasher};
 
-/// What a stage gave. [`StageEvent::Rows`] and [`StageEvent::Segment`] come once per left segment, in turns; the others once per pair.
+/// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] come once per left segment, in turns; the others once per pair.
 #[derive(Clone, Copy, Debug)]
 pub enum StageEvent<'a> {
     /// Segments of the left image.
@@ -50,11 +50,11 @@ pub enum Stage {
     Rows,
     /// Three matchings of each segment, ownership.
     Matching,
-    /// What the hypotheses say of each other.
+    /// Agreement and contradiction among hypotheses and support points.
     Consistency,
     /// Probability, exclusion, lists.
     Report,
-    /// What the monitor looks at, before and after the run.
+    /// Checks of the images before the run, and of its matches after it.
     Health,
 }
 

@@ -1,7 +1,6 @@
 //! One rectified pair -> matches and points: the method, stage by stage.
 
 use crate::focus::{Focus, SearchRegions};
-use crate::health::PairHealth;
 use crate::image::Gray;
 use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
@@ -35,7 +34,6 @@ impl Plan {
     ///
     /// # Cost
     /// About in proportion to the areas, each grown by some 20 px, and in the right image by the disparity range as well.
-    #[inline(never)]
     pub fn run_on<'a>(
         &self,
         images: [Gray<'a>; 2],
@@ -43,32 +41,49 @@ impl Plan {
         scratch: ScratchView<'a>,
         observer: &mut impl Observer,
     ) -> Result<Matched<'a>, RunError> {
-        let mut m = self.checked(images, scratch)?;
+        Ok(self.run_stages(images, focus, self.checked(images, scratch)?, observer))
+    }
+
+    /// Every stage, in a memory that was [checked](Self::checked) for these images.
+    #[inline(never)]
+    pub(crate) fn run_stages<'a>(
+        &self,
+        images: [Gray<'a>; 2],
+        focus: &Focus<'_>,
+        mut m: ScratchView<'a>,
+        observer: &mut impl Observer,
+    ) -> Matched<'a> {
         m.clear();
         let regions = SearchRegions::new(focus, self.dims);
-        let mut counts = Counts::ZERO;
+        let mut counts = Counts::default();
         let row_offset_q5 = if self.params.parts == Parts::Support {
             focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
         } else {
             self.find_segments(images, (focus, &regions), &mut m, &mut counts, observer)
         };
-        let row_offset = (i32::from(row_offset_q5) + 16) >> 5;
-        let detail_q8 = self.match_support(images, (row_offset, &regions), &mut m, observer);
+        let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
+        let row_offset = summary.row_offset();
+        summary.detail_q8 = self.match_support(images, (row_offset, &regions), &mut m, observer);
         if self.params.parts != Parts::Support {
-            self.match_segments(images, (row_offset, detail_q8, &regions), &mut m, &mut counts, observer);
+            self.match_segments(
+                images,
+                (row_offset, summary.detail_q8, &regions),
+                &mut m,
+                &mut summary.counts,
+                observer,
+            );
         }
-        support::believe(m.support, Grid::new(&self.params, self.dims), detail_q8, self.support_model);
+        support::believe(m.support, Grid::new(&self.params, self.dims), summary.detail_q8, self.support_model);
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
-        let mut summary = Summary { counts, row_offset_q5, detail_q8, health: PairHealth::default() };
-        let (mut report, matches) = Report::new(self, images, &mut m, detail_q8);
+        let (mut report, matches) = Report::new(self, images, &mut m, summary.detail_q8);
         report.run(matches, &mut summary.counts);
         observer.on_event(StageEvent::Report(matches));
-        Ok(Matched { plan: *self, images, scratch: m, summary })
+        Matched { plan: *self, images, scratch: m, summary }
     }
 
-    /// What [`Matched::summary`] told of a run with this plan, these images and this memory, which nothing has touched since: for callers that
-    /// cannot keep what borrows both, such as another language.
+    /// The matched pair of an earlier run with this plan, these images and this memory, which nothing has touched since, from its
+    /// [`Matched::summary`]: for callers that cannot keep a borrow of both, such as another language.
     ///
     /// # Errors
     /// As [`Plan::run`].

@@ -1,4 +1,4 @@
-//! What a frame gives: matched segments, points, and the count of everything that was rejected.
+//! The result of a frame: matched segments, points, and the count of everything that was rejected.
 
 use crate::units::{Confidence, Depth, Disparity, Position};
 
@@ -22,7 +22,7 @@ pub enum Owner {
     Both,
 }
 
-/// What each of the three techniques says, at the segment's middle.
+/// Disparity by each of the three techniques, px, at the segment's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Techniques {
     /// The edge in the right image with the same properties; `None` when there is none.
@@ -138,7 +138,7 @@ impl Rejection {
     }
 }
 
-/// What was found, matched, rejected and dropped in one frame: `segments_left = matched + all rejections`.
+/// Numbers of segments found, matched, rejected and dropped in one frame: `segments_left = matched + all rejections`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Segments detected in the left image (long ones count once per piece that is matched on its own).
@@ -162,16 +162,6 @@ impl Counts {
     pub fn rejected(&self, reason: Rejection) -> u16 {
         self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
-
-    pub(crate) const ZERO: Self = Self {
-        segments_left: 0,
-        segments_right: 0,
-        segments_left_dropped: 0,
-        segments_right_dropped: 0,
-        searched_fully: 0,
-        matched: 0,
-        rejected: [0; Rejection::ALL.len()],
-    };
 
     pub(crate) fn reject(&mut self, reason: Rejection) {
         self.reject_many(reason, 1);

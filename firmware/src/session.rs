@@ -26,7 +26,7 @@ pub struct Session<'a> {
     directions: Option<(Dims, ObstaclePlan)>,
     /// Objects whose depths are asked for.
     regions: Regions,
-    /// What pairs so far have left behind.
+    /// Health and row offset of the pairs so far; `None` before the first.
     matcher: Option<Matcher>,
     /// Limits of a pair's health.
     pub limits: HealthLimits,
@@ -241,7 +241,7 @@ impl<'a> Session<'a> {
         Ok(plan)
     }
 
-    /// What matches pairs of this size.
+    /// The matcher for pairs of this size.
     pub fn matcher(&mut self, dims: Dims) -> Result<&mut Matcher, Refusal> {
         let plan = self.plan(dims)?;
         let matcher = self.matcher.get_or_insert(Matcher::new(plan));

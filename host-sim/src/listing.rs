@@ -69,7 +69,7 @@ pub struct Query {
 }
 
 impl Query {
-    /// What the core says of a pixel.
+    /// The core's answer for a pixel.
     #[must_use]
     pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
         let none = |reason| Self {

@@ -33,7 +33,7 @@ impl HealthFlags {
     pub const LEFT_COVERED: Self = Self(1 << 6);
     /// The right image is black, or shows next to nothing of what the left one shows.
     pub const RIGHT_COVERED: Self = Self(1 << 7);
-    /// The left image is the one before: its sampled rows, at least 24 of them, are the same bit for bit.
+    /// The left image is the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or fewer), are the same bit for bit.
     pub const LEFT_FROZEN: Self = Self(1 << 8);
     /// The right image is the one before, as for the left one.
     pub const RIGHT_FROZEN: Self = Self(1 << 9);

@@ -25,7 +25,7 @@ use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Side};
 use crate::support::Support;
 
-/// What is said of a region depends on segments that lie, wholly or in part, within so many pixels of its area, and on no others.
+/// Largest distance from a region's area, px, of a segment that its answer depends on.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
 /// Weight of the least credible hypothesis, 1/256: so little, and up to twice that, supports a surface but speaks against none.

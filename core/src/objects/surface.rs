@@ -34,7 +34,7 @@ const SECOND_SURFACE_Q6: i32 = 3 << 6;
 /// How far beyond its hypotheses' disparities a plane's value is believed at the region's centre.
 const BEYOND_Q6: i32 = 16;
 
-/// What most hypotheses agree on.
+/// The plane of disparity that most hypotheses of a region agree on, and their spread.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Surface {
     /// Disparity at the region's centre, 1/64 px.
@@ -296,7 +296,7 @@ const MAX_SLOPE_Q10: i32 = 2 << 10;
 /// Of 32 bits.
 const LIMIT: i64 = i32::MAX as i64;
 
-/// What there is to say of the plane by the hypotheses on it; `None` when none is.
+/// The surface of the hypotheses that lie on a plane; `None` when none does.
 fn describe(
     neighbours: &[Neighbour],
     centre: [i32; 2],

@@ -58,7 +58,7 @@ const LEAST_POINT_ERROR_Q16: u16 = 13107;
 const PARTS_OF_ROWS: i32 = 8;
 const CLEAR_PARTS: u32 = 2;
 
-/// What is known of one direction.
+/// State of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sector {
     /// Not in view: nothing will ever be known of it.
@@ -83,7 +83,7 @@ pub enum Sector {
     },
 }
 
-/// What is known of one direction, in eight bytes.
+/// State of one direction, in eight bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Known {
     /// [`NOTHING`], [`FREE`] or an obstacle's distance.
@@ -100,7 +100,7 @@ impl Known {
     const NONE: Self = Self { distance_cm: NOTHING, confidence_q16: 0, seen_ms: 0 };
 }
 
-/// What is known of every direction: state between pairs.
+/// State of every direction, kept between pairs.
 ///
 /// ```
 /// use linestereo::{Dims, HealthFlags, Params, Rig};
@@ -188,7 +188,7 @@ impl Obstacles {
         self.is_fit
     }
 
-    /// What is known of a direction: 0 is ahead of the vehicle, then clockwise, seen from above.
+    /// State of a direction: 0 is ahead of the vehicle, then clockwise, seen from above.
     #[must_use]
     pub fn sector(&self, plan: &ObstaclePlan, index: u8, time_us: u64) -> Sector {
         let Some(known) = plan.in_view(index).and_then(|place| self.known.get(place)) else { return Sector::Outside };
@@ -220,7 +220,7 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// What a match or a support point says of one sector.
+/// A match or a support point in one sector: its nearness, or the rows that are clear before it.
 #[derive(Clone, Copy)]
 enum Ray {
     /// Something within the range and the height band; nearness, 1/64 px.
@@ -229,7 +229,7 @@ enum Ray {
     Passes(u8),
 }
 
-/// What a pair says of one sector.
+/// The nearest hypotheses of one sector, and the probability that all behind the range are wrong.
 #[derive(Clone, Copy)]
 struct Hypotheses {
     /// Nearness (1/64 px, 0 = none) and error probability of the nearest hypotheses, nearest first.
@@ -328,7 +328,7 @@ impl ObstaclePlan {
         (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), rows))
     }
 
-    /// What something so near says of its sector, between two points (row in 1/32 px, disparity plus offset in 1/64 px).
+    /// The ray of something so near (1/64 px), between two points (row in 1/32 px, disparity plus offset in 1/64 px).
     fn ray(&self, nearness_q6: i32, points: [(i32, i32); 2]) -> Option<Ray> {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
         if nearness_q6 >= clear_q6 && self.band_meets(points) {

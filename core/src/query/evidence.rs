@@ -2,7 +2,7 @@
 //!
 //! In: cost curves of the local match, what features nearby say. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
-/// What is known about an answer, in the order of the model's coefficients.
+/// Kinds of evidence for an answer, in the order of the model's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum PixelKind {
@@ -29,7 +29,7 @@ pub enum PixelKind {
 }
 
 impl PixelKind {
-    /// What each entry says, in the model's order.
+    /// Meaning and unit of each entry, in the model's order.
     pub const NAMES: [&'static str; PIXEL_EVIDENCE] = [
         "census: cost at the disparity / best cost elsewhere",
         "windows and census together: cost at the disparity / best cost elsewhere",

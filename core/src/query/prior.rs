@@ -52,12 +52,12 @@ const ENOUGH_Q8: i32 = 64;
 /// A side agrees when it differs by at most 1 px plus 3/64 px per px of distance: surfaces that slant up to that much.
 const AGREES_Q6: i32 = 64;
 const SLANT_Q6: i32 = 3;
-/// So much may contradict without saying anything.
+/// Contradicting weight that counts for nothing, 1/256.
 const LITTLE_Q8: i32 = 50;
 /// Beyond that, the distance from what features span says no more, 1/64 px.
 const FAR_OUTSIDE_Q6: i32 = 256;
 
-/// What one side says.
+/// Disparity of a side or a support point near the pixel, with its weight.
 #[derive(Clone, Copy, Debug)]
 struct NearbySide {
     /// Disparity at the pixel, 1/64 px.
@@ -67,7 +67,7 @@ struct NearbySide {
     distance: i32,
 }
 
-/// What the sides nearby say, in no order.
+/// Disparities of the sides and support points near a pixel, in no order.
 #[derive(Debug, Default)]
 pub(super) struct DisparityPrior {
     sides: Vec<NearbySide, MOST_SIDES>,

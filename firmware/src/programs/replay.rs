@@ -92,9 +92,9 @@ pub fn run(
     decoder.counters()
 }
 
-/// What a pair gave, and cost.
+/// A matched pair with its costs, in the unit of the clock.
 struct Replayed<'m> {
-    /// What rectifying cost.
+    /// Cost of rectifying both images.
     rectification: u64,
     costs: Costs,
     matched: Matched<'m>,
