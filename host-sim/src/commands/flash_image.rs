@@ -25,7 +25,7 @@ Examples:
       what is in it, or why no board would take it
 
 A board reads the image from the newer of two slots and writes new ones in turn. To flash one by hand, erase both slots
-and write it to the first. The layout is that of wire/src/rig_image.rs: the numbers of rig.toml as they are, little
+and write it to the first. The layout is that of crates/wire/src/rig_image.rs: the numbers of rig.toml as they are, little
 endian, with a version and a CRC-32.";
 
 /// Write the rig as the image that a board keeps in its flash, or explain one.
