@@ -30,7 +30,9 @@ pub struct Span {
 }
 
 impl Span {
-    pub(crate) fn contains(self, x: i32) -> bool {
+    /// Is column `x` one of them?
+    #[must_use]
+    pub fn contains(self, x: i32) -> bool {
         (i32::from(self.start)..i32::from(self.end)).contains(&x)
     }
 

@@ -6,11 +6,8 @@
 //!
 //! ```text
 //! Params -> plan -> Plan            once: every check, every float
-//! Calibration -> Rectification      once: the rig's geometry as a mesh for each camera
 //!
-//! raw rows                          as they come: integers only, memory is the caller's
-//!   rectify     a few raw rows held, rectified rows out
-//! left, right                       per pair
+//! left, right                       per pair, rectified (the package `linestereo-rig` does that): integers only, memory is the caller's
 //!   health      is the pair fit to be matched and believed?
 //!   focus       the whole frame, or around what a detector asks for
 //!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square; row offset of the pair
@@ -101,7 +98,6 @@ mod params;
 mod pipeline;
 mod plan;
 mod query;
-pub mod rectify;
 mod report;
 mod result;
 mod rig;

@@ -19,7 +19,8 @@
 
 use core::fmt;
 use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
-use linestereo_wire::{RigFault, RigImage, RigImageError, RigImageHead};
+use linestereo_rig::{RigImage, RigImageError, RigImageHead};
+use linestereo_wire::RigFault;
 
 /// Bytes read or written at once: an image, filled up to what the flash reads and writes.
 const MOST_BYTES: usize = 512;

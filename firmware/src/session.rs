@@ -8,9 +8,10 @@ use heapless::Vec;
 use linestereo::image::MIN_SIDE;
 use linestereo::obstacles::ObstaclePlan;
 use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params, Plan};
+use linestereo_rig::RigImage;
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
-    RigFault, RigImage, RigInUse, RigReport,
+    RigFault, RigInUse, RigReport,
 };
 
 /// The state that commands change.

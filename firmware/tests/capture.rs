@@ -6,13 +6,13 @@
 use crate::support::random::Random;
 use core::cell::RefCell;
 use linestereo::Matcher;
-use linestereo::rectify::{Eye, RowError};
 use linestereo::{Dims, HealthFlags};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{CapturedPair, PairSource};
+use linestereo_rig::{Eye, RowError};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
@@ -654,7 +654,7 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
 
 #[test]
 fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trace() {
-    use linestereo::rectify::{Calibration, Camera, Lens, View};
+    use linestereo_rig::{Calibration, Camera, Lens, View};
     let dims = Dims { width: 64, height: 48 };
     let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
     let camera = || Camera::new(dims, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();

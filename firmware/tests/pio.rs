@@ -5,13 +5,13 @@
 
 use core::cell::RefCell;
 use linestereo::Dims;
-use linestereo::rectify::{Eye, RowError};
 use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, nibbles};
 use linestereo_firmware::boards::rp235x::rows::{
     BORDER, DIMS, FRAME_ROWS, PLACE_WORDS, RING_ROWS, ROW_BYTES, RowCounter, Seen,
 };
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::{Capture, Fault, Limits, Report, RowRing, RowSink, Signal};
+use linestereo_rig::{Eye, RowError};
 use std::collections::VecDeque;
 use std::rc::Rc;
 

@@ -1,7 +1,6 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use core::cell::{Cell, RefCell};
-use linestereo::rectify::{Band, Calibration, Camera, Eye, Lens, Mesh, View};
 use linestereo::{Dims, HealthFlags, ObjectDepth};
 use linestereo_firmware::boards::capacities::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
@@ -13,6 +12,7 @@ use linestereo_firmware::programs::live::{Live, Painter};
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;
+use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, RigImage, RigImageError, View};
 use linestereo_wire::*;
 use std::collections::{BTreeSet, VecDeque};
 

@@ -6,7 +6,6 @@ use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Camera, Eye, Lens, Rectification, View};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::{
     Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
@@ -15,6 +14,7 @@ use linestereo_firmware::camera::{
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::PairSource;
+use linestereo_rig::{Calibration, Camera, Eye, Lens, Rectification, View};
 use std::collections::VecDeque;
 use std::rc::Rc;
 

@@ -290,7 +290,7 @@ impl PairSource for Raw {
 
 #[test]
 fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
-    use linestereo::rectify::{Calibration, Camera, Lens, View};
+    use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
     let dims = Dims { width: 128, height: 96 };
     let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::BrownConrady { k: [0.0; 3], p: [0.0; 2] });
     let rig = Calibration::new(camera().unwrap(), camera().unwrap(), [1.0, 0.0, 0.0, 0.0], [-0.06, 0.0, 0.0]).unwrap();

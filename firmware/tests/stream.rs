@@ -5,13 +5,13 @@
 
 use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
-use linestereo::rectify::Eye;
 use linestereo::{Dims, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::PairSource;
+use linestereo_rig::Eye;
 use std::collections::VecDeque;
 use std::rc::Rc;
 

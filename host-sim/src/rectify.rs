@@ -5,9 +5,9 @@
 
 use crate::engine::GrayImage;
 use core::fmt;
-use linestereo::rectify::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
 use linestereo::{Dims, Span};
 use linestereo_firmware::boards;
+use linestereo_rig::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
 
 /// The largest images that a board rectifies.
 const BOARD: Dims = boards::mps2_an500::BOARD.largest;

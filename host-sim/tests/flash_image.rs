@@ -2,8 +2,7 @@
 
 use crate::support::{refused, succeed};
 use linestereo::Dims;
-use linestereo::rectify::View;
-use linestereo_wire::RigImage;
+use linestereo_rig::{RigImage, View};
 use std::fs;
 use tempfile::TempDir;
 

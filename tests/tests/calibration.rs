@@ -1,7 +1,7 @@
 //! Calibration from boards: rigs that are known, rigs that were photographed, and photos that cannot be used.
 
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Camera, Eye, Lens};
+use linestereo_rig::{Calibration, Camera, Eye, Lens};
 use linestereo_sim::calibration::{
     Board, BoardFinder, BoardPair, ChessFinder, Estimate, EstimateError, LensModel, NotFound, Options, Verdict, assess,
     estimate, find_pairs, quaternion,

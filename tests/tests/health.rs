@@ -4,8 +4,8 @@
 //! without them the tests that need them say so and pass.
 
 use linestereo::health::HealthMonitor;
-use linestereo::rectify::{Eye, Rectification, View};
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
+use linestereo_rig::{Eye, Rectification, View};
 use linestereo_sim::engine::{Engine, GrayImage};
 use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_gray, load_scene};
 use linestereo_sim::interchange::{Options, load_rig};

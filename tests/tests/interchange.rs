@@ -5,7 +5,7 @@
 
 use core::time::Duration;
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Eye, Lens, View};
+use linestereo_rig::{Calibration, Eye, Lens, View};
 use linestereo_sim::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };

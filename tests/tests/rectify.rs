@@ -3,10 +3,10 @@
 //! Captured frames are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside it. Tests that need them say so and
 //! pass without them.
 
-use linestereo::rectify::{
+use linestereo::{Dims, Span};
+use linestereo_rig::{
     Band, Calibration, Camera, Eye, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes, mesh_nodes,
 };
-use linestereo::{Dims, Span};
 use linestereo_sim::engine::GrayImage;
 use linestereo_sim::frames::load_gray;
 use linestereo_tests::captured;
@@ -522,12 +522,12 @@ fn a_ray_behind_or_beyond_the_lens_has_no_pixel() {
     assert!(camera.project([1.0, 0.0, 1.0]).is_some());
     assert_eq!(camera.project([1.1, 0.0, 1.0]), None);
     let folded = Camera::new(QVGA, [90.0; 2], [160.0, 120.0], 0.0, lens);
-    assert!(matches!(folded, Err(linestereo::rectify::CameraError::Folds(_))), "{folded:?}");
+    assert!(matches!(folded, Err(linestereo_rig::CameraError::Folds(_))), "{folded:?}");
 }
 
 #[test]
 fn cameras_in_the_wrong_places_are_refused() {
-    use linestereo::rectify::CalibrationError;
+    use linestereo_rig::CalibrationError;
     let camera = Camera::new(QVGA, [250.0; 2], [160.0, 120.0], 0.0, Lens::NONE).unwrap();
     let straight = [1.0, 0.0, 0.0, 0.0];
     let rig = |translation| Calibration::new(camera, camera, straight, translation);

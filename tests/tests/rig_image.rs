@@ -3,10 +3,9 @@
 use core::fmt::Debug;
 use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use linestereo::rectify::{Calibration, Camera, Eye, Lens, RectifyError, View};
 use linestereo::{Dims, Params};
 use linestereo_firmware::rig_store::{LayoutError, RigKeeper as _, RigStore, Slot, SlotError, StoreError};
-use linestereo_wire::{RigImage, RigImageError, RigImageHead};
+use linestereo_rig::{Calibration, Camera, Eye, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View};
 use std::panic::catch_unwind;
 
 const QVGA: Dims = Dims { width: 320, height: 240 };

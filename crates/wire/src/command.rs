@@ -5,11 +5,11 @@
 
 use crate::object::Regions;
 use crate::rig_fault::RigFault;
-use crate::rig_image::RigImage;
 use core::fmt;
 use heapless::String;
 use linestereo::health::Skewed;
 use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
+use linestereo_rig::RigImage;
 use serde::{Deserialize, Serialize};
 
 /// The name of a parameter in a refusal.

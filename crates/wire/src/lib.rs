@@ -45,7 +45,6 @@
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod board_state;
-mod checksum;
 mod command;
 mod frame;
 mod health;
@@ -54,7 +53,6 @@ mod message;
 mod object;
 mod packet;
 mod rig_fault;
-mod rig_image;
 mod send;
 
 pub use board_state::{CaptureReport, Reset, ResetCause};
@@ -69,7 +67,6 @@ pub use packet::{
     Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
 };
 pub use rig_fault::{RigFault, RigInUse, RigReport};
-pub use rig_image::{RigImage, RigImageError, RigImageHead};
 pub use send::{PointStream, SendError, send, send_frame, send_objects};
 
 /// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.

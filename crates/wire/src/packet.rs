@@ -11,14 +11,14 @@
 //! A payload is counted in a `usize` up to the decoder's `N`; counters saturate.
 
 use crate::SEGMENTS_PER_PACKET;
-use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::command::Command;
 use crate::message::Message;
-use crate::rig_image::RigImage;
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use core::marker::PhantomData;
 use crc::Digest;
+use linestereo_rig::RigImage;
+use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -1,11 +1,10 @@
 //! What a board says of its rig: which one it uses, and what is wrong with the slots that hold none.
 //!
-//! The numbers behind a fault stay on the board: who made the image can ask [`RigImage::decode`](crate::RigImage::decode) for them.
+//! The numbers behind a fault stay on the board: who made the image can ask [`RigImage::decode`](linestereo_rig::RigImage::decode) for them.
 
-use crate::rig_image::{RigImage, RigImageError};
 use core::fmt;
 use linestereo::Dims;
-use linestereo::rectify::Eye;
+use linestereo_rig::{Eye, RigImage, RigImageError};
 use serde::{Deserialize, Serialize};
 
 /// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.

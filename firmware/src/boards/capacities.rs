@@ -4,7 +4,7 @@
 //! mesh depends on the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
 
 use linestereo::Dims;
-use linestereo::rectify::mesh_nodes;
+use linestereo_rig::mesh_nodes;
 
 /// Nodes of a camera's mesh.
 pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });

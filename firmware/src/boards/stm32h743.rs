@@ -35,7 +35,7 @@ mod on_board {
     use embassy_stm32::usart;
     use embassy_stm32::{Peri, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
-    use linestereo::rectify::Eye;
+    use linestereo_rig::Eye;
     use static_cell::StaticCell;
 
     bind_interrupts!(struct Interrupts {

@@ -12,7 +12,7 @@ use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, Fra
 use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 
 /// The left and the right sensor. Two at one bus: give each a share of it (`embedded_hal_bus::i2c::RefCellDevice`).
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use crate::capture::Cameras;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 
 /// How a pair works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -37,7 +37,7 @@ pub use tracker::Tracker;
 
 use core::fmt;
 use linestereo::Dims;
-use linestereo::rectify::{Eye, RowError};
+use linestereo_rig::{Eye, RowError};
 use linestereo_wire::CaptureReport;
 
 /// What a camera's interrupts have seen.

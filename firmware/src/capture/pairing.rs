@@ -17,7 +17,7 @@ use super::tracker::{Progress, Tracker};
 use super::{Fault, Limits, Losses, RowRing, RowSink, Signal};
 use crate::camera::FrameStart;
 use crate::ports::CapturedPair;
-use linestereo::rectify::{Eye, RowError};
+use linestereo_rig::{Eye, RowError};
 
 /// The state of both cameras' streams.
 #[derive(Clone, Debug)]

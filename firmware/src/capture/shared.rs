@@ -19,7 +19,7 @@ use super::{Cameras, RowRing, Signal};
 use core::cell::RefCell;
 use core::fmt;
 use heapless::Deque;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 
 /// [`RowRing`] for rows of which parts are fetched.
 pub trait Stream {

@@ -3,7 +3,7 @@
 use super::RowSink;
 use crate::memory::Memory;
 use linestereo::Dims;
-use linestereo::rectify::{Eye, RowError};
+use linestereo_rig::{Eye, RowError};
 
 /// Two frames of raw rows, without padding.
 #[derive(Debug)]

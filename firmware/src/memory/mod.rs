@@ -13,8 +13,8 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
-use linestereo::rectify::{Eye, Rectification, RowError};
 use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
+use linestereo_rig::{Eye, Rectification, RowError};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
 
 use linestereo::Span;
-use linestereo::rectify::{Band, Eye, Mesh, MeshError, Rectification, RowError};
+use linestereo_rig::{Band, Eye, Mesh, MeshError, Rectification, RowError};
 
 /// [`Mesh`] and [`Band`] without their capacities.
 pub trait Rectifier {

@@ -10,7 +10,7 @@
 use crate::ports::Clock;
 use core::fmt;
 use linestereo::Dims;
-use linestereo::rectify::{
+use linestereo_rig::{
     Band, Calibration, Camera, CameraError, Eye, Lens, Mesh, MeshError, RectifyError, RowError, View, mesh_nodes,
 };
 
@@ -121,8 +121,8 @@ impl From<CameraError> for CannotMeasure {
     }
 }
 
-impl From<linestereo::rectify::CalibrationError> for CannotMeasure {
-    fn from(_: linestereo::rectify::CalibrationError) -> Self {
+impl From<linestereo_rig::CalibrationError> for CannotMeasure {
+    fn from(_: linestereo_rig::CalibrationError) -> Self {
         Self::Pair
     }
 }

@@ -12,8 +12,8 @@ use super::bench::{self, Costs};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock};
 use crate::session::{self, Reply, Session};
-use linestereo::rectify::Eye;
 use linestereo::{Dims, Matched, Plan};
+use linestereo_rig::Eye;
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
     Refusal, send, send_frame, send_objects,

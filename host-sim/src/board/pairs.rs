@@ -8,9 +8,10 @@ use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, Margin, ObjectDepth, Params};
+use linestereo_rig::RigImage;
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
-    ParamUpdate, Refusal, Regions, Request, RigImage, RigReport, RigUpdate, encode,
+    ParamUpdate, Refusal, Regions, Request, RigReport, RigUpdate, encode,
 };
 use std::path::PathBuf;
 

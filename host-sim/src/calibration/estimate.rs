@@ -24,7 +24,7 @@ use super::model::{FX, FY, Intrinsics, K1, LensModel, Pose, SKEW};
 use super::rig_file::quaternion;
 use core::fmt;
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, CalibrationError, CameraError, Eye};
+use linestereo_rig::{Calibration, CalibrationError, CameraError, Eye};
 use std::thread;
 
 /// ValidPixels without which nothing is estimated.

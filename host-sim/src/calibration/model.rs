@@ -3,7 +3,7 @@
 //! The lens is the core's own [`Lens`]: one definition for estimating and for rectifying.
 
 use linestereo::Dims;
-use linestereo::rectify::{Camera, CameraError, Lens};
+use linestereo_rig::{Camera, CameraError, Lens};
 use nalgebra::{Rotation3, Vector3};
 
 /// Which family a lens belongs to.

@@ -4,7 +4,7 @@
 //! `right/`, or `cam0/`, `cam1/`, with or without `data/` below). A pair has the same number; without one, the same rest of the name.
 
 use core::fmt;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

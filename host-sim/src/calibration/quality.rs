@@ -9,7 +9,7 @@ use super::estimate::{CornerError, Estimate};
 use core::fmt;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
-use linestereo::rectify::{Eye, Rectification, View};
+use linestereo_rig::{Eye, Rectification, View};
 
 /// Cells that coverage is counted in, across and down.
 pub(super) const CELLS: [usize; 2] = [8, 6];

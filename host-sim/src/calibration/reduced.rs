@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Camera, Eye};
+use linestereo_rig::{Calibration, Camera, Eye};
 
 /// The same rig for raw images of another size that show the same: whole pixels are centres, so borders are half a pixel outside.
 pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration> {
@@ -23,7 +23,7 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::rectify::Lens;
+    use linestereo_rig::Lens;
 
     #[test]
     fn a_ray_stays_at_its_place_in_the_image() {

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Write};
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, CalibrationError, Camera, CameraError, Eye, Lens};
+use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, Eye, Lens};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::{fs, io};

@@ -3,7 +3,7 @@
 use super::estimate::{Estimate, Parameter};
 use super::quality::{Assessment, Finding, Rectified, Verdict};
 use core::fmt::Write;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 use serde_json::{Value, json};
 
 /// What decides whether to trust it.

@@ -7,7 +7,7 @@ use crate::output::OutputFiles;
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::Dims;
-use linestereo::rectify::{Camera, Eye, Lens};
+use linestereo_rig::{Camera, Eye, Lens};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

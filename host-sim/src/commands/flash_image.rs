@@ -6,8 +6,7 @@ use crate::calibration::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
-use linestereo_wire::{RigImage, RigImageHead};
+use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, RigImageHead, View};
 use std::path::{Path, PathBuf};
 
 /// Disparity range without an option.

@@ -20,9 +20,9 @@ use anyhow::{Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::image::shrink_to_usable;
-use linestereo::rectify::Eye;
 use linestereo::{Dims, Gray, Params, Rig, RigError, Span};
-use linestereo_wire::{RigImage, RigUpdate};
+use linestereo_rig::{Eye, RigImage};
+use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

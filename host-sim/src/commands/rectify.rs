@@ -9,7 +9,7 @@ use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::rectify::{Eye, Rectification};
+use linestereo_rig::{Eye, Rectification};
 use std::path::{Path, PathBuf};
 
 /// What the rig image needs and rectification does not use.

@@ -15,8 +15,8 @@ use crate::output::OutputFiles;
 use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::rectify::Eye;
 use linestereo::{Dims, Rejection};
+use linestereo_rig::Eye;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
 

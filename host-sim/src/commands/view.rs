@@ -8,8 +8,7 @@ use crate::interchange::{Options, load_rig};
 use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
-use linestereo::rectify::{Calibration, Eye, RectifyError, View};
-use linestereo_wire::{RigImage, RigImageError};
+use linestereo_rig::{Calibration, Eye, RectifyError, RigImage, RigImageError, View};
 use std::path::PathBuf;
 
 /// Size and view of the rectified images.

@@ -16,8 +16,8 @@ use crate::engine::GrayImage;
 use crate::interchange::{Options, load_rig};
 use crate::rectify::PairRectifier;
 use core::fmt;
-use linestereo::rectify::{Eye, View};
 use linestereo::{Dims, Rig};
+use linestereo_rig::{Eye, View};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
 use linestereo::Dims;
-use linestereo::rectify::{Camera, Eye, Lens};
+use linestereo_rig::{Camera, Eye, Lens};
 
 /// What the coefficients of a lens mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -3,7 +3,7 @@
 use crate::calibration::RigFileError;
 use core::fmt;
 use linestereo::Dims;
-use linestereo::rectify::{CalibrationError, CameraError, Eye, RectifyError};
+use linestereo_rig::{CalibrationError, CameraError, Eye, RectifyError};
 use std::io;
 use std::path::PathBuf;
 

@@ -13,7 +13,7 @@ use super::names::size;
 use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Camera, Eye, Lens};
+use linestereo_rig::{Calibration, Camera, Eye, Lens};
 
 pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
     let ((left_camera, left_pose), (right_camera, right_pose)) = (sensor(left, Eye::Left)?, sensor(right, Eye::Right)?);

@@ -12,7 +12,7 @@ use super::euroc::{four_coefficients, pinhole};
 use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Eye};
+use linestereo_rig::{Calibration, Eye};
 
 pub(super) fn read(chain: &Node, swap: bool, notes: &mut Vec<String>) -> Result<Calibration, Fault> {
     let (left, right) = (chain.require("cam0")?, chain.require("cam1")?);

@@ -26,7 +26,7 @@ use crate::calibration::RigFile;
 use core::fmt;
 use error::{Fault, Place};
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Eye};
+use linestereo_rig::{Calibration, Eye};
 use node::Node;
 use std::fs::File;
 use std::io::{self, Read};

@@ -21,7 +21,7 @@ use super::pose::{self, Pose, Rows};
 use super::{Options, StoredRectification, TranslationUnit};
 use crate::calibration::quaternion;
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Eye, Lens, View};
+use linestereo_rig::{Calibration, Eye, Lens, View};
 use nalgebra::{Matrix3, Vector3};
 
 const CAMERA: &[&str] =
@@ -270,13 +270,13 @@ fn entries(calibration: &Calibration) -> Result<Vec<Entry>, Problem> {
 }
 
 /// `P1` and `P2`.
-pub(super) fn projections(rectified: &linestereo::rectify::Rectification) -> [[f64; 12]; 2] {
+pub(super) fn projections(rectified: &linestereo_rig::Rectification) -> [[f64; 12]; 2] {
     let (focal, [cx, cy]) = (rectified.focal(), rectified.centre());
     [0.0, -focal * rectified.baseline()].map(|along| [focal, 0.0, cx, along, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
 }
 
 /// `Q`: `(x, y, disparity, 1)` to homogeneous metres.
-fn reprojection(rectified: &linestereo::rectify::Rectification) -> [f64; 16] {
+fn reprojection(rectified: &linestereo_rig::Rectification) -> [f64; 16] {
     let (focal, [cx, cy], inverse) = (rectified.focal(), rectified.centre(), 1.0 / rectified.baseline());
     [1.0, 0.0, 0.0, -cx, 0.0, 1.0, 0.0, -cy, 0.0, 0.0, 0.0, focal, 0.0, 0.0, inverse, 0.0]
 }

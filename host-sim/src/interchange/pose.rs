@@ -4,7 +4,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
-use linestereo::rectify::{Calibration, CalibrationError, Camera};
+use linestereo_rig::{Calibration, CalibrationError, Camera};
 use nalgebra::{Matrix3, Vector3};
 
 /// A matrix by rows.

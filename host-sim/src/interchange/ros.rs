@@ -14,7 +14,7 @@ use super::node::{Matrix, Node};
 use super::opencv::projections;
 use super::pose;
 use linestereo::Dims;
-use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
+use linestereo_rig::{Calibration, Camera, Eye, Lens, View};
 use nalgebra::Matrix3;
 
 /// Names in files, and in messages of ROS 1 and 2.

@@ -7,8 +7,9 @@
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity};
+use linestereo_rig::RigImage;
 use linestereo_wire::{
-    MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigImage, RigUpdate,
+    MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate,
 };
 
 /// Every name that can stand before `=`.

@@ -9,7 +9,7 @@ use linestereo::health::HealthMonitor;
 use linestereo::image::ViewError;
 use linestereo::objects::{LabelRows, Run};
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo::rectify::{
+use linestereo_rig::{
     Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };

@@ -2,6 +2,7 @@
 
 use linestereo::diagnostics::Techniques;
 use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Position};
+use linestereo_rig::RigImage;
 use linestereo_wire::*;
 
 /// xorshift64*: enough for garbage, the same on every machine.

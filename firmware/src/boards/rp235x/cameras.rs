@@ -38,7 +38,7 @@ use embassy_rp::pio::{
 use embassy_rp::{Peri, bind_interrupts};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use linestereo::rectify::Eye;
+use linestereo_rig::Eye;
 
 bind_interrupts!(struct Interrupts {
     // `Pio::new` asks for it and enables it; it never comes, because nothing is a source of it (INTE of IRQ 0 stays 0).

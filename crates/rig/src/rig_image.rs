@@ -32,11 +32,11 @@
 //! Checking an image: one pass over its bytes. Decoding one: two cameras and a common view in double precision, a few million
 //! operations. No allocation, no panic path.
 
+use crate::calibration::{Calibration, CalibrationError, Eye};
+use crate::camera::{Camera, CameraError, Lens};
 use crate::checksum::{CRC_32, CRC_BYTES};
+use crate::rectification::{Rectification, RectifyError, View};
 use core::fmt;
-use linestereo::rectify::{
-    Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Rectification, RectifyError, View,
-};
 use linestereo::{Dims, ParamError, Params};
 use serde::{Deserialize, Serialize};
 
@@ -228,8 +228,7 @@ impl RigImage {
     ///
     /// ```
     /// use linestereo::Dims;
-    /// use linestereo::rectify::{Calibration, Camera, Lens, View};
-    /// use linestereo_wire::{RigImage, RigImageError};
+    /// use linestereo_rig::{Calibration, Camera, Lens, RigImage, RigImageError, View};
     /// let dims = Dims { width: 320, height: 240 };
     /// let camera = Camera::new(dims, [250.0; 2], [159.5, 119.5], 0.0, Lens::NONE)?;
     /// let pair = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0])?;

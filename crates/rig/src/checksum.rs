@@ -3,7 +3,7 @@
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// Bytes of a checksum.
-pub(crate) const CRC_BYTES: usize = size_of::<u32>();
+pub const CRC_BYTES: usize = size_of::<u32>();
 
 /// With its table.
-pub(crate) static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+pub static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);

@@ -13,8 +13,8 @@
 //! Brandt, 2006, in the form of OpenCV's and Kalibr's equidistant fisheye model (k1 .. k4).
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
-use crate::image::Dims;
 use core::fmt;
+use linestereo::image::Dims;
 
 /// Rays further off the axis than this (tangent of the angle, 76 degrees) are not looked at: a flat rectified image cannot show them.
 pub const MAX_TANGENT: f64 = 4.0;
@@ -152,7 +152,7 @@ impl core::error::Error for CameraError {}
 ///
 /// ```
 /// use linestereo::Dims;
-/// use linestereo::rectify::{Camera, Lens};
+/// use linestereo_rig::{Camera, Lens};
 /// let dims = Dims { width: 640, height: 480 };
 /// let lens = Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [0.0; 2] };
 /// let camera = Camera::new(dims, [500.0, 500.0], [319.5, 239.5], 0.0, lens)?;

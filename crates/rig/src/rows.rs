@@ -12,13 +12,13 @@
 //! ```
 //!
 //! # Bounds
-//! See [`portable::bilinear`](crate::kernel::portable::bilinear).
+//! See [`portable::bilinear`](linestereo::diagnostics::kernel::portable::bilinear).
 
-use super::mesh::{Mesh, MeshPlan};
-use super::nodes::{Knots, Node, Piece};
-use crate::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
+use crate::mesh::{Mesh, MeshPlan};
+use crate::nodes::{Knots, NO_NODE, Node, Piece};
 use core::fmt;
 use core::ops::Range;
+use linestereo::diagnostics::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 
 /// Raw rows of one camera, in the caller's memory; [`Mesh::band_bytes`] are needed.
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ impl<const BYTES: usize> Band<BYTES> {
     pub const fn new() -> Self {
         const NOTHING: Run =
             Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, ddx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
-        let work = Work { knots: [Node::ZERO; _], runs: [NOTHING; RUNS] };
+        let work = Work { knots: [NO_NODE; _], runs: [NOTHING; RUNS] };
         Self { bytes: Bytes([0; BYTES]), place: Place { raw: 0, row: 0 }, work }
     }
 

@@ -1,6 +1,6 @@
 //! Where each rectified pixel comes from, as a coarse mesh of integers.
 //!
-//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and what a [`Band`](super::Band) has to hold for it.
+//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and what a [`Band`](crate::Band) has to hold for it.
 //!
 //! ```text
 //! set-up, floating point:
@@ -16,20 +16,20 @@
 //! # Cost
 //! 8 bytes for a node, 6 for a row: 4.8 KiB for a camera at QVGA.
 
-use super::calibration::Eye;
-use super::grid::Grid;
-use super::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
-use super::rectification::Rectification;
-use crate::image::{Dims, Span, shrink_to_usable};
-use crate::kernel::X_ROUNDING;
+use crate::calibration::Eye;
+use crate::grid::Grid;
+use crate::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
+use crate::rectification::Rectification;
 use core::fmt;
+use linestereo::diagnostics::kernel::X_ROUNDING;
+use linestereo::image::{Dims, Span, shrink_to_usable};
 
 /// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified image has. `new` is empty, `build`
 /// fills it.
 ///
 /// ```
 /// use linestereo::Dims;
-/// use linestereo::rectify::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
+/// use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
 ///
 /// const DIMS: Dims = Dims { width: 64, height: 48 };
 /// let lens = Lens::BrownConrady { k: [-0.2, 0.0, 0.0], p: [0.0; 2] };
@@ -153,20 +153,20 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         self.grid.band_rows
     }
 
-    /// Bytes that a [`Band`](super::Band) for this mesh needs.
+    /// Bytes that a [`Band`](crate::Band) for this mesh needs.
     #[must_use]
     pub fn band_bytes(&self) -> usize {
         self.grid.band_bytes()
     }
 
     /// Of each rectified row the pixels that have a source (the largest run of them); all others are written 0. For
-    /// [`Gray::with_usable`](crate::Gray::with_usable) after [`shrink_to_usable`](crate::image::shrink_to_usable).
+    /// [`Gray::with_usable`](linestereo::Gray::with_usable) after [`shrink_to_usable`](linestereo::image::shrink_to_usable).
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])
     }
 
-    /// Spans of usable pixels for [`Gray::with_usable`](crate::Gray::with_usable), in the caller's memory of as many spans as the rectified
+    /// Spans of usable pixels for [`Gray::with_usable`](linestereo::Gray::with_usable), in the caller's memory of as many spans as the rectified
     /// image has rows; none when every pixel has a source.
     pub fn usable<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
         let width = self.grid.dims.width;
@@ -206,15 +206,15 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         f64::from(self.grid.error_q16) / f64::from(ONE)
     }
 
-    pub(super) fn plan(&self) -> MeshPlan<'_> {
+    pub(crate) fn plan(&self) -> MeshPlan<'_> {
         MeshPlan { grid: &self.grid, nodes: &self.nodes, spans: self.spans(), last: &self.last }
     }
 }
 
 /// A mesh, whatever its capacity.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct MeshPlan<'a> {
-    pub(super) grid: &'a Grid,
+pub(crate) struct MeshPlan<'a> {
+    pub(crate) grid: &'a Grid,
     nodes: &'a [Node],
     spans: &'a [Span],
     last: &'a [u16],
@@ -222,23 +222,23 @@ pub(super) struct MeshPlan<'a> {
 
 impl MeshPlan<'_> {
     /// Nodes along row `y`: see [`Grid::knots`].
-    pub(super) fn knots<'k>(&self, y: u16, memory: &'k mut Knots) -> &'k [Node] {
+    pub(crate) fn knots<'k>(&self, y: u16, memory: &'k mut Knots) -> &'k [Node] {
         self.grid.knots(self.nodes, y, memory)
     }
 
     /// The pixels of row `y` that have a source.
-    pub(super) fn span(&self, y: u16) -> Span {
+    pub(crate) fn span(&self, y: u16) -> Span {
         self.spans.get(usize::from(y)).copied().unwrap_or_default()
     }
 
     /// Is raw row `raw` enough to compute row `y`?
-    pub(super) fn suffices(&self, raw: u16, y: u16) -> bool {
+    pub(crate) fn suffices(&self, raw: u16, y: u16) -> bool {
         self.last.get(usize::from(y)).is_some_and(|last| *last <= raw)
     }
 
     /// Calls `each` with first pixel, length and positions of every piece of row `y`.
     #[inline(always)]
-    pub(super) fn for_each_piece(&self, y: u16, memory: &mut Knots, each: impl FnMut(u16, u16, Piece)) {
+    pub(crate) fn for_each_piece(&self, y: u16, memory: &mut Knots, each: impl FnMut(u16, u16, Piece)) {
         self.grid.pieces_between(self.grid.knots(self.nodes, y, memory), each);
     }
 }

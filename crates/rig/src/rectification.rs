@@ -1,17 +1,17 @@
 //! A calibrated pair -> two virtual cameras that look alike: same direction, focal length and centre, points on the same row.
 //!
 //! In: a [`Calibration`], the size of the rectified images, how much of the view to keep. Out: for every rectified pixel its place in the
-//! raw image, in floating point. [`Mesh`](super::Mesh) makes it integer.
+//! raw image, in floating point. [`Mesh`](crate::Mesh) makes it integer.
 //!
 //! # Source
 //! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the same, so that disparity 0 is infinity.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
-use super::calibration::{Calibration, Eye};
-use super::camera::{Camera, MAX_TANGENT};
-use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use crate::rig::{Rig, RigError};
+use crate::calibration::{Calibration, Eye};
+use crate::camera::{Camera, MAX_TANGENT};
 use core::fmt;
+use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use linestereo::{Rig, RigError};
 use nalgebra::{Matrix3, Vector3};
 
 /// Stretches of each border of the raw image between points that are looked at.

@@ -1,8 +1,8 @@
 //! Two cameras and the pose between them: what a calibration finds, and what a board stores.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
-use super::camera::Camera;
-use super::turn::{half, matrix};
+use crate::camera::Camera;
+use crate::turn::{half, matrix};
 use core::fmt;
 use nalgebra::Vector3;
 

@@ -1,51 +1,52 @@
 //! The nodes of one camera, computed and joined: all of a mesh but its memory.
 //!
 //! In: a rectification and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
-//! Method and bounds: [`mesh`](super::mesh).
+//! Method and bounds: [`mesh`](crate::mesh).
 
-use super::calibration::Eye;
-use super::nodes::{
-    COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, nodes_along,
+use crate::calibration::Eye;
+use crate::nodes::{
+    BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, is_behind,
+    is_seen, node_at, nodes_along,
 };
-use super::rectification::Rectification;
-use crate::image::{Dims, MAX_WIDTH, Span};
-use crate::kernel::{X_ROUNDING, columns, weigh_knots};
+use crate::rectification::Rectification;
+use linestereo::diagnostics::kernel::{X_ROUNDING, columns, weigh_knots};
+use linestereo::image::{Dims, MAX_WIDTH, Span};
 
 /// How far outside the outermost raw pixels a position may lie and counts as there: 1/64 px, for what the mesh rounds.
 const TOLERANCE: i32 = ONE / 64;
 
 /// Sizes, and how the nodes are to be joined.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Grid {
-    pub(super) dims: Dims,
-    pub(super) raw: Dims,
-    pub(super) columns: u16,
+pub(crate) struct Grid {
+    pub(crate) dims: Dims,
+    pub(crate) raw: Dims,
+    pub(crate) columns: u16,
     /// log2 of the distance of nodes in pixels.
-    pub(super) cell: u8,
+    pub(crate) cell: u8,
     /// log2 of the pixels of a piece.
-    pub(super) piece: u8,
-    pub(super) band_rows: u16,
+    pub(crate) piece: u8,
+    pub(crate) band_rows: u16,
     /// Do all pixels of all rows lie between four raw ones?
-    pub(super) is_inner: bool,
-    pub(super) error_q16: i32,
+    pub(crate) is_inner: bool,
+    pub(crate) error_q16: i32,
 }
 
 impl Grid {
     /// The rows, and what the kernel may read behind the last one.
-    pub(super) fn band_bytes(&self) -> usize {
+    pub(crate) fn band_bytes(&self) -> usize {
         let width = usize::from(self.raw.width);
         usize::from(self.band_rows) * width + columns(width) + 1 - width
     }
 
     /// Of no rows.
-    pub(super) const EMPTY: Self = {
+    pub(crate) const EMPTY: Self = {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
         let (columns, band_rows, error_q16) = (0, 0, 0);
         Self { dims: NOTHING, raw: NOTHING, columns, cell: 0, piece: 0, band_rows, is_inner: false, error_q16 }
     };
 
     /// `None` when no rectified pixel has a source.
-    pub(super) fn build<'a>(
+    pub(crate) fn build<'a>(
         rectification: &Rectification,
         eye: Eye,
         nodes: &mut [Node],
@@ -71,7 +72,7 @@ impl Grid {
         for (row, v) in nodes.chunks_exact_mut(usize::from(columns).max(1)).take(rows).zip(-1..) {
             for (node, u) in row.iter_mut().zip(-1..) {
                 let [x, y] = [u, v].map(|i: i32| f64::from(i << cell));
-                *node = Node::new(rectification.extended_source(eye, [x, y]));
+                *node = node_at(rectification.extended_source(eye, [x, y]));
             }
         }
         Self { dims, raw, columns, cell, piece: cell, band_rows: 0, is_inner: false, error_q16: 0 }
@@ -87,7 +88,7 @@ impl Grid {
     fn is_near(&self, node: Node) -> bool {
         let around = ONE << self.cell;
         let inside = |v: i32, side: u16| (-around..(i32::from(side) << 16) + around).contains(&v);
-        node.is_seen() && inside(node.x, self.raw.width) && inside(node.y, self.raw.height)
+        is_seen(node) && inside(node.x, self.raw.width) && inside(node.y, self.raw.height)
     }
 
     /// What a cubic through four nodes errs in their middle at most, 3/128 of the fourth difference, summed over both directions.
@@ -109,7 +110,7 @@ impl Grid {
             }
         }
         for column in 0..usize::from(self.columns) {
-            let mut five = [Node { x: 1, y: 1 }; 5];
+            let mut five = [BEHIND; 5];
             for row in self.node_rows(nodes) {
                 let [_, b, c, d, e] = five;
                 five = [b, c, d, e, row.get(column).copied().unwrap_or(e)];
@@ -161,7 +162,7 @@ impl Grid {
                 let [a, middle, c] = three;
                 let a = before.unwrap_or(a);
                 let mut moved = middle;
-                if ![a, middle, c].iter().any(|node| node.is_behind()) {
+                if ![a, middle, c].iter().any(|node| is_behind(*node)) {
                     moved.y -= Self::bend_of_rows([a, middle, c]) >> shift & !1;
                 }
                 if let Some(node) = row.get_mut(at + 1) {
@@ -236,7 +237,7 @@ impl Grid {
 
     /// Does a position, with the rounding of pieces, lie between four raw pixels?
     #[inline]
-    pub(super) fn is_between(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
+    pub(crate) fn is_between(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
         let end = |side: u16| i32::from(side.saturating_sub(1));
         (0..end(self.raw.width) << 16).contains(&x_q16) && (0..end(self.raw.height) << 14).contains(&y_q14)
     }
@@ -248,9 +249,9 @@ impl Grid {
         let (mut seen, mut behind) = (0, false);
         for v in 0..4 {
             for u in 0..4 {
-                let node = nodes.get(first + v * columns + u).copied().unwrap_or(Node { x: 1, y: 1 });
-                behind |= node.is_behind();
-                seen += u32::from(node.is_seen() && (1..3).contains(&u) && (1..3).contains(&v));
+                let node = nodes.get(first + v * columns + u).copied().unwrap_or(BEHIND);
+                behind |= is_behind(node);
+                seen += u32::from(is_seen(node) && (1..3).contains(&u) && (1..3).contains(&v));
             }
         }
         match seen {
@@ -263,7 +264,7 @@ impl Grid {
 
     /// Nodes along row `y`: one before the first pixel, one at the end of each cell, one more.
     #[inline]
-    pub(super) fn knots<'a>(&self, nodes: &[Node], y: u16, memory: &'a mut Knots) -> &'a [Node] {
+    pub(crate) fn knots<'a>(&self, nodes: &[Node], y: u16, memory: &'a mut Knots) -> &'a [Node] {
         let columns = usize::from(self.columns);
         let first = usize::from(y >> self.cell) * columns;
         let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return &[] };
@@ -274,13 +275,13 @@ impl Grid {
 
     /// Calls `each` with first pixel, length and positions of every piece of row `y`.
     #[inline(always)]
-    pub(super) fn for_each_piece(&self, nodes: &[Node], y: u16, each: impl FnMut(u16, u16, Piece)) {
+    pub(crate) fn for_each_piece(&self, nodes: &[Node], y: u16, each: impl FnMut(u16, u16, Piece)) {
         let mut memory = [Node::default(); MOST_COLUMNS];
         self.pieces_between(self.knots(nodes, y, &mut memory), each);
     }
 
     #[inline(always)]
-    pub(super) fn pieces_between(&self, knots: &[Node], mut each: impl FnMut(u16, u16, Piece)) {
+    pub(crate) fn pieces_between(&self, knots: &[Node], mut each: impl FnMut(u16, u16, Piece)) {
         let mut start = 0;
         for four in knots.windows(4).filter_map(|four| four.first_chunk::<4>()) {
             self.pieces_of_cell(four, |piece| {
@@ -295,7 +296,7 @@ impl Grid {
 
     /// The pieces between the inner two of four nodes.
     #[inline(always)]
-    pub(super) fn pieces_of_cell(&self, four: &[Node; 4], mut each: impl FnMut(Piece)) {
+    pub(crate) fn pieces_of_cell(&self, four: &[Node; 4], mut each: impl FnMut(Piece)) {
         let length = self.piece & 15;
         let [before, mut from, to, behind] = *four;
         // The second derivative in the middle: the mean of those at both ends.
@@ -311,12 +312,12 @@ impl Grid {
     }
 
     /// Is a piece a whole cell of the kernel's size?
-    pub(super) fn has_whole_cells(&self) -> bool {
+    pub(crate) fn has_whole_cells(&self) -> bool {
         self.piece == COARSE
     }
 
     /// Pixels of a piece.
-    pub(super) fn length(&self) -> i32 {
+    pub(crate) fn length(&self) -> i32 {
         1 << (self.piece & 15)
     }
 }

@@ -1,0 +1,35 @@
+//! Geometry of a stereo rig for linestereo: two calibrated cameras and the pose between them, and raw frames -> rectified rows.
+//!
+//! In: cameras and pose, once, in double precision. Out: a [`Rig`](linestereo::Rig) for [`Params`](linestereo::Params), and rectified
+//! rows, in integers. Firmware whose frames come rectified needs nothing of this.
+//!
+//! ```text
+//! once, floating point:  Calibration (two cameras, the pose between them), from numbers or from the bytes of a RigImage
+//!                     -> Rectification (one virtual camera: directions, focal length, centre)
+//!                     -> Mesh, one per camera (raw positions of every 16th pixel, what each row needs)
+//! per raw row, integers: Band (the raw rows that are needed at once) -> rectified rows
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_debug_implementations)]
+#![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod calibration;
+mod camera;
+#[doc(hidden)] // of packets too
+pub mod checksum;
+mod grid;
+mod mesh;
+mod nodes;
+mod rectification;
+mod rig_image;
+mod rows;
+mod turn;
+
+pub use calibration::{Calibration, CalibrationError, Eye};
+pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
+pub use mesh::{Mesh, MeshError};
+pub use nodes::{fine_mesh_nodes, mesh_nodes};
+pub use rectification::{Rectification, RectifyError, View};
+pub use rig_image::{RigImage, RigImageError, RigImageHead};
+pub use rows::{Band, RowError};
