@@ -69,6 +69,15 @@ pub struct Point {
     pub source: Source,
 }
 
+impl Point {
+    /// Where it is.
+    #[must_use]
+    pub fn position(&self) -> ImagePosition {
+        let of = |whole: u16| Position::from_bits(whole << 5);
+        ImagePosition { x: of(self.x), y: of(self.y) }
+    }
+}
+
 /// Origin of a point: a segment or a support point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {

@@ -1,28 +1,42 @@
-//! The rectified rig: disparity to depth (Eqs. 5, 12) and depth margin to disparity interval (Eq. 13).
+//! The rectified rig: disparity to depth (Eqs. 5, 12), pixel and disparity to a position in space, and depth margin to disparity interval
+//! (Eq. 13).
 //!
-//! In: focal length, baseline and offset, checked once at set-up (the only floating point here). Out: depths in metres
-//! and disparity intervals, by 64-bit integer divisions.
+//! In: focal length, baseline, offset and principal point, checked once at set-up (the only floating point here). Out: metres and disparity
+//! intervals, by 64-bit integer divisions.
 //!
 //! # Bounds
-//! `f*B` is at most 10^7 px*m, in Q16 below 2^40; shifted by 6 for a quotient in Q16 below 2^46: fits `i64`.
+//! `f*B` is at most 10^7 px*m, in Q16 below 2^40; shifted by 6 for a quotient in Q16 below 2^46: fits `i64`. Columns and rows are less than
+//! 2^12 px from the principal point, 2^28 in Q16; times a depth below 2^31 less than 2^59.
 
+use crate::image::Dims;
+use crate::result::ImagePosition;
 use crate::units::{Depth, Disparity, INFINITE_DEPTH};
 use core::fmt;
 
-/// Focal length, baseline and disparity offset of a rectified pair: `z = f*B / (d + offset)`.
+/// Focal length, baseline, disparity offset and principal point of a rectified pair: `z = f*B / (d + offset)`.
 ///
 /// ```
 /// use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig};
 /// let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
 /// assert_eq!(rig.depth(Disparity::from_num(20)), Depth::from_num(2)); // 400 * 0.1 / 20
 /// assert_eq!(rig.depth(Disparity::ZERO), INFINITE_DEPTH);
+///
+/// let rig = rig.with_principal_point([160.0, 120.0]).unwrap();
+/// let at = linestereo::ImagePosition { x: 180_u8.into(), y: 120_u8.into() };
+/// // 20 px right of the optical axis, 2 m away: 2 * 20 / 400.
+/// let [x, y, z] = rig.xyz(at, Disparity::from_num(20)).unwrap();
+/// assert!((x.to_num::<f64>() - 0.1).abs() < 1e-4 && y == 0 && z == 2);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rig {
+    /// px, Q16.
+    focal_q16: i64,
     /// f*B in px*m, Q16.
     focal_baseline_q16: i64,
     /// Disparity offset in px, Q6 (the step of [`Disparity`]).
     offset_q6: i64,
+    /// Of the left image, px in Q16; `None`: the centre of the image.
+    principal_point_q16: Option<[i32; 2]>,
 }
 
 /// Which number of a rig is unusable.
@@ -34,6 +48,8 @@ pub enum RigError {
     Baseline(f64),
     /// Disparity offset in pixels, outside -4096 ..= 4096 or not finite.
     Offset(f64),
+    /// Column or row of the principal point in pixels, outside -2048 ..= 2048 or not finite.
+    PrincipalPoint(f64),
 }
 
 impl fmt::Display for RigError {
@@ -42,6 +58,7 @@ impl fmt::Display for RigError {
             Self::Focal(v) => write!(f, "focal length {v} px is outside 1 to 100000"),
             Self::Baseline(v) => write!(f, "baseline {v} m is outside 0.0001 to 100"),
             Self::Offset(v) => write!(f, "disparity offset {v} px is outside -4096 to 4096"),
+            Self::PrincipalPoint(v) => write!(f, "principal point: {v} px is outside -2048 to 2048"),
         }
     }
 }
@@ -50,12 +67,8 @@ impl core::error::Error for RigError {}
 
 impl Rig {
     /// A rig from its focal length in px, baseline in m and the offset in px that is added to every disparity
-    /// (`x_centre_right - x_centre_left`; 0 for most rigs).
-    #[expect(
-        clippy::float_arithmetic,
-        clippy::cast_possible_truncation,
-        reason = "set-up; both products are range-checked"
-    )]
+    /// (`x_centre_right - x_centre_left`; 0 for most rigs). The principal point is the centre of the image.
+    #[expect(clippy::float_arithmetic, reason = "set-up")]
     pub fn new(focal_px: f64, baseline_m: f64, offset_px: f64) -> Result<Self, RigError> {
         if !(1.0..=100_000.0).contains(&focal_px) {
             return Err(RigError::Focal(focal_px));
@@ -66,8 +79,54 @@ impl Rig {
         if !(-4096.0..=4096.0).contains(&offset_px) {
             return Err(RigError::Offset(offset_px));
         }
-        let nearest = |v: f64| if v < 0.0 { (v - 0.5) as i64 } else { (v + 0.5) as i64 };
-        Ok(Self { focal_baseline_q16: nearest(focal_px * baseline_m * 65536.0), offset_q6: nearest(offset_px * 64.0) })
+        Ok(Self {
+            focal_q16: nearest(focal_px * 65536.0),
+            focal_baseline_q16: nearest(focal_px * baseline_m * 65536.0),
+            offset_q6: nearest(offset_px * 64.0),
+            principal_point_q16: None,
+        })
+    }
+
+    /// The same rig with the principal point of its left image, px.
+    #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; the range is checked")]
+    pub fn with_principal_point(self, point: [f64; 2]) -> Result<Self, RigError> {
+        if let Some(outside) = point.into_iter().find(|v| !(-2048.0..=2048.0).contains(v)) {
+            return Err(RigError::PrincipalPoint(outside));
+        }
+        Ok(Self { principal_point_q16: Some(point.map(|v| nearest(v * 65536.0) as i32)), ..self })
+    }
+
+    /// The same rig with its principal point in the centre of images of this size, unless it has one.
+    #[must_use]
+    pub fn centred(self, dims: Dims) -> Self {
+        let centre = [dims.width, dims.height].map(|side| (i32::from(side) - 1) << 15);
+        Self { principal_point_q16: self.principal_point_q16.or(Some(centre)), ..self }
+    }
+
+    /// Focal length, px in Q16.
+    #[must_use]
+    pub fn focal_q16(&self) -> i64 {
+        self.focal_q16
+    }
+
+    /// Principal point of the left image, px in Q16; `None` stands for the centre of the image.
+    #[must_use]
+    pub fn principal_point_q16(&self) -> Option<[i32; 2]> {
+        self.principal_point_q16
+    }
+
+    /// Position in space of what is seen at `at` of the left image with this disparity: x right, y down, z forward of the left camera, m,
+    /// rounded to nearest. `None` where the depth is infinite or the principal point unknown: see [`Rig::centred`].
+    #[must_use]
+    pub fn xyz(&self, at: ImagePosition, disparity: Disparity) -> Option<[Depth; 3]> {
+        let [cx, cy] = self.principal_point_q16?;
+        let z = self.depth(disparity);
+        let along = |position_q5: u16, centre_q16: i32| {
+            let product = ((i64::from(position_q5) << 11) - i64::from(centre_q16)).wrapping_mul(z.to_bits().into());
+            let metres_q16 = product.wrapping_add(self.focal_q16 >> 1).checked_div_euclid(self.focal_q16)?;
+            i32::try_from(metres_q16).ok().map(Depth::from_bits)
+        };
+        (z != INFINITE_DEPTH).then_some([along(at.x.to_bits(), cx)?, along(at.y.to_bits(), cy)?, z])
     }
 
     /// f*B in px*m, 1/65536.
@@ -125,6 +184,12 @@ impl Rig {
         let high = if near_q16 <= 0 { Disparity::MAX } else { at(near_q16) };
         (low, high)
     }
+}
+
+/// Rounded to nearest, halves away from zero.
+#[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; callers check the range")]
+fn nearest(v: f64) -> i64 {
+    if v < 0.0 { (v - 0.5) as i64 } else { (v + 0.5) as i64 }
 }
 
 fn saturate(d_q6: i64) -> Disparity {

@@ -21,8 +21,6 @@ pub struct Session<'a> {
     params: Params,
     /// Of the parameters, for the size of the last pair.
     plan: Option<Plan>,
-    /// Focal length of the rectified images, px, and their principal point if it is known: with the rig of the parameters.
-    pinhole: Option<(f64, Option<[f64; 2]>)>,
     /// Directions, for the size of the last pair.
     directions: Option<(Dims, ObstaclePlan)>,
     /// Objects whose depths are asked for.
@@ -75,7 +73,6 @@ impl<'a> Session<'a> {
             board,
             params: Params::DEFAULT,
             plan: None,
-            pinhole: None,
             directions: None,
             regions: Regions { boxes: Vec::new(), only: false },
             matcher: None,
@@ -131,10 +128,7 @@ impl<'a> Session<'a> {
             Request::Photograph => return Reply::Photograph { command: command.id },
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
-                Ok((params, _)) => {
-                    self.pinhole = update.rig.map(|rig| (rig.focal_px, None)).or(self.pinhole);
-                    self.set_params(params);
-                }
+                Ok((params, _)) => self.set_params(params),
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
             Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
@@ -216,8 +210,6 @@ impl<'a> Session<'a> {
 
     /// The memory is ready for this rig, and it lies in this slot.
     fn use_rig(&mut self, image: &RigImage, params: Params, slot: Option<Slot>) {
-        let view = image.rectification();
-        self.pinhole = Some((view.focal(), Some(view.centre())));
         self.set_params(params);
         self.report.in_use = Some(RigInUse::new(image, slot.map(|slot| slot as u8)));
         self.rig = Some(image.encode(0));
@@ -257,8 +249,7 @@ impl<'a> Session<'a> {
         if let Some((_, plan)) = self.directions.filter(|&(of, _)| of == dims) {
             return Some(plan);
         }
-        let (focal_px, centre) = self.pinhole?;
-        let plan = self.vehicle.directions(focal_px, centre).plan(&self.params, dims).ok()?;
+        let plan = self.vehicle.directions().plan(&self.params, dims).ok()?;
         self.directions = Some((dims, plan));
         Some(plan)
     }
@@ -272,7 +263,7 @@ impl<'a> Session<'a> {
     /// Is there a rig, so that distances are known?
     #[must_use]
     pub fn has_rig(&self) -> bool {
-        self.pinhole.is_some()
+        self.params.rig.is_some()
     }
 
     /// The size that raw pairs of this size are rectified to.

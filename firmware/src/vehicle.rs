@@ -41,11 +41,11 @@ impl Vehicle {
         distance_sensor: AutopilotParams::DEFAULT.distance_sensor,
     };
 
-    /// Directions of a rig whose rectified images have this focal length and principal point, px.
+    /// How the view is cut into directions.
     #[must_use]
-    pub fn directions(&self, focal_px: f64, centre: Option<[f64; 2]>) -> ObstacleParams {
+    pub fn directions(&self) -> ObstacleParams {
         let Self { yaw_deg, range_m, heights_m, .. } = *self;
-        ObstacleParams { centre, yaw_deg, range_m, heights_m, ..ObstacleParams::new(focal_px) }
+        ObstacleParams { yaw_deg, range_m, heights_m, ..ObstacleParams::DEFAULT }
     }
 
     /// What its autopilot is told of these directions.
@@ -88,13 +88,13 @@ mod tests {
     /// A rig that sees from 0.39 m on.
     fn plan(vehicle: &Vehicle) -> ObstaclePlan {
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
-        vehicle.directions(250.0, None).plan(&params, Dims { width: 320, height: 240 }).unwrap()
+        vehicle.directions().plan(&params, Dims { width: 320, height: 240 }).unwrap()
     }
 
     #[test]
     fn the_default_is_the_default_of_both_it_is_made_of() {
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
-        let expected = ObstacleParams::new(250.0).plan(&params, Dims { width: 320, height: 240 }).unwrap();
+        let expected = ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap();
         assert_eq!(plan(&Vehicle::DEFAULT), expected);
         assert_eq!(Vehicle::DEFAULT.autopilot(&expected), AutopilotParams::of(&expected));
     }
@@ -124,7 +124,7 @@ mod tests {
         let blocks = [40, 999, 1000].map(|block_cm| Vehicle { block_cm: Some(block_cm), ..of });
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
         for vehicle in [&yaws[..], &ranges, &heights, &rates, &blocks].concat() {
-            let plan = vehicle.directions(250.0, None).plan(&params, Dims { width: 320, height: 240 });
+            let plan = vehicle.directions().plan(&params, Dims { width: 320, height: 240 });
             let is_taken = plan.is_ok_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
             assert_eq!(vehicle.is_valid(), is_taken, "{vehicle:?}");
         }

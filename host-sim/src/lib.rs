@@ -17,7 +17,6 @@ pub mod listing;
 pub mod monitor;
 pub mod outline;
 pub mod output;
-pub mod pinhole;
 pub mod planning;
 pub mod rectify;
 pub mod regions;

@@ -8,7 +8,7 @@ use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::programs::pixels;
 use linestereo_firmware::startup::Exit;
-use linestereo_rig::{Calibration, Camera, Eye, Lens, View};
+use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};

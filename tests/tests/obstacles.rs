@@ -19,7 +19,7 @@ fn params() -> Params {
 }
 
 fn plan_of(change: impl FnOnce(&mut ObstacleParams)) -> ObstaclePlan {
-    let mut wanted = ObstacleParams::new(FOCAL);
+    let mut wanted = ObstacleParams::DEFAULT;
     change(&mut wanted);
     wanted.plan(&params(), DIMS).unwrap()
 }
@@ -251,7 +251,7 @@ fn only_the_height_band_matters() {
 #[test]
 fn an_offset_of_the_rig_moves_distances_not_directions() {
     let rig = Rig::new(FOCAL, BASELINE, 40.0).unwrap();
-    let plan = ObstacleParams::new(FOCAL).plan(&Params { rig: Some(rig), ..params() }, DIMS).unwrap();
+    let plan = ObstacleParams::DEFAULT.plan(&Params { rig: Some(rig), ..params() }, DIMS).unwrap();
     // 20 + 40 px: half a metre.
     assert_eq!(distance(seen(&plan, &[edge(160.0, 20.0, 0.995)]).sector(&plan, 0, 0)), Some(50));
     assert_eq!(distance(seen(&plan, &[edge(160.0, -10.0, 0.995)]).sector(&plan, 0, 0)), Some(100));
@@ -329,14 +329,12 @@ fn an_unfit_pair_says_nothing() {
 #[test]
 fn parameters_without_sense_are_refused_by_name() {
     let refused = |change: &dyn Fn(&mut ObstacleParams)| {
-        let mut wanted = ObstacleParams::new(FOCAL);
+        let mut wanted = ObstacleParams::DEFAULT;
         change(&mut wanted);
         wanted.plan(&params(), DIMS).unwrap_err().to_string()
     };
     type Change<'a> = &'a dyn Fn(&mut ObstacleParams);
-    let cases: [(Change<'_>, &str); 11] = [
-        (&|p| p.focal_px = 0.0, "focal length (px) is 0, allowed are 1 to 100000"),
-        (&|p| p.focal_px = f64::NAN, "focal length (px) is NaN, allowed are 1 to 100000"),
+    let cases: [(Change<'_>, &str); 7] = [
         (&|p| p.yaw_deg = 181.0, "yaw (degrees) is 181, allowed are -180 to 180"),
         (&|p| p.sectors = 73, "sectors is 73, allowed are 4 to 72"),
         (&|p| p.sectors = 0, "sectors is 0, allowed are 4 to 72"),
@@ -344,13 +342,19 @@ fn parameters_without_sense_are_refused_by_name() {
         (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1, allowed are 2 to 1000"),
         (&|p| p.heights_m = [f64::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
         (&|p| p.error_probability = 0.0, "error probability is 0, allowed are 0.00002 to 0.5"),
-        (&|p| p.centre = Some([400.0, 1.0]), "principal column (px) is 400, allowed are 0 to 320"),
-        (&|p| p.centre = Some([1.0, f64::NAN]), "principal row (px) is NaN, allowed are 0 to 240"),
     ];
     for (change, expected) in cases {
         assert_eq!(refused(change), expected);
     }
-    let no_rig = ObstacleParams::new(FOCAL).plan(&Params::default(), DIMS);
+    for (point, expected) in [
+        ([400.0, 1.0], "principal column (px) is 400, allowed are 0 to 320"),
+        ([1.0, -1.0], "principal row (px) is -1, allowed are 0 to 240"),
+    ] {
+        let rig = params().rig.map(|rig| rig.with_principal_point(point).unwrap());
+        let refused = ObstacleParams::DEFAULT.plan(&Params { rig, ..params() }, DIMS).unwrap_err();
+        assert_eq!(refused.to_string(), expected);
+    }
+    let no_rig = ObstacleParams::DEFAULT.plan(&Params::default(), DIMS);
     assert_eq!(no_rig, Err(ObstacleError::NoRig));
 }
 
@@ -370,12 +374,11 @@ fn nothing_overflows() {
         );
         let dims = [DIMS, Dims { width: 1280, height: 16 }, Dims { width: 80, height: 1280 }][round % 3];
         let wanted = ObstacleParams {
-            focal_px: [1.0, 40.0, 300.0, 100_000.0][(round / 4) % 4],
             yaw_deg: f64::from(random() % 361) - 180.0,
             sectors: [4, 5, 7, 36, 71, 72][round % 6],
             range_m: [0.1, 10.0, 600.0][round % 3],
             heights_m: [[-1000.0, 1000.0], [-0.1, 0.1], [0.0, 0.0]][round % 3],
-            ..ObstacleParams::new(FOCAL)
+            ..ObstacleParams::DEFAULT
         };
         let plan = wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims).unwrap();
         let mut point =
@@ -437,7 +440,7 @@ fn captured_frames_give_no_ghosts() {
         // With all in range; and with ranges that most of the scene lies behind.
         let quantile = |share: usize| depths[depths.len() / share] / 100.0;
         for range_m in [10.0, quantile(20), quantile(10), quantile(5)] {
-            let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::new(FOCAL) };
+            let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::DEFAULT };
             let plan = wanted.plan(&params, dims).unwrap();
             let mut obstacles = Obstacles::new();
             obstacles.update(&plan, &result.matches, result.points.iter().copied(), HealthFlags::GOOD, 0);

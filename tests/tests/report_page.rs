@@ -4,7 +4,6 @@ use linestereo::Area;
 use linestereo::{Dims, Params, Rejection, Rig};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
 use linestereo_sim::listing;
-use linestereo_sim::pinhole::Pinhole;
 use linestereo_sim::regions::{Object, Pixels};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
@@ -52,8 +51,7 @@ fn page(runs: &[Run]) -> String {
     let setup = PageSetup {
         title: "two scenes".to_owned(),
         max_disparity: 64,
-        rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap()),
-        pinhole: Some(Pinhole { focal: 300.0, centre: [159.5, 119.5] }),
+        rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap().with_principal_point([159.5, 119.5]).unwrap()),
         many: true,
     };
     let mut page = Page::new(setup);
@@ -233,7 +231,7 @@ fn a_page_without_a_rig_says_what_is_missing() {
     let Some(browser) = browser() else { return };
     let Run { images, mut result, rejected, .. } = run(3);
     result.matches.iter_mut().for_each(|found| (found.depth, found.depth_sigma) = (None, None));
-    let setup = PageSetup { title: "pair".to_owned(), max_disparity: 64, rig: None, pinhole: None, many: false };
+    let setup = PageSetup { title: "pair".to_owned(), max_disparity: 64, rig: None, many: false };
     let mut page = Page::new(setup);
     page.push(&PageFrame {
         name: "pair".to_owned(),

@@ -1,6 +1,6 @@
 //! Disparity, depth and depth margins against the float equations, over every disparity there is.
 
-use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig, RigError};
+use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Position, Rig, RigError};
 use linestereo_tests::reference;
 
 /// Steps per metre of [`Depth`] and per pixel of [`Disparity`].
@@ -162,4 +162,39 @@ fn unusable_rigs_are_refused_by_name() {
     assert!(matches!(Rig::new(400.0, 0.1, f64::NAN), Err(RigError::Offset(_))));
     let error = Rig::new(0.0, 0.1, 0.0).unwrap_err();
     assert_eq!(error.to_string(), "focal length 0 px is outside 1 to 100000");
+}
+
+/// Against the float equation, at corners and centre, for whole and broken principal points.
+#[test]
+fn a_pixel_and_its_disparity_are_a_position_in_space() {
+    for (focal, baseline, offset) in RIGS {
+        let rig = Rig::new(focal, baseline, offset).unwrap();
+        let at = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        assert_eq!(rig.xyz(at(1.0, 1.0), Disparity::from_num(20)), None, "where is the optical axis?");
+        for [cx, cy] in [[159.5, 119.5], [-31.25, 700.0], [0.1, 1279.9]] {
+            let rig = rig.with_principal_point([cx, cy]).unwrap();
+            for (x, y) in [(0.0, 0.0), (1279.0, 0.03125), (159.5, 1279.0)] {
+                for disparity in [0.5, 3.25, 63.984_375].map(Disparity::from_num) {
+                    let z = rig.depth(disparity);
+                    let metres = z.to_num::<f64>();
+                    let expected = [(x - cx) * metres / focal, (y - cy) * metres / focal, metres];
+                    let Some(found) = rig.xyz(at(x, y), disparity) else {
+                        let is_far = expected.iter().any(|v| v.abs() >= 32767.9);
+                        assert!(z == INFINITE_DEPTH || is_far, "{focal} {offset} {disparity}: {expected:?}");
+                        continue;
+                    };
+                    for (found, expected) in found.map(|v| v.to_num::<f64>()).into_iter().zip(expected) {
+                        // Half a step; focal length and principal point are rounded to 1/131072 px.
+                        let bound = 0.5 / DEPTH_STEPS + (expected.abs() + metres) / focal / 65536.0;
+                        assert!((found - expected).abs() <= bound * 1.001, "{focal} {x} {y}: {found}, not {expected}");
+                    }
+                }
+            }
+        }
+        let dims = Dims { width: 320, height: 240 };
+        assert_eq!(rig.centred(dims), rig.with_principal_point([159.5, 119.5]).unwrap());
+        let given = rig.with_principal_point([1.0, 2.0]).unwrap();
+        assert_eq!(given.centred(dims), given);
+        assert_eq!(rig.with_principal_point([0.0, f64::INFINITY]), Err(RigError::PrincipalPoint(f64::INFINITY)));
+    }
 }

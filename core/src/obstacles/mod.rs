@@ -107,7 +107,7 @@ impl Known {
 /// use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 /// let dims = Dims { width: 320, height: 240 };
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
-/// let plan = ObstacleParams::new(300.0).plan(&params, dims)?;
+/// let plan = ObstacleParams::DEFAULT.plan(&params, dims)?;
 /// let mut obstacles = Obstacles::new();
 /// obstacles.update(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
 /// assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown); // ahead

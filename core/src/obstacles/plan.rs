@@ -1,6 +1,6 @@
 //! The view of a camera as sectors of a turn: every check and every float, once.
 //!
-//! In: focal length, principal point, mounting yaw, the range and the height band that matter. Out: an [`ObstaclePlan`]: of every boundary
+//! In: a rig, mounting yaw, the range and the height band that matter. Out: an [`ObstaclePlan`]: of every boundary
 //! between two sectors in view its column, and cosines of directions.
 //!
 //! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read OBSTACLE_DISTANCE. A boundary at the angle `a`
@@ -9,6 +9,7 @@
 use crate::health::HealthFlags;
 use crate::image::Dims;
 use crate::params::Params;
+use crate::rig::Rig;
 use core::f64::consts::PI;
 use core::fmt;
 
@@ -24,10 +25,6 @@ const MAX_SECTORS: u8 = 72;
 /// How directions are cut into sectors, and what is asked of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObstacleParams {
-    /// Focal length of the rectified images, px.
-    pub focal_px: f64,
-    /// Principal point of the rectified left image, px; the centre of the image if `None`.
-    pub centre: Option<[f64; 2]>,
     /// Where the camera looks, degrees clockwise from ahead, seen from above; -180 ..= 180.
     pub yaw_deg: f64,
     /// Sectors of a full turn; 4 ..= 72. 72 are 5 degrees each.
@@ -45,28 +42,29 @@ pub struct ObstacleParams {
     pub unfit: HealthFlags,
 }
 
+impl Default for ObstacleParams {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
 impl ObstacleParams {
     /// The documented defaults: 72 sectors, up to 10 m, all heights, half a second.
-    #[must_use]
-    pub const fn new(focal_px: f64) -> Self {
-        Self {
-            focal_px,
-            centre: None,
-            yaw_deg: 0.0,
-            sectors: MAX_SECTORS,
-            range_m: 10.0,
-            heights_m: [-1000.0, 1000.0],
-            keep_ms: 500,
-            error_probability: 0.01,
-            unfit: HealthFlags::UNFIT,
-        }
-    }
+    pub const DEFAULT: Self = Self {
+        yaw_deg: 0.0,
+        sectors: MAX_SECTORS,
+        range_m: 10.0,
+        heights_m: [-1000.0, 1000.0],
+        keep_ms: 500,
+        error_probability: 0.01,
+        unfit: HealthFlags::UNFIT,
+    };
 
-    /// Checks everything once, for images of this size that are matched with these parameters, which need a rig.
+    /// Checks everything once, for images of this size that are matched with these parameters, which need a rig: its focal length and
+    /// principal point give the directions.
     #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
     pub fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
-        let rig = params.rig.ok_or(ObstacleError::NoRig)?;
-        check("focal length (px)", self.focal_px, 1.0, 100_000.0)?;
+        let rig = params.rig.ok_or(ObstacleError::NoRig)?.centred(dims);
         check("yaw (degrees)", self.yaw_deg, -180.0, 180.0)?;
         check("sectors", self.sectors.into(), 4.0, MAX_SECTORS.into())?;
         check("range (m)", self.range_m, 0.1, 600.0)?;
@@ -74,68 +72,100 @@ impl ObstacleParams {
         check("lowest height (m)", low, -1000.0, 1000.0)?;
         check("highest height (m)", high, low, 1000.0)?;
         check("error probability", self.error_probability, 0.000_02, 0.5)?;
-        let (width, height) = (f64::from(dims.width), f64::from(dims.height));
-        let [cx, cy] = self.centre.unwrap_or([0.5 * (width - 1.0), 0.5 * (height - 1.0)]);
-        check("principal column (px)", cx, 0.0, width)?;
-        check("principal row (px)", cy, 0.0, height)?;
+        let view = View::new(self, &rig, dims)?;
 
-        // Directions in sectors: the border columns, and the first and the last sector that they fall into.
-        let sector = 2.0 * PI / f64::from(self.sectors);
-        let yaw = self.yaw_deg / 180.0 * PI;
-        let direction = |x: f64| libm::atan((x - cx) / self.focal_px) + yaw;
-        let [first, last] = [-0.5, width - 0.5].map(|x| libm::round(direction(x) / sector) as i32);
+        let focal_baseline = rig.focal_baseline_q16() as f64;
+        let [first, last] = [-0.5, view.width - 0.5].map(|column| view.sector_at(column));
         let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
+        let range_cm = nearest(100.0 * self.range_m) as u16;
+        let most = f64::from(params.max_disparity) + rig.offset_q6() as f64 / 64.0;
+        let near = if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
         let mut plan = ObstaclePlan {
             first: first.rem_euclid(self.sectors.into()) as u8,
             in_view: in_view as u8,
             sectors: self.sectors,
             complete: 0,
             edges_q5: [0; MAX_IN_VIEW + 1],
-            cosines_q15: [0; PARTS + 1],
+            cosines_q15: view.cosines_q15(),
             width: dims.width,
             height: dims.height,
-            row_q5: nearest(32.0 * cy) as i32,
-            far_q6: 0,
+            row_q5: nearest(32.0 * view.row) as i32,
+            // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
+            far_q6: nearest(focal_baseline / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32,
             offset_q6: rig.offset_q6() as i32,
             focal_baseline_q16: rig.focal_baseline_q16(),
-            baseline_q16: nearest(rig.focal_baseline_q16() as f64 / self.focal_px),
+            baseline_q16: nearest(focal_baseline / view.focal),
             heights_q16: [nearest(65536.0 * low), nearest(65536.0 * high)],
-            range_cm: nearest(100.0 * self.range_m) as u16,
-            near_cm: 0,
+            range_cm,
+            near_cm: near.min(i64::from(range_cm) - 1).max(1) as u16,
             keep_ms: self.keep_ms.into(),
             error_q16: nearest(65536.0 * self.error_probability) as u16,
             unfit: self.unfit,
         };
-        // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
-        plan.far_q6 = nearest(rig.focal_baseline_q16() as f64 / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32;
-        let most = f64::from(params.max_disparity) + rig.offset_q6() as f64 / 64.0;
-        let near =
-            if most > 0.0 { nearest(100.0 / 65536.0 * rig.focal_baseline_q16() as f64 / most) } else { i64::MAX };
-        plan.near_cm = near.min(i64::from(plan.range_cm) - 1).max(1) as u16;
-        for (cosine_q15, part) in plan.cosines_q15.iter_mut().zip(0_u8..) {
-            let column = width * f64::from(part) / PARTS as f64;
-            *cosine_q15 = nearest(32768.0 * libm::cos(libm::atan((column - cx) / self.focal_px))) as u16;
-        }
-        let mut before = None;
+        let mut before = f64::NEG_INFINITY;
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
-            let angle = (f64::from(first + k) - 0.5) * sector - yaw;
-            // Beyond a right angle there is no column: outside of the view in any case.
-            let column = if angle <= -0.5 * PI {
-                f64::NEG_INFINITY
-            } else if angle >= 0.5 * PI {
-                f64::INFINITY
-            } else {
-                cx + self.focal_px * libm::tan(angle)
-            };
-            *edge_q5 = nearest(32.0 * column.clamp(0.0, width)) as u16;
+            let column = view.boundary(first + k);
+            *edge_q5 = nearest(32.0 * column.clamp(0.0, view.width)) as u16;
             // Both cameras see all of it, however near.
-            if k > 0 && before.is_some_and(|before| before >= f64::from(params.max_disparity)) && column <= width - 0.5
-            {
+            if k > 0 && before >= f64::from(params.max_disparity) && column <= view.width - 0.5 {
                 plan.complete |= 1 << (k - 1);
             }
-            before = Some(column);
+            before = column;
         }
         Ok(plan)
+    }
+}
+
+/// Directions of columns.
+struct View {
+    /// Focal length, px.
+    focal: f64,
+    /// Column of the optical axis, px.
+    column: f64,
+    /// Row of the optical axis, px.
+    row: f64,
+    /// Of the image, px.
+    width: f64,
+    /// Of the optical axis, rad clockwise from ahead.
+    yaw: f64,
+    /// Angle of one sector, rad.
+    sector: f64,
+}
+
+#[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
+impl View {
+    fn new(params: &ObstacleParams, rig: &Rig, dims: Dims) -> Result<Self, ObstacleError> {
+        let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|v| f64::from(v) / 65536.0);
+        check("principal column (px)", column, 0.0, dims.width.into())?;
+        check("principal row (px)", row, 0.0, dims.height.into())?;
+        let (yaw, sector) = (params.yaw_deg / 180.0 * PI, 2.0 * PI / f64::from(params.sectors));
+        Ok(Self { focal: rig.focal_q16() as f64 / 65536.0, column, row, width: dims.width.into(), yaw, sector })
+    }
+
+    /// Sector that a column falls into, counted from ahead.
+    fn sector_at(&self, column: f64) -> i32 {
+        let direction = libm::atan((column - self.column) / self.focal) + self.yaw;
+        libm::round(direction / self.sector) as i32
+    }
+
+    /// Column of the boundary before a sector; infinite beyond a right angle, where there is none.
+    fn boundary(&self, sector: i32) -> f64 {
+        let angle = (f64::from(sector) - 0.5) * self.sector - self.yaw;
+        if angle <= -0.5 * PI {
+            f64::NEG_INFINITY
+        } else if angle >= 0.5 * PI {
+            f64::INFINITY
+        } else {
+            self.column + self.focal * libm::tan(angle)
+        }
+    }
+
+    /// Cosines of the directions of evenly spaced columns.
+    fn cosines_q15(&self) -> [u16; PARTS + 1] {
+        core::array::from_fn(|part| {
+            let column = self.width * part as f64 / PARTS as f64;
+            nearest(32768.0 * libm::cos(libm::atan((column - self.column) / self.focal))) as u16
+        })
     }
 }
 

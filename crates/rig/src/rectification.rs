@@ -175,9 +175,9 @@ impl Rectification {
         self.baseline
     }
 
-    /// What turns disparities into depths.
+    /// What turns disparities into depths, and pixels into positions in space.
     pub fn rig(&self) -> Result<Rig, RigError> {
-        Rig::new(self.focal, self.baseline, 0.0)
+        Rig::new(self.focal, self.baseline, 0.0)?.with_principal_point(self.centre)
     }
 
     /// The camera behind one of the rectified images.

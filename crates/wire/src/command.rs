@@ -280,7 +280,8 @@ impl From<RigError> for Refusal {
         match error {
             RigError::Focal(value) => Self::Focal(value),
             RigError::Baseline(value) => Self::Baseline(value),
-            RigError::Offset(value) => Self::Offset(value),
+            // An update has no principal point.
+            RigError::Offset(value) | RigError::PrincipalPoint(value) => Self::Offset(value),
         }
     }
 }

@@ -148,7 +148,7 @@ impl ArduPilot {
 
 fn plan() -> ObstaclePlan {
     let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap()), ..Params::default() };
-    ObstacleParams::new(300.0).plan(&params, Dims { width: 320, height: 240 }).unwrap()
+    ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap()
 }
 
 /// A sure vertical edge; its distance ahead is 30 m / disparity.

@@ -143,7 +143,7 @@ fn distances_of_any_values_are_those_of_the_crate() {
 
 fn plan() -> ObstaclePlan {
     let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap()), ..Params::default() };
-    ObstacleParams::new(300.0).plan(&params, Dims { width: 320, height: 240 }).unwrap()
+    ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap()
 }
 
 /// Messages of a stream over some seconds, each with its time.

@@ -67,7 +67,7 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
 /// As if a camera of 300 px had seen the case.
 pub fn view(case: &Case) -> Option<ObstaclePlan> {
     let params = Params { rig: Rig::new(300.0, 0.1, 0.0).ok(), ..case.params() };
-    ObstacleParams::new(300.0).plan(&params, case.dims).ok()
+    ObstacleParams::DEFAULT.plan(&params, case.dims).ok()
 }
 
 /// Digest of what an autopilot is told: of matches and support points as those of a good pair, then of the pair as it is.

@@ -14,7 +14,6 @@ use crate::frames::{
     SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
 };
 use crate::listing::Query;
-use crate::pinhole::Pinhole;
 use crate::rectify::PairRectifier;
 use anyhow::{Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
@@ -88,8 +87,6 @@ pub(super) struct Setup<'a> {
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Pairs are raw and of this rig.
     pub(super) rig: Option<RigImage>,
-    /// Of the rectified left image as matched, where a focal length is known.
-    pub(super) pinhole: Option<Pinhole>,
 }
 
 /// A pair as it was matched.
@@ -173,8 +170,11 @@ impl InputArgs {
             bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
         }
         let max_disparity = self.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
-        let centre = scene.as_ref().and_then(|(_, info)| info.principal_point());
-        let centre = centre.map_or_else(|| Pinhole::middle(loaded), |centre| Pinhole::scaled(centre, scale));
+        if self.fb.is_none() {
+            let centre = scene.as_ref().and_then(|(_, info)| info.principal_point(scale));
+            rig = rig.map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre))).transpose()?;
+            rig = rig.map(|rig| rig.centred(loaded));
+        }
         let mut params = self.method.params(max_disparity, rig)?;
         if !self.method.has_min_disparity() {
             // What is infinitely far has its place in the range.
@@ -190,9 +190,6 @@ impl InputArgs {
             params,
             rig_numbers,
             rig: None,
-            pinhole: rig_numbers
-                .filter(|_| self.fb.is_none())
-                .map(|numbers| Pinhole { focal: numbers.focal_px, centre }),
         })
     }
 
@@ -202,6 +199,7 @@ impl InputArgs {
             RigError::Focal(_) => "--focal-px",
             RigError::Baseline(_) => "--baseline-m",
             RigError::Offset(_) => "--disparity-offset-px",
+            RigError::PrincipalPoint(_) => "--scene",
         }
     }
 
@@ -218,7 +216,6 @@ impl InputArgs {
             params: image.params(params)?,
             rig_numbers: None,
             rig: Some(image),
-            pinhole: Some(Pinhole { focal: rectification.focal(), centre: rectification.centre() }),
         })
     }
 }
@@ -227,6 +224,11 @@ impl Setup<'_> {
     /// Size of the images as matched.
     pub(super) fn dims(&self) -> Dims {
         self.rig.as_ref().map_or(self.loaded, |rig| rig.rectification().dims())
+    }
+
+    /// The rig where directions are known too, not the product of focal length and baseline alone.
+    pub(super) fn geometry(&self) -> Option<&Rig> {
+        self.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some())
     }
 
     /// The images for a board, or for the rectifier: raw ones as the rig sees them.

@@ -145,7 +145,6 @@ fn add(
             title: String::new(),
             max_disparity: setup.params.max_disparity,
             rig: setup.params.rig,
-            pinhole: setup.pinhole,
             many: false,
         }))
     });

@@ -202,11 +202,11 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     let dims = setup.dims();
     let mut notes = String::new();
     if let Some(path) = &args.ply {
-        let (Some(rig), Some(pinhole)) = (&setup.params.rig, &setup.pinhole) else {
+        let Some(rig) = setup.geometry() else {
             bail!("--ply needs depths; give --focal-px and --baseline-m, --scene, or --rig");
         };
         let colours = ColourRange::of(result, setup.params.max_disparity);
-        output.add(path, export::ply(result, rig, pinhole, &colours).as_bytes())?;
+        output.add(path, export::ply(result, rig, &colours).as_bytes())?;
     }
     if let Some(path) = &args.disparity_png {
         let map = export::kitti_png(dims, result)?;

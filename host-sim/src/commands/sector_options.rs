@@ -64,10 +64,10 @@ impl SectorArgs {
         if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
             return Ok(None);
         }
-        let Some(pinhole) = setup.pinhole else {
+        if setup.geometry().is_none() {
             bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
-        };
-        let mut wanted = ObstacleParams { centre: Some(pinhole.centre), ..ObstacleParams::new(pinhole.focal) };
+        }
+        let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
         wanted.yaw_deg = self.camera_yaw.unwrap_or(wanted.yaw_deg);
         if let Some([low, high]) = self.sector_heights.as_deref() {

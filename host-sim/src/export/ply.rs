@@ -5,23 +5,21 @@
 
 use crate::draw::{ColourRange, colour};
 use crate::engine::FrameResult;
-use crate::listing::finite_metres;
-use crate::pinhole::Pinhole;
 use core::fmt::Write;
-use linestereo::Rig;
+use linestereo::{Disparity, ImagePosition, Rig};
 
 /// What is infinitely far is left out, and segments of which one end is.
 #[must_use]
-pub fn ply(result: &FrameResult, rig: &Rig, pinhole: &Pinhole, colours: &ColourRange) -> String {
-    let vertex = |position: [f64; 2], disparity: linestereo::Disparity| {
-        let [x, y, z] = pinhole.point(position, finite_metres(rig.depth(disparity))?);
+pub fn ply(result: &FrameResult, rig: &Rig, colours: &ColourRange) -> String {
+    let vertex = |at: ImagePosition, disparity: Disparity| {
+        let [x, y, z] = rig.xyz(at, disparity)?.map(|metres| metres.to_num::<f64>());
         let [red, green, blue] = colour(colours, disparity.to_num());
         Some(format!("{x:.4} {y:.4} {z:.4} {red} {green} {blue}\n"))
     };
     let points = result.points.iter();
-    let points: Vec<String> = points.filter_map(|p| vertex([f64::from(p.x), f64::from(p.y)], p.disparity)).collect();
+    let points: Vec<String> = points.filter_map(|p| vertex(p.position(), p.disparity)).collect();
     let ends = result.matches.iter().filter_map(|found| {
-        let end = |i: usize| vertex([found.ends[i].x.to_num(), found.ends[i].y.to_num()], found.disparity[i]);
+        let end = |i: usize| vertex(found.ends[i], found.disparity[i]);
         Some([end(0)?, end(1)?])
     });
     let ends: Vec<[String; 2]> = ends.collect();

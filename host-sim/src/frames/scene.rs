@@ -78,10 +78,11 @@ impl SceneInfo {
         Some((0..dims.height).map(|y| if rows.contains(&y) { span } else { Span::default() }).collect())
     }
 
-    /// Principal point of the left image as stored, px.
+    /// Principal point of the left image reduced by `scale`, px.
     #[must_use]
-    pub fn principal_point(&self) -> Option<[f64; 2]> {
-        self.rectified.as_ref().and_then(|rectified| rectified.principal_point_px)
+    pub fn principal_point(&self, scale: f64) -> Option<[f64; 2]> {
+        let stored = self.rectified.as_ref()?.principal_point_px?;
+        Some(stored.map(|value| (value + 0.5) * scale - 0.5))
     }
 
     /// Stored ground truth values per px, where the file says so.

@@ -14,7 +14,6 @@ use crate::draw::ColourRange;
 use crate::engine::{FrameResult, GrayImage};
 use crate::health;
 use crate::listing::{self, finite_metres, owner_name};
-use crate::pinhole::Pinhole;
 use crate::regions::{Object, Pixels};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
@@ -64,10 +63,8 @@ pub struct PageSetup {
     pub title: String,
     /// Disparities searched: 0 .. this, px.
     pub max_disparity: u16,
-    /// Where depths are known.
+    /// Where depths are known; with a principal point directions too.
     pub rig: Option<Rig>,
-    /// Where directions are known, too.
-    pub pinhole: Option<Pinhole>,
     /// There are several frames: smaller images.
     pub many: bool,
 }
@@ -107,6 +104,12 @@ struct PageData<'a> {
     has_depth: bool,
     pinhole: Option<(f64, f64, f64)>,
     reasons: [(&'static str, &'static str); Rejection::ALL.len()],
+}
+
+/// Focal length and principal point, px.
+fn pinhole(rig: Rig) -> Option<(f64, f64, f64)> {
+    let [cx, cy] = rig.principal_point_q16()?.map(|v| f64::from(v) / 65536.0);
+    Some((rig.focal_q16() as f64 / 65536.0, cx, cy))
 }
 
 /// A page in the making: frames are turned into text one by one.
@@ -164,7 +167,7 @@ impl Page {
             version: env!("CARGO_PKG_VERSION"),
             max_disparity: setup.max_disparity,
             has_depth: setup.rig.is_some(),
-            pinhole: setup.pinhole.map(|pinhole| (pinhole.focal, pinhole.centre[0], pinhole.centre[1])),
+            pinhole: setup.rig.and_then(pinhole),
             reasons: REASONS,
         })?;
         // Nothing in the data may end the script that holds it.
@@ -270,7 +273,7 @@ mod tests {
     #[test]
     fn a_page_needs_nothing_else_and_no_name_ends_its_script() {
         let title = "</script><b>&".to_owned();
-        let setup = PageSetup { title, max_disparity: 64, rig: None, pinhole: None, many: false };
+        let setup = PageSetup { title, max_disparity: 64, rig: None, many: false };
         let mut page = Page::new(setup);
         page.push_error("</script>", "broken");
         let html = page.html().unwrap();
