@@ -178,13 +178,13 @@ fn rate(candidate: &mut Candidate, models: &Models) {
 impl Side {
     /// Log-odds of its first pixel, what others say included.
     fn rated_q8(&self, model: &Model) -> i32 {
-        let score = model.with_heard_q8(self.score_q8, self.heard_q8);
+        let score = model.with_nearby_q8(self.score_q8, self.nearby_q8);
         narrow(score + model.coefficient_q8(Kind::Distance)).into()
     }
 
     /// Log-odds of the edge itself, what others say included.
     fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
-        narrow(edge_model.with_heard_q8(self.edge_score_q8, self.heard_q8)).into()
+        narrow(edge_model.with_nearby_q8(self.edge_score_q8, self.nearby_q8)).into()
     }
 }
 

@@ -21,7 +21,7 @@ mod fitted;
 
 pub use fitted::FITTED;
 
-use crate::evidence::{EVIDENCE, HEARD, Kind};
+use crate::evidence::{EVIDENCE, Kind, NEARBY};
 
 /// Nodes of the tables: scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
@@ -98,8 +98,8 @@ impl<const N: usize> Model<N> {
 
 impl Model {
     /// The log-odds with the evidence by support points added, Q8.
-    pub(crate) fn with_heard_q8(&self, score_q8: i16, heard_q8: [i16; 4]) -> i32 {
-        i32::from(score_q8) + self.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
+    pub(crate) fn with_nearby_q8(&self, score_q8: i16, nearby_q8: [i16; 4]) -> i32 {
+        i32::from(score_q8) + self.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
     }
 
     /// Log-odds per unit of one kind of evidence, Q8.

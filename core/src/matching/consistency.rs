@@ -150,7 +150,7 @@ pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut 
     for (candidate, place) in candidates.iter_mut().zip(neighbours.iter_mut()) {
         for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut place.hypotheses) {
             if let Some(side) = side {
-                let [.., segments] = &mut side.heard_q8;
+                let [.., segments] = &mut side.nearby_q8;
                 *segments = narrow(log2_mean_q8(hypothesis.support.into(), FULL));
             }
             hypothesis.support = 0;

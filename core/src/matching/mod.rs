@@ -120,7 +120,7 @@ pub struct Side {
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
     pub across_q10: i16,
     /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportFarther`], [`Kind::SupportNearer`]; and by other segments, [`Kind::SegmentsAgreeing`].
-    pub heard_q8: [i16; 4],
+    pub nearby_q8: [i16; 4],
     /// What the neighbours make of its word: 1 ..= 256.
     pub(crate) weight_q8: u16,
     /// Log-odds of the side and of the edge, neighbours left out.
@@ -139,7 +139,7 @@ impl Side {
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
-            heard_q8: [0; 4],
+            nearby_q8: [0; 4],
             weight_q8: weight.clamp(1, 256) as u16,
             score_q8: narrow(model.score_q8(&evidence.0)),
             edge_score_q8: narrow(edge_model.score_q8(&evidence.0)),

@@ -3,14 +3,14 @@
 //! In: candidates, the grid of support points. Out: evidence of agreement and conflict for each side.
 //!
 //! ```text
-//! weight    = how sure the point is * nearness to the middle of the side's window
+//! weight    = uniqueness of the point * nearness to the middle of the side's window
 //! agreeing  = log2(1 + sum of the weights of those that agree)
 //! farther   = those that are farther / (all + 0.2), nearer the same: a hypothesis before a surface may be of something thin, one behind it is not
 //! ```
 //! A point agrees when its disparity differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of distance.
 //!
 //! # Bounds
-//! Sureness is at most 255, nearness 14 * 14: a point weighs below 2^14; at most 3 * 9 points are asked.
+//! Uniqueness is at most 255, nearness 14 * 14: a point weighs below 2^14; at most 3 * 9 points count.
 //!
 //! # Cost
 //! Some 25 instructions a point, 15 points a side.
@@ -21,16 +21,16 @@ use crate::support::{Grid, SupportPoint};
 use crate::units::narrow;
 use crate::units::quotient;
 
-/// Distance from the middle of the side's window at which a point says nothing, px.
+/// Distance from the middle of the side's window at which a point has no weight, px.
 const REACH: i32 = 14;
 /// Middle of a side's window, from the edge, px.
 const WINDOW_MIDDLE: i32 = 4;
-/// Weight of a sure point at a quarter of the largest nearness.
+/// Weight of a unique point at a quarter of the largest nearness.
 const FULL: i32 = 255 * REACH * REACH / 4;
-/// Contradicting weight that says nothing: a fifth of [`FULL`].
+/// Conflicting weight that halves a share: a fifth of [`FULL`].
 const LITTLE: i32 = FULL / 5;
 
-/// Sets what support points say of every hypothesis.
+/// Sets the evidence by support points of every hypothesis, and the weights of segments around every point.
 pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &mut [SupportPoint]) {
     if points.is_empty() {
         return;
@@ -45,10 +45,10 @@ pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &
             let off = sign * WINDOW_MIDDLE;
             let [d0, d1] = side.disparity_q6.map(i32::from);
             let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], flat };
-            let [agreeing, farther, nearer] = line.ask(grid, points, side.weight_q8.into());
+            let [agreeing, farther, nearer] = line.weights_of(grid, points, side.weight_q8.into());
             let share = |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
-            let [said, behind, before, _] = &mut side.heard_q8;
-            *said = narrow(log2_mean_q8(agreeing.unsigned_abs(), FULL));
+            let [support, behind, before, _] = &mut side.nearby_q8;
+            *support = narrow(log2_mean_q8(agreeing.unsigned_abs(), FULL));
             (*behind, *before) = (share(farther), share(nearer));
         }
     }
@@ -65,7 +65,7 @@ struct Line {
 
 impl Line {
     /// Weights of the points that agree, of those that are farther and of those that are nearer.
-    fn ask(&self, grid: Grid, points: &mut [SupportPoint], side_weight_q8: i32) -> [i32; 3] {
+    fn weights_of(&self, grid: Grid, points: &mut [SupportPoint], side_weight_q8: i32) -> [i32; 3] {
         let [from, to] = self.along;
         let [first, last] = [from.min(to), from.max(to)];
         // Per px along the line: px and 1/64 px, in Q8.
@@ -90,15 +90,15 @@ impl Line {
                 let across = (pixel(k, !self.flat) - edge).abs();
                 let nearness = (REACH - across) * (REACH - beyond);
                 let apart = i32::from(point.disparity_q6) - disparity_q6;
-                let [for_it, against_it] = &mut point.heard;
-                let (sum, heard) = if apart.abs() <= 64 + 4 * (across + beyond) {
-                    (&mut agreeing, for_it)
+                let [supporting, conflicting] = &mut point.segments;
+                let (sum, weight) = if apart.abs() <= 64 + 4 * (across + beyond) {
+                    (&mut agreeing, supporting)
                 } else {
-                    (if apart < 0 { &mut farther } else { &mut nearer }, against_it)
+                    (if apart < 0 { &mut farther } else { &mut nearer }, conflicting)
                 };
-                *sum += (i32::from(point.sure_q8) * nearness) >> 2;
-                let word = (side_weight_q8 * nearness) >> 11;
-                *heard = heard.saturating_add(word as u8); // at most 256 * 14 * 14 / 2^11
+                *sum += (i32::from(point.uniqueness_q8) * nearness) >> 2;
+                // At most 256 * 14 * 14 / 2^11.
+                *weight = weight.saturating_add(((side_weight_q8 * nearness) >> 11) as u8);
             }
         }
         [agreeing, farther, nearer]

@@ -145,7 +145,7 @@ fn is_supported(points: &[Neighbour], side: &Side) -> bool {
 
 /// By the side's own evidence and the support points around it.
 fn probability(model: &Model, side: &Side) -> u16 {
-    model.probability_q16(model.with_heard_q8(side.score_q8, side.heard_q8))
+    model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
 }
 
 /// Does any of it lie in the area?

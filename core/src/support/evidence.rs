@@ -6,7 +6,7 @@ use super::SupportPoint;
 use super::paths::Answer;
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
-use crate::evidence::log2_mean_q8;
+use crate::evidence::{define_evidence, log2_mean_q8};
 use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;
@@ -25,77 +25,32 @@ const LEAST_DEPTH: u8 = 2;
 /// Disparities of neighbours that agree differ by at most this, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
-/// Kinds of evidence of a support point, in the order of the model's coefficients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(usize)]
-pub enum SupportKind {
-    /// log2 of the paths' sum: best / second-best.
-    PathsRatio,
-    /// log2 of the window's cost: at the disparity / best elsewhere.
-    WindowRatio,
-    /// log2(1 + the window's cost).
-    WindowCost,
-    /// log2(1 + disparities compared).
-    Range,
-    /// log2(1 + how much worse the window is 1 px away).
-    Curvature,
-    /// log2(1 + ranks of the left window that differ from the one a column on).
-    Changes,
-    /// Square of `PathsRatio`.
-    PathsRatioSquared,
-    /// Square of `WindowRatio`.
-    WindowRatioSquared,
-    /// log2(1 + neighbours that agree).
-    Agreeing,
-    /// log2(1 + neighbours that contradict).
-    Conflicting,
-    /// log2(1 + hypotheses of segments nearby that agree).
-    SegmentsAgreeing,
-    /// log2(1 + hypotheses of segments nearby that contradict).
-    SegmentsConflicting,
-    /// log2(1 + ranks that change in the mean window of the image): little in a blurred one, much in a noisy one.
-    Detail,
-}
-
-impl SupportKind {
-    /// Meaning and unit of each entry, in the model's order.
-    pub const NAMES: [&'static str; SUPPORT_EVIDENCE] = [
-        "log2 of the paths' sum: best / second-best",
-        "log2 of the window's cost: at the disparity / best elsewhere",
-        "log2(1 + the window's cost)",
-        "log2(1 + disparities compared)",
-        "log2(1 + how much worse the window is 1 px away)",
-        "log2(1 + ranks that change along the window)",
-        "square of the first",
-        "square of the second",
-        "log2(1 + neighbours that agree)",
-        "log2(1 + neighbours that contradict)",
-        "log2(1 + hypotheses of segments nearby that agree)",
-        "log2(1 + hypotheses of segments nearby that contradict)",
-        "log2(1 + ranks that change along a window, on average)",
-    ];
-}
-
-/// Number of entries.
-pub const SUPPORT_EVIDENCE: usize = SupportKind::Detail as usize + 1;
-
-/// One number per [`SupportKind`], Q8.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SupportEvidence(pub [i16; SUPPORT_EVIDENCE]);
-
-impl SupportEvidence {
-    fn set(&mut self, kind: SupportKind, value_q8: i32) {
-        if let Some(slot) = self.0.get_mut(kind as usize) {
-            *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
-        }
-    }
+define_evidence! {
+    /// Kinds of evidence of a support point, in the order of the model's coefficients.
+    SupportKind;
+    /// One number per [`SupportKind`], Q8.
+    SupportEvidence;
+    SUPPORT_EVIDENCE;
+    PathsRatio: "log2 of the paths' sum: best / second-best",
+    WindowRatio: "log2 of the window's cost: at the disparity / best elsewhere",
+    WindowCost: "log2(1 + the window's cost)",
+    Range: "log2(1 + disparities compared)",
+    Curvature: "log2(1 + how much worse the window is 1 px away)",
+    Changes: "log2(1 + ranks that change along the window)",
+    PathsRatioSquared: "square of the first",
+    WindowRatioSquared: "square of the second",
+    Agreeing: "log2(1 + neighbours that agree)",
+    Conflicting: "log2(1 + neighbours that contradict)",
+    SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
+    SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
+    Detail: "log2(1 + ranks that change along a window, on average)",
 }
 
 /// The answer of a point, as indices into its costs.
 pub(super) struct Found {
     /// Sub-pixel place of the best, 1/64.
     pub(super) at_q6: i32,
-    pub(super) sure_q8: u8,
+    pub(super) uniqueness_q8: u8,
     pub(super) evidence: SupportEvidence,
 }
 
@@ -171,7 +126,7 @@ impl Found {
         }
         let window_q8 = ratio_q8(here, second);
 
-        let mut evidence = SupportEvidence([0; SUPPORT_EVIDENCE]);
+        let mut evidence = SupportEvidence::new();
         evidence.set(SupportKind::PathsRatio, paths_q8);
         evidence.set(SupportKind::WindowRatio, window_q8);
         evidence.set(SupportKind::WindowCost, log2_q8(here));
@@ -180,13 +135,13 @@ impl Found {
         evidence.set(SupportKind::Changes, log2_q8(changes));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
-        // A point does not pass on what it has heard alone: paths carry one repetition's place all along a row.
-        Some(Self { at_q6, sure_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
+        // Uniqueness of the window, not of the paths alone: these carry one repetition's place all along a row.
+        Some(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
 
 /// Evidence by neighbours and segments, known when everything is matched.
-const HEARD: [SupportKind; 5] = [
+const NEARBY: [SupportKind; 5] = [
     SupportKind::Agreeing,
     SupportKind::Conflicting,
     SupportKind::SegmentsAgreeing,
@@ -195,8 +150,8 @@ const HEARD: [SupportKind; 5] = [
 ];
 
 impl SupportEvidence {
-    pub(super) fn with_heard(mut self, heard_q8: [i16; 5]) -> Self {
-        for (kind, value) in HEARD.into_iter().zip(heard_q8) {
+    pub(super) fn with_nearby(mut self, nearby_q8: [i16; 5]) -> Self {
+        for (kind, value) in NEARBY.into_iter().zip(nearby_q8) {
             self.set(kind, value.into());
         }
         self
@@ -204,12 +159,12 @@ impl SupportEvidence {
 }
 
 /// Log-odds of that evidence by a model, Q8.
-pub(super) fn heard_score_q8(heard_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
-    model.part_q8(HEARD.into_iter().map(|kind| kind as usize).zip(heard_q8))
+pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
+    model.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
 }
 
 /// Evidence by the eight points around the one at `place`, in rows of `columns` points, and by segments, Q8.
-pub(super) fn heard(points: &[SupportPoint], columns: usize, detail_q8: i16, place: usize) -> [i16; 5] {
+pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, place: usize) -> [i16; 5] {
     let Some(own) = points.get(place).filter(|point| point.is_matched()) else { return [0; 5] };
     let column = place - place.checked_div(columns).unwrap_or(0) * columns;
     let first = column.saturating_sub(1);
@@ -219,15 +174,21 @@ pub(super) fn heard(points: &[SupportPoint], columns: usize, detail_q8: i16, pla
     let (mut agreeing, mut all) = (0_u32, 0_u32);
     for row in [near(start.wrapping_sub(columns)), near(start), near(start + columns)] {
         for point in row {
-            // One without a disparity is not sure of it.
-            let sure = u32::from(point.sure_q8);
-            all += sure;
+            // 0 of one without a disparity.
+            let weight = u32::from(point.uniqueness_q8);
+            all += weight;
             if (i32::from(point.disparity_q6) - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
-                agreeing += sure;
+                agreeing += weight;
             }
         }
     }
-    let said = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
-    let [for_it, against_it] = own.heard.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
-    [said(agreeing.saturating_sub(own.sure_q8.into())), said(all - agreeing), for_it, against_it, detail_q8]
+    let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
+    let [supporting, conflicting] = own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
+    [
+        log2_q8(agreeing.saturating_sub(own.uniqueness_q8.into())),
+        log2_q8(all - agreeing),
+        supporting,
+        conflicting,
+        detail_q8,
+    ]
 }

@@ -38,14 +38,14 @@ use crate::result::{Point, Source};
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, heard};
+use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, nearby};
 use heapless::vec::VecView;
 use paths::{MAX_COLUMNS, Paths};
 use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
 /// Cost where the window leaves the usable part of the right image: half of the largest, and P2 as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
-/// Least [`SupportPoint::sure_q8`] for a segment to go by a point, 1/256 of log2.
+/// Least [`SupportPoint::uniqueness_q8`] for a segment to go by a point, 1/256 of log2.
 const SURE_Q8: u8 = 32;
 /// Distance from a segment up to which it goes by points, px.
 const NAMED_REACH: i32 = 12;
@@ -61,18 +61,18 @@ pub struct SupportPoint {
     pub(crate) disparity_q6: i16,
     /// Log-odds by its own evidence; [`i16::MIN`] when it has no disparity.
     pub(crate) score_q8: i16,
-    /// Probability of being within 1 px, with what its neighbours say.
+    /// Probability of being within 1 px, with evidence by its neighbours.
     pub(crate) probability_q16: u16,
     /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, 1/256, 0 ..= 255: its weight for others.
-    pub(crate) sure_q8: u8,
+    pub(crate) uniqueness_q8: u8,
     /// Hypotheses of segments around it that agree and that contradict, 255 at most.
-    pub(crate) heard: [u8; 2],
+    pub(crate) segments: [u8; 2],
 }
 
 impl SupportPoint {
     /// A point without a disparity.
     pub(crate) const NONE: Self =
-        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, sure_q8: 0, heard: [0; 2] };
+        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, segments: [0; 2] };
 
     /// Does it have a disparity?
     #[must_use]
@@ -190,8 +190,8 @@ impl Matching<'_> {
             disparity_q6: narrow((last << 6) - found.at_q6),
             score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
             probability_q16: 0,
-            sure_q8: found.sure_q8,
-            heard: [0; 2],
+            uniqueness_q8: found.uniqueness_q8,
+            segments: [0; 2],
         }
     }
 
@@ -214,11 +214,11 @@ impl Matching<'_> {
 /// Probabilities, by each point's own evidence and what others say.
 pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
     for place in 0..points.len() {
-        let heard = heard(points, grid.columns, detail_q8, place);
+        let nearby = nearby(points, grid.columns, detail_q8, place);
         if let Some(point) = points.get_mut(place)
             && point.is_matched()
         {
-            let score = i32::from(point.score_q8) + evidence::heard_score_q8(heard, model);
+            let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
             point.probability_q16 = model.probability_q16(score);
         }
     }
@@ -306,7 +306,7 @@ impl<'a> Support<'a> {
             for column in self.grid.columns_within(left, right) {
                 let Some(point) = self.points.get(row * self.grid.columns + column) else { continue };
                 // One that is sure is matched.
-                let is_sure = point.sure_q8 >= SURE_Q8;
+                let is_sure = point.uniqueness_q8 >= SURE_Q8;
                 if in_row && is_near(self.grid.x(column), left, right) {
                     near += 1;
                     near_and_sure += u32::from(is_sure);
@@ -323,7 +323,7 @@ impl<'a> Support<'a> {
 
     /// This evidence of the point at this place, with what others say.
     #[must_use]
-    pub fn with_heard(&self, place: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_heard(heard(self.points, self.grid.columns, self.detail_q8, place))
+    pub fn with_nearby(&self, place: usize, evidence: SupportEvidence) -> SupportEvidence {
+        evidence.with_nearby(nearby(self.points, self.grid.columns, self.detail_q8, place))
     }
 }

@@ -116,7 +116,7 @@ pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth:
         let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
         for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
             let Some(side) = side else { continue };
-            let known = logged.with_heard(side.heard_q8);
+            let known = logged.with_nearby(side.nearby_q8);
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
                 candidate.for_each_pixel(index, distance, ValidPixels::whole(dims), |x, y, d_q6| {
@@ -148,7 +148,7 @@ fn support_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Ve
     let sample = |&(place, evidence): &(usize, SupportEvidence)| {
         let &((x, y), point) = points.get(place)?;
         let error = (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
-        let known = support.with_heard(place, evidence).0;
+        let known = support.with_nearby(place, evidence).0;
         let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
         Some(Sample { kind: SampleKind::Support, evidence, errors: vec![error] })
     };

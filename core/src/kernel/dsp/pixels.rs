@@ -72,6 +72,29 @@ macro_rules! pixel {
     };
 }
 
+/// The pixels of a run, r10 of them and at least one: four at a time, then one, then two.
+macro_rules! pixels_of_run {
+    () => {
+        concat!(
+            "subs r10, #4\nblo 6f\n5:\n",
+            pixel!(),
+            "\n",
+            pixel!(),
+            "\n",
+            pixel!(),
+            "\n",
+            pixel!(),
+            "\nsubs r10, #4\nbhs 5b\n6:\nlsls r0, r10, #31\nbeq 7f\n",
+            pixel!(),
+            "\n7:\nlsls r0, r10, #30\nbpl 8f\n",
+            pixel!(),
+            "\n",
+            pixel!(),
+            "\n8:"
+        )
+    };
+}
+
 /// # Safety
 /// There is a run, and every one has a pixel. From both starts of every run on, 2^`BITS` bytes and one more can be read, and as many bytes
 /// written as all runs have pixels.
@@ -93,25 +116,7 @@ unsafe fn pixels<const BITS: usize>(rows: *const u8, runs: &[Run], out: *mut u8)
             "mov r0, #0x4000",
             "mla r8, r8, r11, r0",
             "mul r9, r9, r11",
-            "subs r10, #4",
-            "blo 4f",
-            "3:",
-            pixel!(),
-            pixel!(),
-            pixel!(),
-            pixel!(),
-            "subs r10, #4",
-            "bhs 3b",
-            "4:",
-            "lsls r0, r10, #31",
-            "beq 5f",
-            pixel!(),
-            "5:",
-            "lsls r0, r10, #30",
-            "bpl 6f",
-            pixel!(),
-            pixel!(),
-            "6:",
+            pixels_of_run!(),
             "pop {{r0, r1}}",
             "ldr r2, [sp]",
             "cmp r0, r2",
@@ -178,6 +183,82 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     }
 }
 
+/// The next cell: second difference (r6), first step (r5) and start (r4) of the columns, start (r8) and step (r9) of the rows, and its
+/// pixels (r10), which are taken from those that are left.
+macro_rules! next_cell {
+    () => {
+        "ldr r0, [r7]
+        ldm r0, {{r1, r2, r3, r4, r5, r6, r8}}
+        add r0, #8
+        str r0, [r7]
+        sub r1, r1, r3
+        sub r8, r8, r5
+        add r1, r1, r8
+        asr r8, r4, #2
+        rsb r9, r8, r6, asr #2
+        asr r9, r9, #4
+        asr r6, r1, #9
+        sub r5, r5, r3
+        sub r5, r5, r6, lsl #7
+        add r5, r5, r6, lsl #3
+        asr r5, r5, #4
+        add r4, r3, #256
+        ldr r0, [r7, #4]
+        mov r10, #16
+        cmp r0, #16
+        it lo
+        movlo r10, r0
+        sub r0, r0, r10
+        str r0, [r7, #4]"
+    };
+}
+
+/// Starts of the raw row that a position lies in (r2) and of the next one (r3), in the ring.
+macro_rules! ring_rows {
+    () => {
+        "asr r0, r8, #14
+        ldrd r1, r2, [r7, #16]
+        subs r0, r0, r2
+        it mi
+        addmi r0, r0, r1
+        cmp r0, r1
+        it hs
+        movhs r0, #0
+        ldrd r3, r11, [r7, #8]
+        mla r2, r0, r11, r3
+        add r0, r0, #1
+        cmp r0, r1
+        it eq
+        moveq r0, #0
+        mla r3, r0, r11, r3"
+    };
+}
+
+/// Leaves in r10 the pixels before the raw row changes; the rest (r11, perhaps none) and where it starts are for later.
+macro_rules! split_at_next_row {
+    () => {
+        "sub r0, r10, #1
+        mla r0, r9, r0, r8
+        eor r0, r0, r8
+        ubfx r1, r8, #0, #14
+        mov r11, #0
+        asrs r0, r0, #14
+        beq 4f
+        asr r0, r9, #31
+        eor r11, r9, r0
+        sub r11, r11, r0
+        mvn r0, r0
+        ubfx r0, r0, #0, #14
+        eor r0, r0, r1
+        udiv r0, r0, r11
+        add r0, r0, #1
+        mla r8, r9, r0, r8
+        strd r8, r9, [r7, #24]
+        sub r11, r10, r0
+        mov r10, r0"
+    };
+}
+
 /// # Safety
 /// There is a pixel, and a row. `out` has room for all pixels, there are knots for all of them, and from the start of every row on 2^`BITS`
 /// bytes and one more can be read.
@@ -189,94 +270,18 @@ unsafe fn paint_cells<const BITS: usize>(cells: &mut Cells, out: *mut u8) {
         asm!(
             "push {{r6, r7}}",
             "mov r7, r0",
-            // A cell: second difference (r6), first step (r5) and start (r4) of the columns, start (r8) and step (r9) of the rows.
             "2:",
-            "ldr r0, [r7]",
-            "ldm r0, {{r1, r2, r3, r4, r5, r6, r8}}",
-            "add r0, #8",
-            "str r0, [r7]",
-            "sub r1, r1, r3",
-            "sub r8, r8, r5",
-            "add r1, r1, r8",
-            "asr r8, r4, #2",
-            "rsb r9, r8, r6, asr #2",
-            "asr r9, r9, #4",
-            "asr r6, r1, #9",
-            "sub r5, r5, r3",
-            "sub r5, r5, r6, lsl #7",
-            "add r5, r5, r6, lsl #3",
-            "asr r5, r5, #4",
-            "add r4, r3, #256",
-            "ldr r0, [r7, #4]",
-            "mov r10, #16",
-            "cmp r0, #16",
-            "it lo",
-            "movlo r10, r0",
-            "sub r0, r0, r10",
-            "str r0, [r7, #4]",
-            // The pixels (r10) from here on: both rows (r2, r3).
+            next_cell!(),
             "3:",
-            "asr r0, r8, #14",
-            "ldrd r1, r2, [r7, #16]",
-            "subs r0, r0, r2",
-            "it mi",
-            "addmi r0, r0, r1",
-            "cmp r0, r1",
-            "it hs",
-            "movhs r0, #0",
-            "ldrd r3, r11, [r7, #8]",
-            "mla r2, r0, r11, r3",
-            "add r0, r0, #1",
-            "cmp r0, r1",
-            "it eq",
-            "moveq r0, #0",
-            "mla r3, r0, r11, r3",
-            // Is the last one between the same rows?
-            "sub r0, r10, #1",
-            "mla r0, r9, r0, r8",
-            "eor r0, r0, r8",
-            "ubfx r1, r8, #0, #14",
-            "mov r11, #0",
-            "asrs r0, r0, #14",
-            "beq 4f",
-            // If not: as many as are, and the rest for later.
-            "asr r0, r9, #31",
-            "eor r11, r9, r0",
-            "sub r11, r11, r0",
-            "mvn r0, r0",
-            "ubfx r0, r0, #0, #14",
-            "eor r0, r0, r1",
-            "udiv r0, r0, r11",
-            "add r0, r0, #1",
-            "mla r8, r9, r0, r8",
-            "strd r8, r9, [r7, #24]",
-            "sub r11, r10, r0",
-            "mov r10, r0",
+            ring_rows!(),
+            split_at_next_row!(),
             "4:",
             "str r11, [r7, #32]",
             // The weight of the upper row below, that of the lower one above; both move in one addition.
             "rsb r8, r1, r1, lsl #16",
             "add r8, r8, #0x4000",
             "rsb r9, r9, r9, lsl #16",
-            "subs r10, #4",
-            "blo 6f",
-            "5:",
-            pixel!(),
-            pixel!(),
-            pixel!(),
-            pixel!(),
-            "subs r10, #4",
-            "bhs 5b",
-            "6:",
-            "lsls r0, r10, #31",
-            "beq 7f",
-            pixel!(),
-            "7:",
-            "lsls r0, r10, #30",
-            "bpl 8f",
-            pixel!(),
-            pixel!(),
-            "8:",
+            pixels_of_run!(),
             "ldr r10, [r7, #32]",
             "cmp r10, #0",
             "beq 9f",
