@@ -23,18 +23,11 @@
 //! ```
 //!
 //! ```
-//! use linestereo::{Area, Dims, Gray, Pair, Params, Region, Rig, Scratch, mark_words, most_candidates, most_support_points, row_bytes};
+//! use linestereo::{Area, Dims, Gray, Pair, Params, Region, Rig, scratch};
 //!
 //! const DIMS: Dims = Dims { width: 160, height: 120 };
-//! // In a static on a board.
-//! type Memory = Scratch<
-//!     { row_bytes(DIMS.width) },
-//!     { mark_words(DIMS) },
-//!     256,
-//!     { most_candidates(DIMS, Params::DEFAULT.cell) },
-//!     { most_support_points(DIMS) },
-//! >;
-//! let mut scratch = Memory::new();
+//! type Memory = scratch!(DIMS, 256);
+//! let mut scratch = Memory::new(); // in a static on a board
 //! // 200 px * 0.06 m: what has a disparity of 12 px is 1 m away.
 //! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
 //! let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;

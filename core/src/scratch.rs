@@ -58,7 +58,32 @@ pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
     (dims.width as usize).div_ceil(cell as usize) * (dims.height as usize).div_ceil(cell as usize)
 }
 
-/// Working memory of a run, made by the caller, in a static or on the heap. What it holds before a run never influences a result.
+/// Type of the [`Scratch`] for images of at most this size and so many segments in each image, 1 ..= 4096; `cell` is the smallest
+/// [`Params::cell`](crate::Params::cell) in px, the default one without.
+///
+/// ```
+/// type Memory = linestereo::scratch!(linestereo::Dims { width: 320, height: 240 }, 640);
+/// let mut scratch = Memory::new(); // or in a static
+/// assert!(Memory::BYTES < 110 * 1024 && size_of_val(&scratch.view()) < 200);
+/// ```
+#[macro_export]
+macro_rules! scratch {
+    ($dims:expr, $segments:expr) => {
+        $crate::scratch!($dims, $segments, cell: $crate::Params::DEFAULT.cell)
+    };
+    ($dims:expr, $segments:expr, cell: $cell:expr) => {
+        $crate::Scratch<
+            { $crate::row_bytes($dims.width) },
+            { $crate::mark_words($dims) },
+            { $segments },
+            { $crate::most_candidates($dims, $cell) },
+            { $crate::most_support_points($dims) },
+        >
+    };
+}
+
+/// Working memory of a run, made by the caller, in a static or on the heap: [`scratch!`](crate::scratch!) names its type. What it holds before a
+/// run never influences a result.
 ///
 /// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
 /// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.

@@ -7,6 +7,7 @@ mod board_objects;
 mod calibration;
 mod determinism;
 mod edges;
+mod example;
 mod extremes;
 mod focus;
 mod frames;

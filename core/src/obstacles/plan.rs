@@ -105,7 +105,7 @@ impl ObstacleParams {
         let mut before = f64::NEG_INFINITY;
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
             let column = view.boundary(first + k);
-            *edge_q5 = nearest(32.0 * column.clamp(0.0, view.width)) as u16;
+            *edge_q5 = nearest(32.0 * column.max(0.0).min(view.width)) as u16;
             // Both cameras see all of it, however near.
             if k > 0 && before >= f64::from(params.max_disparity) && column <= view.width - 0.5 {
                 plan.complete |= 1 << (k - 1);
