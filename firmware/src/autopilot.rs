@@ -10,7 +10,7 @@ use crate::vehicle::Vehicle;
 use core::convert::Infallible;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::{HealthFlags, Matched};
-use linestereo_wire::mavlink::AutopilotStream;
+use linestereo_mavlink::AutopilotStream;
 
 /// What is known of each direction, and who is told. Silent until there is a rig.
 #[derive(Clone, Debug)]

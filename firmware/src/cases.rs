@@ -1,9 +1,9 @@
 //! What `selftest` and `bench` run: every scene in the board's sizes, with the default parameters, and once with the dearest ones.
 
-use crate::boards::Board;
 use crate::painter::Scene;
 use core::fmt;
 use linestereo::{Confidence, Dims, Params};
+use linestereo_boards::Board;
 
 /// A built-in pair and how to match it.
 #[derive(Clone, Copy, Debug, PartialEq)]

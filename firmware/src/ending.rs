@@ -6,7 +6,7 @@
 //!            the host; a program that has ended otherwise sleeps
 //! ```
 
-use crate::exit::Exit;
+use linestereo_boards::Exit;
 
 /// Says a number in hexadecimal behind its name.
 pub(crate) fn report_number(name: &str, number: u32) {

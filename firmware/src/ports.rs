@@ -1,10 +1,8 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
-use crate::camera::FrameStart;
-use crate::capture::Losses;
 use crate::memory::Memory;
 use linestereo::Dims;
-use linestereo_wire::Reset;
+use linestereo_wire::{CaptureReport, Reset};
 
 /// A clock that counts up and wraps.
 pub trait Clock {
@@ -71,8 +69,29 @@ pub trait PairSource {
     }
 
     /// What was lost on the way so far; `None` where nothing can be.
-    fn losses(&self) -> Option<Losses> {
+    fn losses(&self) -> Option<CaptureReport> {
         None
+    }
+}
+
+/// The sensors of both cameras, as the source of pairs needs them. `camera::StereoCamera` is what boards have.
+pub trait Cameras {
+    /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
+    fn shoot(&mut self) -> bool;
+
+    /// Frames of both have started, or are not waited for any more: lowers a trigger that is held.
+    fn let_go(&mut self) {}
+
+    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
+    /// when it is not known any more.
+    fn follow(&mut self) -> Option<[i32; 2]>;
+
+    /// A camera has stopped: both are started again before the next frame.
+    fn stopped(&mut self);
+
+    /// How often the left and the right sensor did not do what it was told.
+    fn failures(&self) -> [u32; 2] {
+        [0; 2]
     }
 }
 
@@ -101,7 +120,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub autopilot: A,
     /// The cameras: a [`PairSource`].
     pub pairs: P,
-    /// Where the rig is kept: a [`RigKeeper`](crate::rig_store::RigKeeper), if there is one.
+    /// Where the rig is kept: a `rig_store::RigKeeper`, if there is one.
     pub flash: Option<F>,
     /// A [`Watchdog`].
     pub watchdog: W,
@@ -109,6 +128,15 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+}
+
+/// Who says when a frame starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameStart {
+    /// The sensor: frames of two sensors start at different times, and drift.
+    Free,
+    /// The sensor's trigger pin.
+    Triggered,
 }
 
 /// A pair that lies in the frames.

@@ -1,6 +1,5 @@
 //! What a host asked for so far, and the answers: the same for a serial port and for a file.
 
-use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::vehicle::Vehicle;
@@ -8,6 +7,7 @@ use heapless::Vec;
 use linestereo::image::MIN_SIDE;
 use linestereo::obstacles::ObstaclePlan;
 use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params, Plan};
+use linestereo_boards::Board;
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
     RigFault, RigImage, RigInUse, RigReport,

@@ -2,7 +2,7 @@
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
-use linestereo_wire::mavlink::{AutopilotParams, Policy};
+use linestereo_mavlink::{AutopilotParams, Policy};
 
 /// What `live` takes.
 pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
@@ -83,7 +83,7 @@ const _: () = assert!(VEHICLE.is_valid(), "a number of VEHICLE is outside of its
 mod tests {
     use super::*;
     use linestereo::{Dims, Params, Rig};
-    use linestereo_wire::mavlink::AutopilotStream;
+    use linestereo_mavlink::AutopilotStream;
 
     /// A rig that sees from 0.39 m on.
     fn plan(vehicle: &Vehicle) -> ObstaclePlan {

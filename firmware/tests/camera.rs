@@ -13,6 +13,7 @@ use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::Dims;
 use linestereo::rectify::Eye;
 use linestereo_firmware::camera::*;
+use linestereo_firmware::ports::FrameStart;
 use std::rc::Rc;
 
 /// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.

@@ -10,8 +10,8 @@ use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, 
 use linestereo_firmware::boards::rp235x::rows::{
     BORDER, DIMS, FRAME_ROWS, PLACE_WORDS, RING_ROWS, ROW_BYTES, RowCounter, Seen,
 };
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::{Capture, Fault, Limits, Report, RowRing, RowSink, Signal};
+use linestereo_firmware::ports::FrameStart;
 use std::collections::VecDeque;
 use std::rc::Rc;
 

@@ -3,13 +3,12 @@
 use core::cell::{Cell, RefCell};
 use linestereo::rectify::{Band, Calibration, Camera, Eye, Lens, Mesh, View};
 use linestereo::{Dims, HealthFlags, ObjectDepth};
-use linestereo_firmware::boards::capacities::NODES;
+use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::painter::Scene;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
-use linestereo_firmware::programs::live::{Live, Painter};
+use linestereo_firmware::painter::{Painter, Scene};
+use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource};
+use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;

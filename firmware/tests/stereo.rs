@@ -7,10 +7,11 @@ use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::camera::*;
-use linestereo_firmware::capture::{Cameras, Fault, Losses};
+use linestereo_firmware::capture::Fault;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
-use linestereo_firmware::programs::live::{Live, Painter, Turn};
+use linestereo_firmware::painter::Painter;
+use linestereo_firmware::ports::{ByteSink, ByteSource, Cameras, CapturedPair, Clock, FrameStart, PairSource};
+use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
 use std::rc::Rc;
@@ -199,8 +200,8 @@ impl PairSource for Lossy {
         if self.calls.is_multiple_of(2) { None } else { self.painter.next_pair(memory, rectified) }
     }
 
-    fn losses(&self) -> Option<Losses> {
-        let mut losses = Losses::default();
+    fn losses(&self) -> Option<CaptureReport> {
+        let mut losses = CaptureReport::default();
         losses.faults[0][Fault::TornFrame as usize] = self.calls / 2;
         losses.unpaired = self.calls / 2;
         Some(losses)

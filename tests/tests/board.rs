@@ -3,12 +3,12 @@
 use core::time::Duration;
 use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
 use linestereo::{Confidence, Dims, Params, Span};
-use linestereo_firmware::boards::{Board, mps2_an500};
+use linestereo_boards::{Board, Exit};
+use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::programs::pixels;
-use linestereo_firmware::startup::Exit;
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult, GrayImage};

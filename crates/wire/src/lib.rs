@@ -49,7 +49,6 @@ mod checksum;
 mod command;
 mod frame;
 mod health;
-pub mod mavlink;
 mod message;
 mod object;
 mod packet;

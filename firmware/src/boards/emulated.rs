@@ -1,8 +1,8 @@
 //! What all emulated machines give to the program `live`, beside a clock and ports of their own.
 
 use super::flash_file::FlashFile;
+use crate::painter::Painter;
 use crate::ports::{self, ByteSink, ByteSource, NoWatchdog};
-use crate::programs::live::Painter;
 use crate::rig_store::RigStore;
 use crate::semihosting::Arguments;
 

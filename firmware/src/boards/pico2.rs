@@ -8,14 +8,13 @@
 //! ```
 //! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board("pico2", "Cortex-M33", "thumbv8m.main-none-eabihf", Device::Chip("RP235x"));
+pub const BOARD: Board = Board::PICO2;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "pico2"))]
 mod wired {
@@ -27,11 +26,11 @@ mod wired {
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
-        Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
-        StereoConfig, Trigger,
+        Binning, Chip, Config, ExposureControl, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
+        Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
-    use crate::ports::{PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};

@@ -1,14 +1,12 @@
 //! Arduino Portenta H7 (STM32H747XI, its Cortex-M7) with two MT9V034 whose rows come as one: left, then right. `docs/boards/portenta-h7.md`.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board =
-    qvga::board("portenta-h7", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H747XIHx"));
+pub const BOARD: Board = Board::PORTENTA_H7;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
 pub use on_board::peripherals;
@@ -23,9 +21,9 @@ mod on_board {
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::usb_port;
-    use crate::camera::{FrameStart, NoReset, ResetPin, Trigger};
+    use crate::camera::{NoReset, ResetPin, Trigger};
     use crate::capture::{CameraSource, Capture, SideBySide};
-    use crate::ports::{PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use crate::rig_store::RigStore;
     use core::mem::MaybeUninit;
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};

@@ -2,14 +2,13 @@
 //!
 //! The pins are those of the 100-pin package, and those of WeAct's camera connector.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board("stm32h743", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H743ZITx"));
+pub const BOARD: Board = Board::STM32H743;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 pub use on_board::peripherals;
@@ -24,9 +23,9 @@ mod on_board {
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::usb_port;
-    use crate::camera::{FrameStart, ResetPin};
+    use crate::camera::ResetPin;
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
-    use crate::ports::{PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use crate::rig_store::RigStore;
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
     use embassy_stm32::pac::interrupt;

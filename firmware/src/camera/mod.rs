@@ -37,6 +37,7 @@ pub use registers::{Identity, Step, Wire};
 pub use stereo::{StereoCamera, StereoConfig};
 pub use trigger::{Trigger, TriggerInput};
 
+use crate::ports::FrameStart;
 use core::fmt;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c;
@@ -78,15 +79,6 @@ impl Binning {
             Self::Four => 4,
         }
     }
-}
-
-/// Who says when a frame starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameStart {
-    /// The sensor: frames of two sensors start at different times, and drift.
-    Free,
-    /// The sensor's trigger pin ([`TriggerInput`]).
-    Triggered,
 }
 
 /// Who chooses exposure and gain.

@@ -8,7 +8,8 @@
 //! ```
 //! A pair with one camera does not run: there is no depth to be had.
 
-use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, FrameStart, Model, ResetLine};
+use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, Model, ResetLine};
+use crate::ports::FrameStart;
 use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;

@@ -14,10 +14,10 @@
 //! row that was overwritten during the copy is never used.
 
 use super::tracker::{Progress, Tracker};
-use super::{Fault, Limits, Losses, RowRing, RowSink, Signal};
-use crate::camera::FrameStart;
-use crate::ports::CapturedPair;
+use super::{Fault, Limits, RowRing, RowSink, Signal};
+use crate::ports::{CapturedPair, FrameStart};
 use linestereo::rectify::{Eye, RowError};
+use linestereo_wire::CaptureReport;
 
 /// The state of both cameras' streams.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Capture {
     middle_us: [i32; 2],
     left: Camera,
     right: Camera,
-    losses: Losses,
+    losses: CaptureReport,
     /// When a pair was asked for whose frames have not both started yet.
     asked_us: Option<u64>,
 }
@@ -71,7 +71,7 @@ impl Capture {
     #[must_use]
     pub fn new(limits: Limits, start: FrameStart) -> Self {
         let [left, right] = [Camera::default(), Camera::default()];
-        Self { limits, start, middle_us: [0; 2], left, right, losses: Losses::default(), asked_us: None }
+        Self { limits, start, middle_us: [0; 2], left, right, losses: CaptureReport::default(), asked_us: None }
     }
 
     /// From the start of a frame to the middle of its exposure, of the left and the right camera, microseconds
@@ -82,7 +82,7 @@ impl Capture {
 
     /// Faults and losses so far.
     #[must_use]
-    pub const fn losses(&self) -> &Losses {
+    pub const fn losses(&self) -> &CaptureReport {
         &self.losses
     }
 
@@ -228,7 +228,7 @@ impl Capture {
 
     fn fault(&mut self, eye: Eye, fault: Fault) -> Option<Report> {
         self.camera(eye).hand = None;
-        self.losses.count(eye, fault);
+        fault.count(eye, &mut self.losses);
         Some(Report::Fault(eye, fault))
     }
 

@@ -15,7 +15,8 @@
 //! # Cost
 //! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals that nobody has fetched.
 
-use super::{Cameras, RowRing, Signal};
+use super::{RowRing, Signal};
+use crate::ports::Cameras;
 use core::cell::RefCell;
 use core::fmt;
 use heapless::Deque;

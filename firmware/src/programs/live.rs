@@ -1,9 +1,8 @@
 //! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
-use crate::camera::FrameStart;
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource};
 use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
 use linestereo::{Dims, Match, ObjectDepth};
@@ -117,7 +116,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             self.autopilot.turn(now_us, port);
         }
         if let Some(losses) = camera.losses() {
-            self.tell_losses(losses.into(), now_us);
+            self.tell_losses(losses, now_us);
         }
         turn
     }
@@ -287,29 +286,4 @@ fn captured_us(pair: CapturedPair, now_us: u64) -> u64 {
 /// What is known of a pair before anybody has looked at it.
 fn captured_health(pair: CapturedPair) -> Health {
     if pair.frame_start == Some(FrameStart::Free) { Health::FREE_RUNNING } else { Health::GOOD }
-}
-
-/// Stands for a camera: paints one scene after the other.
-#[derive(Debug)]
-pub struct Painter {
-    dims: Dims,
-    next: usize,
-}
-
-impl Painter {
-    /// A camera of this size.
-    #[must_use]
-    pub const fn new(dims: Dims) -> Self {
-        Self { dims, next: 0 }
-    }
-}
-
-impl PairSource for Painter {
-    fn next_pair(&mut self, memory: &mut impl Memory, _: Option<Dims>) -> Option<CapturedPair> {
-        let [left, right] = memory.frames();
-        let scene = crate::painter::Scene::ALL.get(self.next)?;
-        self.next = (self.next + 1) % crate::painter::Scene::ALL.len();
-        scene.paint(self.dims, left, right);
-        Some(CapturedPair::of(self.dims))
-    }
 }

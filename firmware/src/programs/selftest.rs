@@ -3,7 +3,6 @@
 
 use super::expected::Digests;
 use crate::autopilot::Autopilot;
-use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
@@ -11,6 +10,7 @@ use crate::vehicle::Vehicle;
 use linestereo::diagnostics::{Stage, StageDigests};
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
+use linestereo_boards::Board;
 
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";

@@ -26,7 +26,7 @@ mod rooms;
 mod rows;
 mod support;
 
-pub use rooms::{Fence, Rooms};
+pub use rooms::Rooms;
 
 use linestereo::diagnostics::kernel::{
     self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable,

@@ -2,26 +2,11 @@
 //!
 //! In: a length, a distance. Out: a place next to a fence at every alignment; pixels of every kind, the same in every run.
 
+use crate::fence::Fence;
 use core::ops::Range;
 
-/// Bytes that no kernel may touch: the first half of a page.
-#[derive(Debug)]
-#[repr(C)]
-pub struct Fence([u8; Self::BYTES]);
-
-impl Fence {
-    /// A power of two, as memory protection units want it.
-    pub const BYTES: usize = PAGE / 2;
-    const NEW: Self = Self([0xc3; Self::BYTES]);
-
-    #[cfg(test)]
-    pub(super) fn is_untouched(&self) -> bool {
-        self.0 == Self::NEW.0
-    }
-}
-
-/// Rooms end where a page does: QEMU looks at the end of an unaligned word only when it lies in another page than the start.
-const PAGE: usize = 1024;
+/// Rooms end where a page does.
+const PAGE: usize = Fence::PAGE;
 
 /// Memory for one slice, and the fence before it. The one behind is that of the next room.
 #[derive(Debug)]
