@@ -1,6 +1,6 @@
 //! Built-in pairs, painted by integers alone: the same bytes on every machine, without a file.
 //!
-//! In: a scene and a size. Out: both images. Every pixel is a function of its place, so nothing is kept. `Blocks` looks like a scene; the
+//! In: a scene and a size. Out: both images. Every pixel is a function of its coordinates, so nothing is kept. `Blocks` looks like a scene; the
 //! others are what costs the method most, each in another way.
 
 use crate::memory::Memory;
@@ -98,7 +98,7 @@ impl Scene {
 /// Boards in front of a wall.
 const BOARDS: i32 = 12;
 
-/// The nearest board at this place, or the wall.
+/// The nearest board at this pixel, or the wall.
 fn blocks(x: i32, y: i32, eye: Eye, width: i32) -> u8 {
     let noise = (hash(x, y, if eye == Eye::Left { 4 } else { 5 }) & 3) as i32;
     for board in 0..BOARDS {

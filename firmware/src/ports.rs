@@ -63,7 +63,7 @@ pub trait PairSource {
         None
     }
 
-    /// Images may be captured so far apart, microseconds, where somebody has said that nothing moves; `None`: as the health check says.
+    /// Images may be captured so far apart, microseconds, where the scene is known to stand still; `None`: as the health check says.
     fn still_us(&self) -> Option<u32> {
         None
     }
@@ -89,7 +89,7 @@ pub trait Cameras {
     /// A camera has stopped: both are started again before the next frame.
     fn stopped(&mut self);
 
-    /// How often the left and the right sensor did not do what it was told.
+    /// How often the left and the right sensor did not do what was written to it.
     fn failures(&self) -> [u32; 2] {
         [0; 2]
     }
@@ -130,7 +130,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub reset: Option<Reset>,
 }
 
-/// Who says when a frame starts.
+/// What starts a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameStart {
     /// The sensor: frames of two sensors start at different times, and drift.
@@ -147,7 +147,7 @@ pub struct CapturedPair {
     /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
     /// captured too far apart is not matched.
     pub times_us: Option<[u64; 2]>,
-    /// Who said when the frames start, if the driver knows: of cameras that run free, the difference of their times is chance.
+    /// What starts the frames, if the driver knows: of cameras that run free, the difference of their times is chance.
     pub frame_start: Option<FrameStart>,
 }
 

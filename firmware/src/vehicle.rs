@@ -1,4 +1,4 @@
-//! What differs from vehicle to vehicle. A robot starts without a host that could say it, so it is chosen before a build: change [`VEHICLE`],
+//! What differs from vehicle to vehicle. A robot starts without a host, so it is chosen before a build: change [`VEHICLE`],
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
@@ -7,7 +7,7 @@ use linestereo_mavlink::{AutopilotParams, Policy};
 /// What `live` takes.
 pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
 
-/// How the cameras sit on a vehicle, and how its autopilot wants to be told of obstacles.
+/// How the cameras sit on a vehicle, and what its autopilot gets of obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
     /// Where the cameras look, degrees clockwise from ahead, seen from above; -180 ..= 180.
@@ -48,7 +48,7 @@ impl Vehicle {
         ObstacleParams { centre, yaw_deg, range_m, heights_m, ..ObstacleParams::new(focal_px) }
     }
 
-    /// What its autopilot is told of these directions.
+    /// Parameters of the stream to its autopilot, for these directions.
     #[must_use]
     pub fn autopilot(&self, plan: &ObstaclePlan) -> AutopilotParams {
         let Self { system, rate_hz, policy, block_cm, distance_sensor, .. } = *self;

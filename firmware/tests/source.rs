@@ -387,14 +387,14 @@ fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
         let (bench, mut source, _) = held(late_us.map(Some), LIMITS);
         let mut memory = Box::new(Workspace::new());
         for pairs in 0..3 {
-            let asked_us = bench.now_us.get();
+            let requested_us = bench.now_us.get();
             // Starting the sensors takes longer than the longest silence, and than a pair may take.
             let pair = source.next_pair(&mut *memory, None).expect("a pair");
             let (shot_us, held_us) = last_pulse(&bench, 2 * pairs);
             let second_us = late_us[0].max(late_us[1]);
             // Looked for every 50 us, while rows of the other camera are fetched.
             assert!((second_us..second_us + 150).contains(&held_us), "{late_us:?}: {held_us}");
-            assert_eq!(shot_us > asked_us, pairs == 0, "started once");
+            assert_eq!(shot_us > requested_us, pairs == 0, "started once");
             let middle_us = if pairs == 0 { 0 } else { 15_250 - 258 * 125_333 / 2000 };
             let times_us = late_us.map(|late_us| shot_us + late_us);
             assert_eq!(pair.times_us, Some(times_us.map(|time_us| time_us.saturating_add_signed(middle_us))));

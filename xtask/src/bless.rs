@@ -12,9 +12,9 @@ use std::path::Path;
 /// Writes `firmware/src/programs/expected.rs`, or compares with it.
 pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
-        "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
+        "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated on a PC by `cargo xtask bless`.\n\n\
          use linestereo::diagnostics::Stage;\nuse linestereo_boards::Board;\n\n\
-         /// One digest per stage, and one of what an autopilot is told.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
+         /// One digest per stage, and one of what an autopilot gets.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);
     write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;

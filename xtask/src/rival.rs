@@ -108,7 +108,7 @@ pub(crate) fn run(board: &Board, frames: Option<&Path>) -> Result<()> {
             (names, images, ours.iter().map(|(_, costs)| bench::total(costs)).collect())
         }
         None => {
-            let cases: Vec<_> = Case::all(board).filter(|case| !case.dearest && case.dims == dims).collect();
+            let cases: Vec<_> = Case::all(board).filter(|case| !case.worst_case && case.dims == dims).collect();
             let costs: BTreeMap<_, _> = builtin.pairs.iter().map(|(name, costs)| (name, bench::total(costs))).collect();
             let names: Vec<_> = cases.iter().map(Case::to_string).collect();
             let ours = names.iter().map(|name| costs.get(name).copied().unwrap_or(0)).collect();

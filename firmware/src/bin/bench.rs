@@ -17,7 +17,7 @@ fn bench() -> linestereo_boards::Exit {
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::stack;
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {
@@ -27,9 +27,9 @@ fn bench() -> linestereo_boards::Exit {
         if let Ok((costs, matched)) = bench::measure(memory, &clock, &mut Matcher::new(plan), None, None) {
             bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };
-            let [see, tell, bytes] = bench::measure_autopilot(&matched, &clock, &view);
+            let [see, send, bytes] = bench::measure_autopilot(&matched, &clock, &view);
             let _ =
-                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
+                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{send}\t{bytes}\n"));
         }
     }
     let [left, right] = memory.frames();

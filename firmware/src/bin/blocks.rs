@@ -35,7 +35,7 @@ fn blocks() -> linestereo_boards::Exit {
         })
     }
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
         return Exit::Usage;
@@ -51,7 +51,7 @@ fn blocks() -> linestereo_boards::Exit {
             }
         }
         None => {
-            for case in Case::all(&selected::BOARD).filter(|case| !case.dearest) {
+            for case in Case::all(&selected::BOARD).filter(|case| !case.worst_case) {
                 let [left, right] = memory.frames();
                 case.scene.paint(case.dims, left, right);
                 all_fit &= measure(memory, &clock, &mut table, case.dims, case);

@@ -15,7 +15,7 @@ fn faults() -> linestereo_boards::Exit {
         if depth == 0 { 0 } else { fill::<BYTES>(depth - 1).wrapping_add(memory[depth as usize % BYTES].into()) }
     }
 
-    let arguments = Arguments::ask();
+    let arguments = Arguments::read();
     match arguments.get(0) {
         None => return Exit::Success,
         Some("panic") => panic!("as asked"),

@@ -20,7 +20,7 @@ fn kernels() -> linestereo_boards::Exit {
         linestereo::diagnostics::kernel::portable::gradient_row(above, row, below, out);
     }
 
-    let arguments = Arguments::ask();
+    let arguments = Arguments::read();
     let kernels = match arguments.get(0) {
         None => Kernels::CHOSEN,
         Some("wrong") => Kernels::WRONG,

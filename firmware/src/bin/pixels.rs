@@ -12,7 +12,7 @@ fn pixels() -> linestereo_boards::Exit {
     use linestereo_firmware::programs::pixels;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {

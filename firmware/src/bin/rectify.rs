@@ -11,7 +11,7 @@ fn rectify() -> linestereo_boards::Exit {
 
     static WORKSPACE: Once<Workspace> = Once::new(Workspace::new());
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(workspace) = WORKSPACE.take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     for &dims in selected::BOARD.sizes {

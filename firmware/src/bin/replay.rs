@@ -15,7 +15,7 @@ fn replay() -> linestereo_boards::Exit {
     use linestereo_firmware::session::Session;
     use linestereo_firmware::{error, info, stack};
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let (Some(input), Some(output), Some(table)) = (arguments.get(0), arguments.get(1), arguments.get(2)) else {
         error!("arguments: input, output, table");

@@ -11,7 +11,7 @@ fn selftest() -> linestereo_boards::Exit {
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let all_equal = selftest::run(memory, &selected::BOARD, expected::of(&selected::BOARD), |outcome| {
         let (scene, width, height) = (outcome.case.scene.name(), outcome.case.dims.width, outcome.case.dims.height);
-        let kind = if outcome.case.dearest { ", dearest parameters" } else { "" };
+        let kind = if outcome.case.worst_case { ", worst case" } else { "" };
         match outcome.differs_in() {
             None => info!("{=str} {=u16}x{=u16}{=str}: equal", scene, width, height, kind),
             Some(stage) => {

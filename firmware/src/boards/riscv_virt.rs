@@ -84,7 +84,7 @@ mod on_board {
         }
     }
 
-    /// The machine has no second port: what an autopilot is told goes nowhere.
+    /// The machine has no second port: what an autopilot would get goes nowhere.
     #[derive(Debug)]
     pub struct NoPort;
 

@@ -54,9 +54,9 @@ mod on_board {
     }
 
     impl Switch for BusSwitch {
-        /// Both are triggered, the one that is not connected reads out unheard.
+        /// Both are triggered, the one that is not connected reads out for nobody.
         fn shoot(&mut self, eye: Eye) -> bool {
-            // The other camera may end its frame some rows later than the one that was heard.
+            // The other camera may end its frame some rows later than the one that was connected.
             block_for(Duration::from_micros(200));
             self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds

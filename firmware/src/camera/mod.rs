@@ -50,7 +50,7 @@ pub struct Config {
     pub dims: Dims,
     /// Pixels of the sensor, in each direction, that become one.
     pub binning: Binning,
-    /// Who says when a frame starts.
+    /// What starts a frame.
     pub start: FrameStart,
     /// Who chooses exposure and gain.
     pub exposure: ExposureControl,

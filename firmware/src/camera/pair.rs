@@ -138,7 +138,7 @@ where
         Ok(exposure)
     }
 
-    /// Who says when frames start: [`FrameStart::Free`] is a pair that is not synchronised.
+    /// What starts frames: [`FrameStart::Free`] is a pair that is not synchronised.
     pub const fn frame_start(&self) -> FrameStart {
         self.start
     }

@@ -81,7 +81,7 @@ impl Signal {
 ///
 /// A board sets the DMA to the start of a row at every start of a frame: what a short line has shifted must not reach the next one.
 pub trait RowRing {
-    /// Rows that the ring holds: a power of two, so that the number of a row says its place.
+    /// Rows that the ring holds: a power of two, so that the number of a row says where it lies.
     fn rows(&self) -> u32;
 
     /// What the interrupts have seen since the last call, oldest first.
@@ -90,7 +90,7 @@ pub trait RowRing {
     /// Rows that are complete now, whether their signal was fetched or not: the hardware is writing row number `written`.
     fn written(&self) -> u32;
 
-    /// Copies the grey levels of a row out of its place, whatever lies there by now.
+    /// Copies the grey levels of a row out of the ring, whatever lies there by now.
     fn copy(&self, row: u32, into: &mut [u8]);
 
     /// The clock of the signals, microseconds.

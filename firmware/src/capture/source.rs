@@ -35,7 +35,7 @@ impl Cameras for FreeCameras {
 pub struct CameraSource<R, C = FreeCameras> {
     rings: [R; 2],
     cameras: C,
-    /// Its losses say why there was no pair.
+    /// Its losses name why there was no pair.
     pub capture: Capture,
     dims: Dims,
     patience_us: u32,
@@ -48,7 +48,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
         Self { rings, cameras, capture, dims, patience_us, still_us: None }
     }
 
-    /// Somebody says that nothing moves: images may be captured so far apart, microseconds.
+    /// The scene is known to stand still: images may be captured so far apart, microseconds.
     #[must_use]
     pub fn still(self, skew_us: u32) -> Self {
         Self { still_us: Some(skew_us), ..self }
@@ -56,7 +56,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        self.capture.ask(self.now_us());
+        self.capture.request(self.now_us());
         let is_shot = self.cameras.shoot();
         self.capture.shot(self.now_us());
         let pair = self.wait(is_shot, rows);

@@ -3,7 +3,7 @@
 //! In: the kernels. Out: the first that gives other bits, or that none does.
 //!
 //! ```text
-//! for each kernel, number of groups or pixels, place within a word:
+//! for each kernel, number of groups or pixels, offset within a word:
 //!     random contents, often extreme ones; slices that are too short or longer than need be among them
 //!     kernel, portable kernel: all that they may write must be equal
 //! ```
@@ -15,8 +15,8 @@ use linestereo_block_matching::portable;
 const GROUPS: usize = 16;
 /// Columns of the longest row of windows.
 const COLUMNS: usize = 18;
-/// Places of the rings of changes.
-const PLACES: usize = 15;
+/// Slots of the rings of changes.
+const SLOTS: usize = 15;
 type Ring = [[[i8; 4]; GROUPS]];
 type SlideWindows = fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]);
 
@@ -105,7 +105,7 @@ impl BlockKernels {
         (0..300).all(|round: usize| {
             let (groups, columns) = (1 + round % GROUPS, 1 + random.below(COLUMNS));
             let mut state = State {
-                changes: [[[0; 4]; GROUPS]; PLACES],
+                changes: [[[0; 4]; GROUPS]; SLOTS],
                 sums: [Group::default(); GROUPS],
                 costs: [Group::default(); GROUPS * COLUMNS],
                 lowest: [Group::default(); COLUMNS],
@@ -124,9 +124,9 @@ impl BlockKernels {
                 right: right.each_ref().map(|row| &row[round % 4..][..long]),
                 asked: &asked[..columns],
             };
-            let place = random.below(PLACES + 1);
-            state.run(self.slide_windows, &windows, place, groups);
-            expected.run(portable::slide_windows, &windows, place, groups);
+            let slot = random.below(SLOTS + 1);
+            state.run(self.slide_windows, &windows, slot, groups);
+            expected.run(portable::slide_windows, &windows, slot, groups);
             state == expected
         })
     }
@@ -201,17 +201,17 @@ impl BlockKernels {
 /// What [`portable::slide_windows`] writes.
 #[derive(Clone, PartialEq, Eq)]
 struct State {
-    changes: [[[i8; 4]; GROUPS]; PLACES],
+    changes: [[[i8; 4]; GROUPS]; SLOTS],
     sums: [Group; GROUPS],
     costs: [Group; GROUPS * COLUMNS],
     lowest: [Group; COLUMNS],
 }
 
 impl State {
-    fn run(&mut self, slide_windows: SlideWindows, windows: &Windows<'_>, place: usize, groups: usize) {
+    fn run(&mut self, slide_windows: SlideWindows, windows: &Windows<'_>, slot: usize, groups: usize) {
         let columns = windows.asked.len();
         let (sums, costs) = (&mut self.sums[..groups], &mut self.costs[..groups * columns]);
-        slide_windows(windows, (&mut self.changes, place), sums, costs, &mut self.lowest[..columns]);
+        slide_windows(windows, (&mut self.changes, slot), sums, costs, &mut self.lowest[..columns]);
     }
 }
 
@@ -291,10 +291,10 @@ mod tests {
             (
                 "slide_windows",
                 BlockKernels {
-                    slide_windows: |windows, (changes, place), sums, costs, lowest| {
+                    slide_windows: |windows, (changes, slot), sums, costs, lowest| {
                         // Forgets where the ring ends.
-                        let place = if place + windows.asked.len() > PLACES { 0 } else { place };
-                        portable::slide_windows(windows, (changes, place), sums, costs, lowest);
+                        let slot = if slot + windows.asked.len() > SLOTS { 0 } else { slot };
+                        portable::slide_windows(windows, (changes, slot), sums, costs, lowest);
                     },
                     ..CHOSEN
                 },

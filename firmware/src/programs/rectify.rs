@@ -1,6 +1,6 @@
 //! What rectifying a pair costs, and which bytes it gives.
 //!
-//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the dearest raw row, and a digest of both rectified images.
+//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the most expensive raw row, and a digest of both rectified images.
 //!
 //! ```text
 //! set-up:  rig -> common view -> two meshes                floating point, once
@@ -92,8 +92,8 @@ pub struct Measured {
     pub set_up: u64,
     /// All rows of both images.
     pub rows: u64,
-    /// The dearest raw row.
-    pub dearest_row: u64,
+    /// The most expensive raw row.
+    pub worst_row: u64,
     /// Bytes of raw rows held, of the camera that needs more.
     pub band_bytes: usize,
     /// Of both rectified images (FNV-1a).
@@ -158,7 +158,7 @@ pub fn measure(
         mesh.build(&rectification, eye)?;
     }
     let set_up = clock.elapsed(started, clock.now());
-    let mut measured = Measured { set_up, rows: 0, dearest_row: 0, band_bytes: 0, digest: 0x811c_9dc5 };
+    let mut measured = Measured { set_up, rows: 0, worst_row: 0, band_bytes: 0, digest: 0x811c_9dc5 };
     let mut noise = 1;
     for mesh in &workspace.meshes {
         workspace.band.restart();
@@ -170,7 +170,7 @@ pub fn measure(
             let finished = workspace.band.push(mesh, raw_row, &mut workspace.frame)?;
             let cost = clock.elapsed(before, clock.now());
             measured.rows += cost;
-            measured.dearest_row = measured.dearest_row.max(cost);
+            measured.worst_row = measured.worst_row.max(cost);
             let [first, last] = [finished.start, finished.end].map(|y| usize::from(y) * usize::from(dims.width));
             for &pixel in workspace.frame.get(first..last).unwrap_or(&[]) {
                 measured.digest = (measured.digest ^ u32::from(pixel)).wrapping_mul(0x0100_0193);
@@ -190,7 +190,7 @@ fn grey(state: &mut u32) -> u8 {
 
 /// One line of the table that the PC reads, separated by tabs.
 pub fn line(out: &mut impl fmt::Write, rig: BuiltIn, dims: Dims, measured: &Measured) {
-    let Measured { set_up, rows, dearest_row, band_bytes, digest } = measured;
+    let Measured { set_up, rows, worst_row, band_bytes, digest } = measured;
     let name = rig.name();
-    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{dearest_row}\t{band_bytes}\t{digest:08x}");
+    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{worst_row}\t{band_bytes}\t{digest:08x}");
 }

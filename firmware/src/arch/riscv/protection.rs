@@ -35,19 +35,19 @@ pub fn forbid_fences(fences: &[&Fence]) -> bool {
 
 /// No access to `bytes`, a power of two to which `start` is aligned.
 fn forbid(entry: usize, start: usize, bytes: usize) {
-    // The address in words; ones from the lowest bit on say how many bytes.
-    let place = (start >> 2) | ((bytes >> 3) - 1);
+    // In words; ones from the lowest bit on are the number of bytes.
+    let address = (start >> 2) | ((bytes >> 3) - 1);
     // SAFETY: nothing else writes these entries, and nothing but what is forbidden lies there.
     unsafe {
         match entry {
-            0 => pmpaddr0::write(place),
-            1 => pmpaddr1::write(place),
-            2 => pmpaddr2::write(place),
-            3 => pmpaddr3::write(place),
-            4 => pmpaddr4::write(place),
-            5 => pmpaddr5::write(place),
-            6 => pmpaddr6::write(place),
-            _ => pmpaddr7::write(place),
+            0 => pmpaddr0::write(address),
+            1 => pmpaddr1::write(address),
+            2 => pmpaddr2::write(address),
+            3 => pmpaddr3::write(address),
+            4 => pmpaddr4::write(address),
+            5 => pmpaddr5::write(address),
+            6 => pmpaddr6::write(address),
+            _ => pmpaddr7::write(address),
         }
         let bits = LOCKED_NO_ACCESS << (8 * (entry % 4));
         if entry < 4 {

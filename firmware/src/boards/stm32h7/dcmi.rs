@@ -88,7 +88,7 @@ impl CameraPins {
             Peri<'static, impl PixClkPin<Camera>>,
         ),
     ) -> Self {
-        let place = (vsync.port(), vsync.pin());
+        let pin = (vsync.port(), vsync.pin());
         let functions = [
             d0.af_num(),
             d1.af_num(),
@@ -120,7 +120,7 @@ impl CameraPins {
             pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
-        Self { vsync: place }
+        Self { vsync: pin }
     }
 }
 
@@ -178,7 +178,7 @@ impl Stream for DcmiStream {
     }
 
     fn written(&self) -> u32 {
-        let written = |state: &State| state.bands.written(place(self.layout));
+        let written = |state: &State| state.bands.written(offset(self.layout));
         STATE.lock(|state| state.borrow().as_ref().map_or(0, written))
     }
 
@@ -213,7 +213,7 @@ fn vsync_interrupt(line: usize) -> interrupt {
 }
 
 /// The byte of the ring that the DMA writes next.
-fn place(layout: RingLayout) -> u32 {
+fn offset(layout: RingLayout) -> u32 {
     let left = u32::from(pac::DMA1.st(STREAM).ndtr().read().ndt()) * 4;
     layout.bytes().saturating_sub(left) % layout.bytes()
 }
@@ -287,11 +287,11 @@ fn serve() {
         let dma = pac::DMA1.isr(STREAM / 4).read();
         let is_lost = events.ovr_ris() || dma.teif(STREAM % 4) || dma.dmeif(STREAM % 4);
         empty_buffer();
-        let place = place(layout);
+        let offset = offset(layout);
         let is_settled = pac::DCMI.sr().read().hsync(); // still between two rows after the look
         let (row_ended, frame_ended) = (events.line_ris() && is_settled, events.vsync_ris());
         let events = Events { has_started, row_ended, frame_ended, is_lost };
-        if bands.serve(events, place, now_us) == Dma::Restart {
+        if bands.serve(events, offset, now_us) == Dma::Restart {
             start_anew(layout);
         }
     });

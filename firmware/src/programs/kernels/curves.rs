@@ -1,6 +1,6 @@
 //! Curves of costs over disparity.
 
-use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Random, Rooms, range};
 use super::{Compared, Kernels};
 use linestereo::diagnostics::kernel::{LANES, STRIP, Strip, portable};
 
@@ -40,18 +40,18 @@ fn summed_curves(
                         2 => needed + 1 + random.below(20),
                         _ => needed,
                     };
-                    let place = place(ROW, long, (distance + i) % ALIGNMENTS, random.below(2) == 0);
+                    let range = range(ROW, long, (distance + i) % ALIGNMENTS, random.below(2) == 0);
                     if let Some(start) = starts.get_mut(i).filter(|_| i < 3) {
-                        *start = place.start;
+                        *start = range.start;
                     }
-                    *other = &rooms.rows[i % 3].contents[place];
+                    *other = &rooms.rows[i % 3].contents[range];
                 }
                 let curve = &mut rooms.curve.contents;
                 curve.fill_with(|| random.entry());
                 let mut expected = *curve;
-                let place = place(CURVE, length, distance / 2, distance % 2 == 0);
-                starts[3] = place.start;
-                run(&others[..count], random.next(), &mut curve[place.clone()], &mut expected[place]);
+                let range = range(CURVE, length, distance / 2, distance % 2 == 0);
+                starts[3] = range.start;
+                run(&others[..count], random.next(), &mut curve[range.clone()], &mut expected[range]);
                 compared.note(*curve == expected, length, (count, 0), starts);
             }
         }

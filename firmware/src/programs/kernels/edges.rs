@@ -1,6 +1,6 @@
 //! Steps and crossings of edges, and census of one pixel.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, Random, Rooms, range};
 use super::{Compared, Kernels};
 use linestereo::diagnostics::kernel::portable;
 
@@ -20,9 +20,9 @@ pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 {
                     let length = length.min(IMAGE - ALIGNMENTS);
                     for distance in 0..ALIGNMENTS {
-                        let place = place(IMAGE, length, distance, count % 2 == 0);
-                        let starts = [place.start, 0, 0, 0];
-                        let pixels = &rooms.image.contents[place];
+                        let range = range(IMAGE, length, distance, count % 2 == 0);
+                        let starts = [range.start, 0, 0, 0];
+                        let pixels = &rooms.image.contents[range];
                         let ours = (kernels.largest_step)(pixels, stride, count);
                         let equal = ours == portable::largest_step(pixels, stride, count);
                         compared.note(equal, length, (count, stride), starts);
@@ -60,9 +60,9 @@ pub(super) fn crossings<T: PartialEq>(
     let mut compared = Compared::new(name);
     let mut random = Random::new();
     let mut compare = |image: &[u8; IMAGE], length: usize, first: usize, stride: usize, distance: usize, at_back| {
-        let place = place(IMAGE, length, distance, at_back);
-        let start = place.start;
-        let pixels = &image[place];
+        let range = range(IMAGE, length, distance, at_back);
+        let start = range.start;
+        let pixels = &image[range];
         for sign in [1, -1] {
             let equal = kernel(pixels, first, stride, sign) == definition(pixels, first, stride, sign);
             compared.note(equal, length, (first, stride), [start, 0, 0, 0]);

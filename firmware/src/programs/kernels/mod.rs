@@ -269,7 +269,7 @@ impl Compared {
 }
 
 /// Compares every kernel, and says whether all are equal to the portable ones.
-pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)) -> bool {
+pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compared)) -> bool {
     let compare: [fn(&Kernels, &mut Rooms) -> Compared; Kernels::COUNT] = [
         |kernels, rooms| {
             let ours = |[a, r, b]: [&[u8]; 3], out: &mut [u8]| (kernels.gradient_row)(a, r, b, out);
@@ -323,7 +323,7 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
     for compare in compare {
         let compared = compare(kernels, rooms);
         all_equal &= compared.first.is_none();
-        tell(&compared);
+        report(&compared);
     }
     all_equal
 }

@@ -1,6 +1,6 @@
 //! Grey levels between pixels.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, range};
 use super::{Compared, Kernels};
 use linestereo::diagnostics::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
@@ -72,8 +72,8 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             }
         }
         let length = if round % 11 == 0 { random.below(total + 3) } else { total }.min(ROW - ALIGNMENTS);
-        let rows = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
-        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let rows = range(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = range(ROW, length, random.below(ALIGNMENTS), at_back);
         let starts = [rows.start, to.start, 0, 0];
         let (rows, runs) = (&rooms.image.contents[rows], &runs[..count]);
         let out = &mut rooms.out.contents;
@@ -122,8 +122,8 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         let count = random.below(KNOTS + 1);
         let cells = count.saturating_sub(3) * CELL;
         let length = if round % 4 == 0 { random.below(cells + 20) } else { cells };
-        let held = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
-        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let held = range(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = range(ROW, length, random.below(ALIGNMENTS), at_back);
         let starts = [held.start, to.start, 0, 0];
         let rows = if round % 50 == 0 { 0 } else { rows as u32 };
         let ring = Ring { bytes: &rooms.image.contents[held], width, rows, first };

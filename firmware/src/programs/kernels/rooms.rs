@@ -1,6 +1,6 @@
 //! Memory for what kernels read and write, and what is put there.
 //!
-//! In: a length, a distance. Out: a place next to a fence at every alignment; pixels of every kind, the same in every run.
+//! In: a length, a distance. Out: a range next to a fence at every alignment; pixels of every kind, the same in every run.
 
 use crate::fence::Fence;
 use core::ops::Range;
@@ -145,7 +145,7 @@ impl Contents {
 }
 
 /// Where a slice lies in its room of `room` entries: so far from the front, or from the back.
-pub(super) fn place(room: usize, length: usize, distance: usize, at_back: bool) -> Range<usize> {
+pub(super) fn range(room: usize, length: usize, distance: usize, at_back: bool) -> Range<usize> {
     let start = if at_back { room - length - distance } else { distance };
     start..start + length
 }
@@ -161,9 +161,9 @@ mod tests {
         let fences = rooms.fences().map(|fence| (&raw const *fence).addr());
         assert!(fences.iter().all(|fence| fence % PAGE == 0));
         let [a, b, c] = &rooms.rows;
-        let places = [&a.contents[..], &b.contents, &c.contents, &rooms.out.contents].map(ends);
-        for (place, fences) in places.iter().zip(fences.windows(2)) {
-            assert_eq!(*place, (fences[0] + Fence::BYTES, fences[1]));
+        let ranges = [&a.contents[..], &b.contents, &c.contents, &rooms.out.contents].map(ends);
+        for (range, fences) in ranges.iter().zip(fences.windows(2)) {
+            assert_eq!(*range, (fences[0] + Fence::BYTES, fences[1]));
         }
         assert_eq!(ends(&rooms.image.contents), (fences[5] + Fence::BYTES, fences[6]));
         assert_eq!(rooms.curve.contents.as_ptr_range().end.addr(), fences[5]);

@@ -1,6 +1,6 @@
 //! Kernels that give a row.
 
-use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, UNTOUCHED, place};
+use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, UNTOUCHED, range};
 use super::{Compared, Kernels};
 use linestereo::diagnostics::kernel::portable;
 
@@ -15,12 +15,12 @@ pub(super) fn rows(
     let mut random = Random::new();
     let mut expected = [0; ROW];
     let mut compare = |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
-        let mut places = [const { 0..0 }; 4];
-        for ((place, length), distance) in places.iter_mut().zip(lengths).zip(distances) {
-            *place = super::rooms::place(ROW, length, distance, at_back);
+        let mut ranges = [const { 0..0 }; 4];
+        for ((range, length), distance) in ranges.iter_mut().zip(lengths).zip(distances) {
+            *range = super::rooms::range(ROW, length, distance, at_back);
         }
-        let starts = [0, 1, 2, 3].map(|i: usize| places[i].start);
-        let [a, r, b, to] = places;
+        let starts = [0, 1, 2, 3].map(|i: usize| ranges[i].start);
+        let [a, r, b, to] = ranges;
         let [above, row, below] = &rooms.rows;
         let inputs = [&above.contents[a], &row.contents[r], &below.contents[b]];
         let out = &mut rooms.out.contents;
@@ -65,13 +65,13 @@ pub(super) fn reversed_rows(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
     for length in (0..=80).chain([320]) {
         for distance in 0..ALIGNMENTS {
             for at_back in [false, true] {
-                let place = place(ROW, length, distance, at_back);
+                let range = range(ROW, length, distance, at_back);
                 let out = &mut rooms.out.contents;
                 Contents::Random.fill(&mut random, out);
                 let mut expected = *out;
-                (kernels.reverse_row)(&mut out[place.clone()]);
-                portable::reverse_row(&mut expected[place.clone()]);
-                compared.note(*out == expected, length, (1, 0), [place.start, 0, 0, 0]);
+                (kernels.reverse_row)(&mut out[range.clone()]);
+                portable::reverse_row(&mut expected[range.clone()]);
+                compared.note(*out == expected, length, (1, 0), [range.start, 0, 0, 0]);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Kernels of support points.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, range};
 use super::{Compared, Kernels};
 use linestereo::diagnostics::kernel::{RANK_ROWS, STRIP, portable};
 
@@ -22,10 +22,10 @@ pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 1 => needed + random.below(20),
                 _ => needed,
             };
-            let at_rows = place(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
+            let at_rows = range(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
             // Columns begin at whole words in the core.
             let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
-            let at_columns = place(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
+            let at_columns = range(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
             let starts = [at_rows.start, at_columns.start, 0, 0];
             let rows = &rows[at_rows];
             let out = &mut rooms.out.contents;
@@ -61,8 +61,8 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             };
             // Columns begin at whole words in the core.
             let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
-            let at_columns = place(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
-            let at_costs = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
+            let at_columns = range(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
+            let at_costs = range(ROW, length, round % ALIGNMENTS, round % 8 < 4);
             let starts = [at_columns.start, at_costs.start, 0, 0];
             let columns = ranks[at_columns].as_chunks().0;
             let out = &mut rooms.out.contents;
@@ -87,7 +87,7 @@ pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 lengths[random.below(2)] = random.below(length + 1);
             }
             let [at_costs, at_path] =
-                [0, 1].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
+                [0, 1].map(|k: usize| range(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
             for room in [&mut *costs, path] {
                 Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
             }
@@ -113,13 +113,13 @@ pub(super) fn sums_of_paths(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             if round % 8 == 0 {
                 lengths[random.below(3)] = random.below(length + 1);
             }
-            let places = [0, 1, 2].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
-            let starts = [0, 1, 2, 2].map(|k: usize| places[k].start);
+            let ranges = [0, 1, 2].map(|k: usize| range(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
+            let starts = [0, 1, 2, 2].map(|k: usize| ranges[k].start);
             for room in &mut rooms.rows {
                 Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
             }
             let [a, b, sums] = &mut rooms.rows;
-            let [at_a, at_b, at_sums] = places;
+            let [at_a, at_b, at_sums] = ranges;
             let (a, b) = (&a.contents[at_a], &b.contents[at_b]);
             let mut expected = sums.contents;
             let theirs = portable::sum_paths(a, b, &mut expected[at_sums.clone()]);
@@ -142,12 +142,12 @@ fn look(name: &'static str, rooms: &mut Rooms, same: impl Fn(&[u8], &mut Random)
                 8..16 => room.iter_mut().for_each(|byte| *byte = 254 + (random.next() & 1) as u8),
                 _ => Contents::ALL[random.below(6)].fill(&mut random, room),
             }
-            let place = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
+            let range = range(ROW, length, round % ALIGNMENTS, round % 8 < 4);
             if round < 16 && length > 0 {
-                room[place.start + random.below(length)] = 3;
+                room[range.start + random.below(length)] = 3;
             }
-            let start = place.start;
-            compared.note(same(&room[place], &mut random), length, (1, 0), [start, 0, 0, 0]);
+            let start = range.start;
+            compared.note(same(&room[range], &mut random), length, (1, 0), [start, 0, 0, 0]);
         }
     }
     compared
