@@ -136,7 +136,7 @@ fn rectified_here(board: &Board) -> Result<BTreeMap<String, String>> {
     let rigs = board.sizes.iter().flat_map(|&dims| BuiltIn::ALL.map(|rig| (rig, dims)));
     let digest = |(rig, dims): (BuiltIn, Dims)| {
         let measured = rectify::measure(&mut workspace, &NoClock, rig, dims);
-        let digest = measured.map_err(|why| anyhow::anyhow!("{} {dims}: {why:?}", rig.name()))?.digest;
+        let digest = measured.with_context(|| format!("{} {dims} cannot be rectified", rig.name()))?.digest;
         Ok((format!("{}_{dims}", rig.name()), format!("{digest:08x}")))
     };
     rigs.map(digest).collect()

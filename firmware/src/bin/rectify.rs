@@ -17,8 +17,8 @@ fn rectify() -> linestereo_boards::Exit {
     for &dims in selected::BOARD.sizes {
         for rig in BuiltIn::ALL {
             match rectify::measure(workspace, &clock, rig, dims) {
-                Ok(measured) => rectify::line(&mut table, rig, dims, &measured),
-                Err(_) => return Exit::Difference,
+                Some(measured) => rectify::line(&mut table, rig, dims, &measured),
+                None => return Exit::Difference,
             }
         }
     }

@@ -79,24 +79,11 @@ mod wired {
 
         let mut block = Block::new(board.PIO0);
         let common = block.common();
-        let left = [
-            common.make_pio_pin(board.PIN_2),
-            common.make_pio_pin(board.PIN_3),
-            common.make_pio_pin(board.PIN_4),
-            common.make_pio_pin(board.PIN_5),
-            common.make_pio_pin(board.PIN_6),
-            common.make_pio_pin(board.PIN_7),
-            common.make_pio_pin(board.PIN_8),
-        ];
-        let right = [
-            common.make_pio_pin(board.PIN_9),
-            common.make_pio_pin(board.PIN_10),
-            common.make_pio_pin(board.PIN_11),
-            common.make_pio_pin(board.PIN_12),
-            common.make_pio_pin(board.PIN_13),
-            common.make_pio_pin(board.PIN_14),
-            common.make_pio_pin(board.PIN_15),
-        ];
+        macro_rules! pins {
+            ($($pin:ident)*) => { [$(common.make_pio_pin(board.$pin)),*] };
+        }
+        let left = pins!(PIN_2 PIN_3 PIN_4 PIN_5 PIN_6 PIN_7 PIN_8);
+        let right = pins!(PIN_9 PIN_10 PIN_11 PIN_12 PIN_13 PIN_14 PIN_15);
         let rings = block.start([left, right]);
 
         let left = i2c::bus(board.I2C0, (board.PIN_17, board.PIN_16));

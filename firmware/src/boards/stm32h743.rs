@@ -19,14 +19,13 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort};
+    use crate::boards::stm32h7::ports;
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
-    use crate::boards::usb_port;
+    use crate::boards::{stm32h7, usb_port};
     use crate::camera::ResetPin;
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
     use crate::ports::{FrameStart, PairSource, Peripherals};
-    use crate::rig_store::RigStore;
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
     use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
@@ -81,9 +80,7 @@ mod on_board {
     }
 
     /// What the board gives to `live`.
-    pub fn peripherals() -> Option<
-        Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
-    > {
+    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
         static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
 
         memory::prepare();
@@ -111,15 +108,7 @@ mod on_board {
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = RigFlash::slots(p.FLASH);
-        Some(Peripherals {
-            clock: MicrosecondClock,
-            host,
-            autopilot,
-            pairs,
-            flash,
-            watchdog,
-            rest: cortex_m::asm::wfe,
-            reset,
-        })
+        let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
+        Some(Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::ports::{ByteSource, Clock};
 use core::fmt;
+use linestereo::diagnostics::Fnv;
 use linestereo::{Dims, Gray};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
 
@@ -99,15 +100,14 @@ impl<const WIDTH: usize, const PIXELS: usize, const DENSE: usize, const GRID: us
         let [left, right] = &self.frames;
         let view = |frame| Gray::new(frame, dims, dims.width.into()).map_err(|_| Misfit::Size(dims));
         let pair = [view(left)?, view(right)?];
-        let mut measured = Measured { values: 0, digest: 0x811c_9dc5, cost: 0 };
+        let mut measured = Measured { values: 0, digest: 0, cost: 0 };
+        let mut digest = Fnv::EMPTY;
         let mut last = clock.now();
         let mut row = |_: usize, disparities: &[i16]| {
             measured.cost += clock.elapsed(last, clock.now());
             for &disparity in disparities {
                 measured.values += u32::from(disparity != NO_DISPARITY);
-                for byte in disparity.to_le_bytes() {
-                    measured.digest = (measured.digest ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-                }
+                digest.write(&disparity.to_le_bytes());
             }
             last = clock.now();
         };
@@ -116,6 +116,7 @@ impl<const WIDTH: usize, const PIXELS: usize, const DENSE: usize, const GRID: us
             Matcher::Grid => self.grid.run(settings, pair, &mut row)?,
         }
         measured.cost += clock.elapsed(last, clock.now());
+        measured.digest = digest.value();
         Ok(measured)
     }
 }

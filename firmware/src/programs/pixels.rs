@@ -7,6 +7,7 @@ use crate::cases::Case;
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
 use core::fmt;
+use linestereo::diagnostics::Fnv;
 use linestereo::{Matcher, PixelDepth, PixelRejection};
 
 /// Columns and rows of the grid.
@@ -33,7 +34,7 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
     case.scene.paint(case.dims, left, right);
     let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
     let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
-    let mut measured = Measured { digest: 0x811c_9dc5, ..Measured::default() };
+    let (mut measured, mut digest) = (Measured::default(), Fnv::EMPTY);
     let [columns, rows] = GRID;
     let mut costs = 0;
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
@@ -47,22 +48,21 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
         measured.worst_case = measured.worst_case.max(cost);
         measured.queried += 1;
         measured.answered += u32::from(answer.is_ok());
-        for byte in bytes(answer) {
-            measured.digest = (measured.digest ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        for part in parts(answer) {
+            digest.write(&part.to_le_bytes());
         }
     }
+    measured.digest = digest.value();
     measured.mean = costs / u64::from(measured.queried);
     Ok(measured)
 }
 
 /// An answer without a rig.
-fn bytes(answer: Result<PixelDepth, PixelRejection>) -> [u8; 6] {
-    let [d, s, c] = match answer {
+fn parts(answer: Result<PixelDepth, PixelRejection>) -> [u16; 3] {
+    match answer {
         Ok(found) => [found.disparity.to_bits() as u16, found.sigma.to_bits() as u16, found.confidence.to_bits()],
         Err(reason) => [reason as u16, u16::MAX, 0],
     }
-    .map(u16::to_le_bytes);
-    [d[0], d[1], s[0], s[1], c[0], c[1]]
 }
 
 /// One line of the table that the PC reads: what, a name, numbers, the digest; separated by tabs.

@@ -7,7 +7,7 @@ use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
-use linestereo::diagnostics::{Stage, StageDigests};
+use linestereo::diagnostics::{Fnv, Stage, StageDigests};
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
 use linestereo_boards::Board;
@@ -74,23 +74,21 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
 fn autopilot(view: &ObstaclePlan, matched: &Matched<'_>) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
-    let mut digest = Fnv(0x811c_9dc5);
+    let mut digest = Digest(Fnv::EMPTY);
     let flags = matched.health().flags;
     for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
         autopilot.see(matched, health, time_us);
         autopilot.turn(time_us, &mut digest);
     }
-    digest.0
+    digest.0.value()
 }
 
-/// FNV-1a over what is written.
-struct Fnv(u32);
+/// A digest as a port.
+struct Digest(Fnv);
 
-impl ByteSink for Fnv {
+impl ByteSink for Digest {
     fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        }
+        self.0.write(bytes);
     }
 }
 

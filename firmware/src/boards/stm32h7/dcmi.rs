@@ -88,39 +88,16 @@ impl CameraPins {
             Peri<'static, impl PixClkPin<Camera>>,
         ),
     ) -> Self {
-        let pin = (vsync.port(), vsync.pin());
-        let functions = [
-            d0.af_num(),
-            d1.af_num(),
-            d2.af_num(),
-            d3.af_num(),
-            d4.af_num(),
-            d5.af_num(),
-            d6.af_num(),
-            d7.af_num(),
-            vsync.af_num(),
-            hsync.af_num(),
-            clock.af_num(),
-        ];
-        let pins = [
-            Flex::new(d0),
-            Flex::new(d1),
-            Flex::new(d2),
-            Flex::new(d3),
-            Flex::new(d4),
-            Flex::new(d5),
-            Flex::new(d6),
-            Flex::new(d7),
-            Flex::new(vsync),
-            Flex::new(hsync),
-            Flex::new(clock),
-        ];
-        for (mut pin, function) in pins.into_iter().zip(functions) {
+        let vsync_pin = (vsync.port(), vsync.pin());
+        macro_rules! pins {
+            ($($pin:ident)*) => { [$(($pin.af_num(), Flex::new($pin))),*] };
+        }
+        for (function, mut pin) in pins!(d0 d1 d2 d3 d4 d5 d6 d7 vsync hsync clock) {
             // No sensor: no frame, no row, no pixel, instead of noise that keeps the interrupts busy.
             pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
-        Self { vsync: pin }
+        Self { vsync: vsync_pin }
     }
 }
 

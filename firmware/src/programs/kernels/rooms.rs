@@ -3,6 +3,7 @@
 //! In: a length, a distance. Out: a range next to a fence at every alignment; pixels of every kind, the same in every run.
 
 use crate::fence::Fence;
+use crate::programs::random::Random;
 use core::ops::Range;
 
 /// Rooms end where a page does.
@@ -72,36 +73,6 @@ impl Rooms {
     pub const fn fences(&self) -> [&Fence; Self::FENCES] {
         let [a, b, c] = &self.rows;
         [&a.before, &b.before, &c.before, &self.out.before, &self.curve.before, &self.image.before, &self.behind]
-    }
-}
-
-/// Numbers without a pattern, the same in every run (xorshift, Marsaglia 2003).
-pub(super) struct Random(pub(super) u32);
-
-impl Random {
-    pub(super) const fn new() -> Self {
-        Self(0x9e37_79b9)
-    }
-
-    pub(super) fn next(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-
-    pub(super) fn below(&mut self, end: usize) -> usize {
-        (self.next() >> 8) as usize % end
-    }
-
-    /// Any entry of a curve, often an extreme one.
-    pub(super) fn entry(&mut self) -> u16 {
-        match self.below(8) {
-            0 => u16::MAX,
-            1 => 0,
-            2 => 0x8000,
-            _ => self.next() as u16,
-        }
     }
 }
 
