@@ -74,6 +74,7 @@ mod area;
 mod confidence;
 mod curve;
 mod evidence;
+mod fnv;
 mod focus;
 pub mod health;
 pub mod image;
@@ -122,6 +123,7 @@ pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 pub mod diagnostics {
     pub use crate::confidence::{FITTED, Model, Models, NODES};
     pub use crate::evidence::{EVIDENCE, Evidence, Kind};
+    pub use crate::fnv::Fnv;
     pub use crate::lines::Segment;
     pub use crate::matching::{Candidate, Side};
     pub use crate::observe::{Observer, Stage, StageDigests, StageEvent};

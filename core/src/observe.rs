@@ -3,6 +3,7 @@
 //! In: what each stage gives, at the moment it ends. Out: whatever the observer makes of it; the result of the run does not depend on it.
 
 use crate::evidence::Evidence;
+use crate::fnv::Fnv;
 use crate::health::PairHealth;
 use crate::lines::Segment;
 use crate::matching::Candidate;
@@ -135,7 +136,7 @@ impl StageDigests {
     /// Nothing seen.
     #[must_use]
     pub const fn new() -> Self {
-        Self([FNV_OFFSET; Stage::ALL.len()])
+        Self([Fnv::EMPTY.value(); Stage::ALL.len()])
     }
 
     fn add(&mut self, stage: Stage, write: impl FnOnce(&mut Fnv)) {
@@ -201,49 +202,5 @@ impl Observer for StageDigests {
 fn each<T: Hash>(items: &[T], hash: &mut Fnv) {
     for item in items {
         item.hash(hash);
-    }
-}
-
-const FNV_OFFSET: u32 = 0x811c_9dc5;
-const FNV_PRIME: u32 = 0x0100_0193;
-
-/// FNV-1a, 32 bits (Fowler, Noll, Vo): for telling results apart, not for protecting them.
-struct Fnv(u32);
-
-impl Hasher for Fnv {
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(FNV_PRIME);
-        }
-    }
-
-    /// The same whatever the machine's byte order.
-    fn write_i32(&mut self, i: i32) {
-        self.write(&i.to_le_bytes());
-    }
-
-    fn write_u32(&mut self, i: u32) {
-        self.write(&i.to_le_bytes());
-    }
-
-    fn write_u16(&mut self, i: u16) {
-        self.write(&i.to_le_bytes());
-    }
-
-    fn write_i16(&mut self, i: i16) {
-        self.write(&i.to_le_bytes());
-    }
-
-    /// Enum variants are hashed as `isize`, whose width depends on the machine.
-    fn write_isize(&mut self, i: isize) {
-        self.write_i32(i as i32);
-    }
-
-    fn write_usize(&mut self, i: usize) {
-        self.write_u32(i as u32);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0.into()
     }
 }

@@ -1,4 +1,4 @@
-//! What an autopilot is told: the obstacles of every pair, as MAVLink on a port of its own.
+//! Obstacles of every pair to an autopilot, as MAVLink on a port of its own.
 //!
 //! In: the view of the rig, and of every pair its matches and health. Out: frames on a port, paced by [`AutopilotStream`].
 //!
@@ -10,9 +10,9 @@ use crate::vehicle::Vehicle;
 use core::convert::Infallible;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::{HealthFlags, Matched};
-use linestereo_wire::mavlink::AutopilotStream;
+use linestereo_mavlink::AutopilotStream;
 
-/// What is known of each direction, and who is told. Silent until there is a rig.
+/// Obstacles by direction, and their stream to an autopilot. Silent until there is a rig.
 #[derive(Clone, Debug)]
 pub struct Autopilot {
     vehicle: Vehicle,

@@ -1,9 +1,9 @@
-//! What `selftest` and `bench` run: every scene in the board's sizes, with the default parameters, and once with the dearest ones.
+//! What `selftest` and `bench` run: every scene in the board's sizes, with the default parameters, and once with the worst case.
 
-use crate::boards::Board;
 use crate::painter::Scene;
 use core::fmt;
 use linestereo::{Confidence, Dims, Params};
+use linestereo_boards::Board;
 
 /// A built-in pair and how to match it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +13,11 @@ pub struct Case {
     /// Size of both images.
     pub dims: Dims,
     /// Are all parameters such that they cost most?
-    pub dearest: bool,
+    pub worst_case: bool,
 }
 
 /// Parameters that find, try and report as much as any can, at 64 disparities.
-const DEAREST: Params = Params {
+const WORST_CASE: Params = Params {
     anchor_gradient: 4,
     edge_gradient: 4,
     min_extent: 6,
@@ -31,9 +31,9 @@ impl Case {
     /// The cases of a board, in a fixed order.
     pub fn all(board: &Board) -> impl Iterator<Item = Self> {
         let of = move |dims| {
-            let usual = Scene::ALL.map(|scene| Self { scene, dims, dearest: false });
-            let dearest = [Scene::Bricks, Scene::Noise].map(|scene| Self { scene, dims, dearest: true });
-            usual.into_iter().chain(dearest)
+            let usual = Scene::ALL.map(|scene| Self { scene, dims, worst_case: false });
+            let worst_case = [Scene::Bricks, Scene::Noise].map(|scene| Self { scene, dims, worst_case: true });
+            usual.into_iter().chain(worst_case)
         };
         board.sizes.iter().copied().flat_map(of)
     }
@@ -41,14 +41,14 @@ impl Case {
     /// How it is matched.
     #[must_use]
     pub const fn params(&self) -> Params {
-        if self.dearest { DEAREST } else { Params::DEFAULT }
+        if self.worst_case { WORST_CASE } else { Params::DEFAULT }
     }
 }
 
-/// Such as `bricks_160x120` and `bricks_160x120_dearest`.
+/// Such as `bricks_160x120` and `bricks_160x120_worst_case`.
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let dearest = if self.dearest { "_dearest" } else { "" };
-        write!(f, "{}_{}x{}{dearest}", self.scene.name(), self.dims.width, self.dims.height)
+        let worst_case = if self.worst_case { "_worst_case" } else { "" };
+        write!(f, "{}_{}x{}{worst_case}", self.scene.name(), self.dims.width, self.dims.height)
     }
 }

@@ -1,4 +1,4 @@
-//! How a program ends, and what it says before.
+//! How a program ends, and its last report.
 //!
 //! ```text
 //! emulated   text to the PC's error output; the exit code of the simulator
@@ -6,7 +6,7 @@
 //!            the host; a program that has ended otherwise sleeps
 //! ```
 
-use crate::exit::Exit;
+use linestereo_boards::Exit;
 
 /// Says a number in hexadecimal behind its name.
 pub(crate) fn report_number(name: &str, number: u32) {
@@ -21,8 +21,8 @@ mod by_semihosting {
 
     pub(crate) use semihosting::{report, report_decimal, report_hex};
 
-    /// Ends the program; the place where it could not go on has been reported.
-    pub(crate) fn end(exit: Exit, _place: u32) -> ! {
+    /// Ends the program; the location where it could not go on has been reported.
+    pub(crate) fn end(exit: Exit, _location: u32) -> ! {
         semihosting::exit(exit as u32)
     }
 }
@@ -35,7 +35,7 @@ mod by_reset {
     use core::sync::atomic::{AtomicU32, Ordering};
     use linestereo_wire::{Reset, ResetCause};
 
-    /// Whether there is a note, the exit code, its complement, the place ([`Reset::place`]). Memory holds anything when power comes: the first word and
+    /// Whether there is a note, the exit code, its complement, the location ([`Reset::location`]). Memory holds anything when power comes: the first word and
     /// the complement say that it was written.
     // SAFETY: the section is not initialised, and every pattern of bits is a number.
     #[unsafe(link_section = ".uninit.note")]
@@ -55,12 +55,12 @@ mod by_reset {
         crate::error!("{=u32}", number);
     }
 
-    /// Ends the program at this place, if it is known.
-    pub(crate) fn end(exit: Exit, place: u32) -> ! {
+    /// Ends the program at this location, if it is known.
+    pub(crate) fn end(exit: Exit, location: u32) -> ! {
         if matches!(exit, Exit::Panic | Exit::Fault | Exit::StackOverflow) {
-            let words = [WRITTEN, exit as u32, !(exit as u32), place];
-            for (place, word) in NOTE.iter().zip(words) {
-                place.store(word, Ordering::Relaxed);
+            let words = [WRITTEN, exit as u32, !(exit as u32), location];
+            for (note, word) in NOTE.iter().zip(words) {
+                note.store(word, Ordering::Relaxed);
             }
             cortex_m::asm::dsb(); // in memory before the reset
             cortex_m::peripheral::SCB::sys_reset()
@@ -71,8 +71,8 @@ mod by_reset {
     }
 
     /// What the last run noted before its end, once.
-    pub fn last_words() -> Option<Reset> {
-        let [written, exit, complement, place] = NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
+    pub fn last_note() -> Option<Reset> {
+        let [written, exit, complement, location] = NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
         NOTE[0].store(0, Ordering::Relaxed);
         let cause = match Exit::ALL.into_iter().find(|&known| known as u32 == exit)? {
             Exit::Panic => ResetCause::Panic,
@@ -80,10 +80,10 @@ mod by_reset {
             Exit::StackOverflow => ResetCause::StackOverflow,
             _ => return None,
         };
-        (written == WRITTEN && complement == !exit).then_some(Reset { cause, place })
+        (written == WRITTEN && complement == !exit).then_some(Reset { cause, location })
     }
 }
 #[cfg(feature = "hardware")]
-pub use by_reset::last_words;
+pub use by_reset::last_note;
 #[cfg(feature = "hardware")]
 pub(crate) use by_reset::{end, report, report_decimal, report_hex};

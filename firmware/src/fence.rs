@@ -1,25 +1,20 @@
-//! Forbidden memory around the inputs and outputs of kernels: reading or writing it is a fault.
+//! Memory around the inputs and outputs of kernels that no kernel may touch; on a board the processor forbids it.
 
-use crate::arch::protection;
-use crate::programs::kernels::Rooms;
-use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicBool, Ordering};
+/// Bytes that no kernel may touch: the first half of a page.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Fence([u8; Self::BYTES]);
 
-struct Cell(UnsafeCell<Rooms>);
+impl Fence {
+    /// A power of two, as memory protection units want it.
+    pub const BYTES: usize = Self::PAGE / 2;
+    /// What begins with a fence is aligned to this, bytes. QEMU looks at the end of an unaligned word only when it lies in another page than the start.
+    pub const PAGE: usize = 1024;
+    /// With the bytes that stay.
+    pub(crate) const NEW: Self = Self([0xc3; Self::BYTES]);
 
-// SAFETY: only `take` reaches the content, and hands it out once.
-unsafe impl Sync for Cell {}
-
-static ROOMS: Cell = Cell(UnsafeCell::new(Rooms::new()));
-static TAKEN: AtomicBool = AtomicBool::new(false);
-
-/// The rooms, fenced from now on; `None` when they were taken before, or where the processor has too few regions.
-pub fn take() -> Option<&'static mut Rooms> {
-    if TAKEN.swap(true, Ordering::Relaxed) || !protection::has_fences() {
-        return None;
+    #[cfg(test)]
+    pub(crate) fn is_untouched(&self) -> bool {
+        self.0 == Self::NEW.0
     }
-    // SAFETY: `TAKEN` was false until now, so this is the only reference there will ever be.
-    let rooms = unsafe { &mut *ROOMS.0.get() };
-    protection::forbid_fences(&rooms.fences());
-    Some(rooms)
 }

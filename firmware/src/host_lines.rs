@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! nobody listens       records are dropped
-//! perhaps              what fits is sent, the rest is dropped: a line that cannot tell, on which nobody has spoken yet
+//! perhaps              what fits is sent, the rest is dropped: a line that does not know, on which nothing has come yet
 //! somebody             waits for room, but not for ever: after that the line is dropped until it has room by itself
 //! ```
 //! A record is sent whole or not at all: half of one would cost the next one as well.
@@ -14,7 +14,7 @@ use crate::ports::{ByteSink, ByteSource};
 pub enum Listener {
     /// Certainly not.
     Nobody,
-    /// The line cannot tell.
+    /// The line does not know.
     Perhaps,
     /// Yes.
     Somebody,
@@ -88,7 +88,7 @@ impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
 pub struct HostLines<A, B, N>(pub HostLine<A, N>, pub HostLine<B, N>);
 
 impl<A: Line, B: Line, N> ByteSource for HostLines<A, B, N> {
-    /// Bytes of one line, so that two commands do not mix as long as the two hosts do not speak at once.
+    /// Bytes of one line, so that two commands do not mix as long as the two hosts do not send at once.
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         match self.0.read(bytes) {
             0 => self.1.read(bytes),

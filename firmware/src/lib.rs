@@ -1,25 +1,25 @@
 //! linestereo on a microcontroller board.
 //!
 //! ```text
-//! bin/            one line each: a program on the chosen board
+//! bin/            a few lines each: a program on the chosen board
 //! programs/       selftest, kernels, bench, blocks, rectify, replay, live: generic over the ports, tested on a PC with fakes
-//! session         what a host asked for so far
+//! boards/         one file per board: its memory, what its peripherals are
+//! session         commands of a host so far, and their answers
 //! autopilot       obstacles as MAVLink, on a port of their own
-//! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
+//! cases, painter  built-in frames, drawn by integers alone: no file, no camera
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
-//! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
 //! host_lines      one or two lines to a host, of which either may be deaf
-//! painter, cases  built-in frames, drawn by integers alone: no file, no camera
-//! boards/         one file per board: name, capacities, what its peripherals are
+//! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
 //! rig_store       the rig in two slots of a flash
-//! memory          frames, rectifiers, scratch memory and output, in one static
-//! exit            how programs end, as numbers
-//! startup, ending, fault, fence, stack, semihosting    only on a board: with arch and boards the only unsafe code
-//! arch/           what differs between families of processors
+//! memory          frames, rectifiers, scratch memory and output
+//! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
+//! fence, once     memory that kernels must not touch; what a static hands out once
+//! startup, fault, ending, semihosting, arch, stack    from the reset to the program's end, only on a board
 //! ```
 //!
-//! Everything but the last two lines also compiles on a PC, where the tests and the simulator use it.
+//! A module knows those below it alone: programs know no board, boards no program. Everything but the last line also compiles on a PC, for
+//! tests; unsafe code is there, in `once` and in `boards`.
 #![cfg_attr(not(test), no_std)]
 #![deny(missing_debug_implementations)]
 
@@ -28,27 +28,26 @@ pub mod boards;
 pub mod camera;
 pub mod capture;
 pub mod cases;
-pub mod exit;
+pub mod fence;
 pub mod host_lines;
 pub mod log;
 pub mod memory;
+pub mod once;
 pub mod painter;
 pub mod ports;
 pub mod programs;
 pub mod rig_store;
 pub mod session;
+pub mod startup;
 pub mod vehicle;
 
 #[cfg(target_os = "none")]
-mod arch;
+pub mod arch;
 #[cfg(target_os = "none")]
 pub mod ending;
 #[cfg(target_os = "none")]
-pub mod fault;
-#[cfg(target_os = "none")]
-pub mod fence;
+mod fault;
 #[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod semihosting;
 #[cfg(target_os = "none")]
 pub mod stack;
-pub mod startup;

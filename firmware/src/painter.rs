@@ -1,8 +1,10 @@
 //! Built-in pairs, painted by integers alone: the same bytes on every machine, without a file.
 //!
-//! In: a scene and a size. Out: both images. Every pixel is a function of its place, so nothing is kept. `Blocks` looks like a scene; the
+//! In: a scene and a size. Out: both images. Every pixel is a function of its coordinates, so nothing is kept. `Blocks` looks like a scene; the
 //! others are what costs the method most, each in another way.
 
+use crate::memory::Memory;
+use crate::ports::{CapturedPair, PairSource};
 use linestereo::Dims;
 
 /// What is painted.
@@ -96,7 +98,7 @@ impl Scene {
 /// Boards in front of a wall.
 const BOARDS: i32 = 12;
 
-/// The nearest board at this place, or the wall.
+/// The nearest board at this pixel, or the wall.
 fn blocks(x: i32, y: i32, eye: Eye, width: i32) -> u8 {
     let noise = (hash(x, y, if eye == Eye::Left { 4 } else { 5 }) & 3) as i32;
     for board in 0..BOARDS {
@@ -128,6 +130,31 @@ fn hash(x: i32, y: i32, seed: i32) -> u32 {
     bits = (bits ^ bits >> 16).wrapping_mul(0x85eb_ca6b);
     bits = (bits ^ bits >> 13).wrapping_mul(0xc2b2_ae35);
     bits ^ bits >> 16
+}
+
+/// A [`PairSource`] in place of cameras: one scene after the other.
+#[derive(Debug)]
+pub struct Painter {
+    dims: Dims,
+    next: usize,
+}
+
+impl Painter {
+    /// A camera of this size.
+    #[must_use]
+    pub const fn new(dims: Dims) -> Self {
+        Self { dims, next: 0 }
+    }
+}
+
+impl PairSource for Painter {
+    fn next_pair(&mut self, memory: &mut impl Memory, _: Option<Dims>) -> Option<CapturedPair> {
+        let [left, right] = memory.frames();
+        let scene = Scene::ALL.get(self.next)?;
+        self.next = (self.next + 1) % Scene::ALL.len();
+        scene.paint(self.dims, left, right);
+        Some(CapturedPair::of(self.dims))
+    }
 }
 
 #[cfg(test)]

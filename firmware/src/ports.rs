@@ -1,10 +1,8 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
-use crate::camera::FrameStart;
-use crate::capture::Losses;
 use crate::memory::Memory;
 use linestereo::Dims;
-use linestereo_wire::Reset;
+use linestereo_wire::{CaptureReport, Reset};
 
 /// A clock that counts up and wraps.
 pub trait Clock {
@@ -65,14 +63,35 @@ pub trait PairSource {
         None
     }
 
-    /// Images may be captured so far apart, microseconds, where somebody has said that nothing moves; `None`: as the health check says.
+    /// Images may be captured so far apart, microseconds, where the scene is known to stand still; `None`: as the health check says.
     fn still_us(&self) -> Option<u32> {
         None
     }
 
     /// What was lost on the way so far; `None` where nothing can be.
-    fn losses(&self) -> Option<Losses> {
+    fn losses(&self) -> Option<CaptureReport> {
         None
+    }
+}
+
+/// The sensors of both cameras, as the source of pairs needs them. `camera::StereoCamera` is what boards have.
+pub trait Cameras {
+    /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
+    fn shoot(&mut self) -> bool;
+
+    /// Frames of both have started, or are not waited for any more: lowers a trigger that is held.
+    fn let_go(&mut self) {}
+
+    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
+    /// when it is not known any more.
+    fn follow(&mut self) -> Option<[i32; 2]>;
+
+    /// A camera has stopped: both are started again before the next frame.
+    fn stopped(&mut self);
+
+    /// How often the left and the right sensor did not do what was written to it.
+    fn failures(&self) -> [u32; 2] {
+        [0; 2]
     }
 }
 
@@ -101,7 +120,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub autopilot: A,
     /// The cameras: a [`PairSource`].
     pub pairs: P,
-    /// Where the rig is kept: a [`RigKeeper`](crate::rig_store::RigKeeper), if there is one.
+    /// Where the rig is kept: a `rig_store::RigKeeper`, if there is one.
     pub flash: Option<F>,
     /// A [`Watchdog`].
     pub watchdog: W,
@@ -109,6 +128,15 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+}
+
+/// What starts a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameStart {
+    /// The sensor: frames of two sensors start at different times, and drift.
+    Free,
+    /// The sensor's trigger pin.
+    Triggered,
 }
 
 /// A pair that lies in the frames.
@@ -119,7 +147,7 @@ pub struct CapturedPair {
     /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
     /// captured too far apart is not matched.
     pub times_us: Option<[u64; 2]>,
-    /// Who said when the frames start, if the driver knows: of cameras that run free, the difference of their times is chance.
+    /// What starts the frames, if the driver knows: of cameras that run free, the difference of their times is chance.
     pub frame_start: Option<FrameStart>,
 }
 

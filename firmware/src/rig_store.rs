@@ -1,4 +1,4 @@
-//! Two places in flash that hold the rig, written in turn: whenever power fails, one of them is whole.
+//! Two slots of a flash that hold the rig, written in turn: whenever power fails, one of them is whole.
 //!
 //! In: a flash (any `embedded-storage` NOR flash) and where in it the two slots lie. Out: the newest rig that is whole and usable, and
 //! what is wrong with the slots that hold none.
@@ -25,7 +25,7 @@ use linestereo_wire::RigFault;
 /// Bytes read or written at once: an image, filled up to what the flash reads and writes.
 const MOST_BYTES: usize = 512;
 
-/// One of the two places.
+/// One of the two slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// The one that is written first.
@@ -93,7 +93,7 @@ impl core::error::Error for SlotError {}
 /// What the slots hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loaded {
-    /// The newest usable rig and its place; without one there is no depth.
+    /// The newest usable rig and its slot; without one there is no depth.
     pub rig: Option<(Slot, RigImage)>,
     /// The sequence number of each slot's image, or what is wrong with it. An older image than the one in use is only known to be whole.
     pub slots: [Result<u32, SlotError>; 2],

@@ -46,7 +46,7 @@ impl File {
     pub fn open(name: &str, mode: Mode) -> Result<Self, CannotOpen> {
         let mut text = [0_u8; LONGEST];
         text.get_mut(..name.len())
-            .filter(|place| place.len() < LONGEST)
+            .filter(|text| text.len() < LONGEST)
             .ok_or(CannotOpen)?
             .copy_from_slice(name.as_bytes());
         let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
@@ -57,10 +57,10 @@ impl File {
 }
 
 impl File {
-    /// Goes to a place, counted in bytes from the start; not beyond the end.
-    pub fn seek(&mut self, place: u32) -> bool {
-        let block = [self.0, place];
-        // SAFETY: handle and place.
+    /// Goes to an offset, bytes from the start; not beyond the end.
+    pub fn seek(&mut self, offset: u32) -> bool {
+        let block = [self.0, offset];
+        // SAFETY: handle and offset.
         unsafe { call(operation::SEEK, block.as_ptr()) == 0 }
     }
 
@@ -113,9 +113,9 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Asks the PC; no words when it has none or more than fit.
+    /// The PC's command line; no words when it has none or more than fit.
     #[must_use]
-    pub fn ask() -> Self {
+    pub fn read() -> Self {
         let mut text = [0_u8; LONGEST];
         let mut block = [text.as_mut_ptr().addr() as u32, text.len() as u32];
         // SAFETY: memory and its length; the PC writes the text there and its length into the block.
@@ -137,8 +137,8 @@ pub fn report(text: &str) {
     let mut buffer = [0_u8; 64];
     for chunk in text.as_bytes().chunks(buffer.len() - 1) {
         buffer.fill(0);
-        for (place, &byte) in buffer.iter_mut().zip(chunk) {
-            *place = byte;
+        for (slot, &byte) in buffer.iter_mut().zip(chunk) {
+            *slot = byte;
         }
         // SAFETY: text that ends in 0; `chunks` leaves at least one byte of the buffer.
         unsafe { call(operation::WRITE0, buffer.as_ptr().cast()) };
@@ -148,9 +148,9 @@ pub fn report(text: &str) {
 /// Writes a number in hexadecimal to the PC's error output: without the formatting machinery, which needs stack and flash.
 pub fn report_hex(number: u32) {
     let mut digits = [0_u8; 8];
-    for (place, shift) in digits.iter_mut().zip((0..8).rev()) {
+    for (slot, shift) in digits.iter_mut().zip((0..8).rev()) {
         let digit = (number >> (4 * shift) & 15) as u8;
-        *place = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
+        *slot = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
     }
     report(core::str::from_utf8(&digits).unwrap_or("?"));
 }
@@ -160,8 +160,8 @@ pub fn report_decimal(number: u32) {
     let mut digits = [b'0'; 10];
     let mut rest = number;
     let mut first = digits.len() - 1;
-    for (index, place) in digits.iter_mut().enumerate().rev() {
-        *place += (rest % 10) as u8;
+    for (index, slot) in digits.iter_mut().enumerate().rev() {
+        *slot += (rest % 10) as u8;
         if rest > 0 {
             first = index;
         }

@@ -1,17 +1,17 @@
-//! What a host asked for so far, and the answers: the same for a serial port and for a file.
+//! Commands of a host so far, and their answers: the same for a serial port and for a file.
 
-use crate::boards::Board;
 use crate::memory::{Memory, NoRoom, RunError};
 use crate::rig_store::{Loaded, RigKeeper, Slot};
 use crate::vehicle::Vehicle;
 use heapless::Vec;
 use linestereo::image::MIN_SIDE;
 use linestereo::obstacles::ObstaclePlan;
-use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params, Plan};
+use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params};
+use linestereo_boards::Board;
 use linestereo_rig::RigImage;
 use linestereo_wire::{
     Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
-    RigFault, RigInUse, RigReport,
+    RigFault, RigInUse, RigReport, name,
 };
 
 /// The state that commands change.
@@ -19,14 +19,14 @@ use linestereo_wire::{
 pub struct Session<'a> {
     board: Board,
     params: Params,
-    /// Of the parameters, for the size of the last pair.
-    plan: Option<Plan>,
     /// Directions, for the size of the last pair.
     directions: Option<(Dims, ObstaclePlan)>,
-    /// Objects whose depths are asked for.
+    /// Objects whose depths are wanted.
     regions: Regions,
-    /// Health and row offset of the pairs so far; `None` before the first.
+    /// Plan for the size of the last pair, health and row offset of the pairs so far; `None` before the first.
     matcher: Option<Matcher>,
+    /// The matcher's plan is one of these parameters.
+    is_planned: bool,
     /// Limits of a pair's health.
     pub limits: HealthLimits,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
@@ -72,10 +72,10 @@ impl<'a> Session<'a> {
         Self {
             board,
             params: Params::DEFAULT,
-            plan: None,
             directions: None,
             regions: Regions { boxes: Vec::new(), only: false },
             matcher: None,
+            is_planned: false,
             limits: HealthLimits::DEFAULT,
             rig: None,
             vehicle: Vehicle::DEFAULT,
@@ -128,7 +128,9 @@ impl<'a> Session<'a> {
             Request::Photograph => return Reply::Photograph { command: command.id },
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
-                Ok((params, _)) => self.set_params(params),
+                Ok((params, _)) => {
+                    self.set_params(params);
+                }
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
             Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
@@ -141,15 +143,15 @@ impl<'a> Session<'a> {
 
     fn set_params(&mut self, params: Params) {
         self.params = params;
-        self.plan = None;
+        self.is_planned = false;
         self.directions = None;
     }
 
-    /// Asks for these objects from now on.
+    /// Takes the objects whose depths are wanted from now on.
     fn set_regions(&mut self, regions: &Regions) -> Result<(), Refusal> {
         let outside = (0..).zip(&regions.boxes).find(|(_, of)| of.region(self.board.largest).is_err());
-        if let Some((place, _)) = outside {
-            return Err(Refusal::Region(place));
+        if let Some((index, _)) = outside {
+            return Err(Refusal::Region(index));
         }
         self.regions = regions.clone();
         Ok(())
@@ -167,7 +169,7 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Depths of the objects that were asked for, in this pair. Boxes that a smaller pair does not show are left out.
+    /// Depths of the wanted objects in this pair. Boxes that a smaller pair does not show are left out.
     #[inline(never)]
     pub fn objects(&self, matched: &mut Matched<'_>) -> Vec<ObjectDepth, MAX_REGIONS> {
         let mut regions: Vec<_, MAX_REGIONS> = Vec::new();
@@ -223,20 +225,16 @@ impl<'a> Session<'a> {
         kept.map(Some).map_err(|_| Refusal::NotKept)
     }
 
-    /// The plan for pairs of this size.
-    pub fn plan(&mut self, dims: Dims) -> Result<Plan, Refusal> {
-        if let Some(plan) = self.plan.filter(|plan| plan.dims() == dims) {
-            return Ok(plan);
-        }
-        self.check_size(dims)?;
-        let plan = self.params.plan(dims)?;
-        self.plan = Some(plan);
-        Ok(plan)
-    }
-
     /// The matcher for pairs of this size.
     pub fn matcher(&mut self, dims: Dims) -> Result<&mut Matcher, Refusal> {
-        let plan = self.plan(dims)?;
+        let plan = match &self.matcher {
+            Some(matcher) if self.is_planned && matcher.plan().dims() == dims => *matcher.plan(),
+            _ => {
+                self.check_size(dims)?;
+                self.params.plan(dims)?
+            }
+        };
+        self.is_planned = true;
         let matcher = self.matcher.get_or_insert(Matcher::new(plan));
         matcher.set_plan(plan);
         matcher.limits = self.limits;
@@ -303,7 +301,7 @@ pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Hea
     FrameHead::new(sequence, capture_time_us, dims, health, &Counts::default())
 }
 
-/// What the host is told of a pair that cannot be matched.
+/// Answer for a pair that cannot be matched.
 #[must_use]
 pub fn refusal(error: RunError) -> Refusal {
     match error {
@@ -327,10 +325,4 @@ impl From<NoRoom> for Refusal {
 
 fn out_of_range(text: &str, value: i64, low: i64, high: i64) -> Refusal {
     Refusal::OutOfRange { name: name(text), value, low, high }
-}
-
-fn name(text: &str) -> linestereo_wire::Name {
-    let mut name = linestereo_wire::Name::new();
-    let _ = name.push_str(text); // short names of this file
-    name
 }

@@ -7,8 +7,6 @@
 //!                 statics
 //! ```
 
-pub use crate::exit::Exit;
-
 /// Makes a function `fn() -> Exit` the program of a binary. On a PC, where it cannot run, the binary says how to build it.
 #[macro_export]
 macro_rules! program {
@@ -29,8 +27,8 @@ macro_rules! program {
 
 #[cfg(target_os = "none")]
 mod board {
-    use super::Exit;
     use crate::{arch, ending, stack};
+    use linestereo_boards::Exit;
 
     /// Runs the program and ends with its exit code.
     pub fn start(program: fn() -> Exit) -> ! {

@@ -1,13 +1,13 @@
-//! What differs from vehicle to vehicle. A robot starts without a host that could say it, so it is chosen before a build: change [`VEHICLE`],
+//! What differs from vehicle to vehicle. A robot starts without a host, so it is chosen before a build: change [`VEHICLE`],
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
-use linestereo_wire::mavlink::{AutopilotParams, Policy};
+use linestereo_mavlink::{AutopilotParams, Policy};
 
 /// What `live` takes.
 pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
 
-/// How the cameras sit on a vehicle, and how its autopilot wants to be told of obstacles.
+/// How the cameras sit on a vehicle, and what its autopilot gets of obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
     /// Where the cameras look, degrees clockwise from ahead, seen from above; -180 ..= 180.
@@ -48,7 +48,7 @@ impl Vehicle {
         ObstacleParams { yaw_deg, range_m, heights_m, ..ObstacleParams::DEFAULT }
     }
 
-    /// What its autopilot is told of these directions.
+    /// Parameters of the stream to its autopilot, for these directions.
     #[must_use]
     pub fn autopilot(&self, plan: &ObstaclePlan) -> AutopilotParams {
         let Self { system, rate_hz, policy, block_cm, distance_sensor, .. } = *self;
@@ -83,7 +83,7 @@ const _: () = assert!(VEHICLE.is_valid(), "a number of VEHICLE is outside of its
 mod tests {
     use super::*;
     use linestereo::{Dims, Params, Rig};
-    use linestereo_wire::mavlink::AutopilotStream;
+    use linestereo_mavlink::AutopilotStream;
 
     /// A rig that sees from 0.39 m on.
     fn plan(vehicle: &Vehicle) -> ObstaclePlan {

@@ -8,11 +8,11 @@ use core::cell::RefCell;
 use linestereo::Matcher;
 use linestereo::{Dims, HealthFlags};
 use linestereo_firmware::boards::mps2_an386::Workspace;
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{CapturedPair, PairSource};
+use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
 use linestereo_rig::{Eye, RowError};
+use linestereo_wire::CaptureReport;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
@@ -339,7 +339,7 @@ impl Plan {
 struct Run {
     pairs: Vec<(u32, CapturedPair)>,
     reported: BTreeMap<(u8, usize), u32>,
-    losses: Losses,
+    losses: CaptureReport,
 }
 
 fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
@@ -435,7 +435,11 @@ fn a_hundred_thousand_frames_with_faults() {
             let (injected, reported) = (of(&plan.faults), of(&run.reported));
             println!("  {fault:?}: injected {injected:?}, reported {reported:?}");
             assert_eq!(reported, injected, "seed {seed}: {fault:?}");
-            assert_eq!(Eye::BOTH.map(|eye| run.losses.of(eye, fault)), injected, "seed {seed}: {fault:?}");
+            assert_eq!(
+                Eye::BOTH.map(|eye| run.losses.faults[eye as usize][fault as usize]),
+                injected,
+                "seed {seed}: {fault:?}"
+            );
             assert!(injected[0] > 0, "{fault:?} was never injected");
         }
         // Every pair that nothing happened to is delivered, in order, and no other.
@@ -458,7 +462,7 @@ fn a_hundred_thousand_frames_with_faults() {
 }
 
 /// Plays frames of both cameras from a list, with a consumer that works on every pair for a while.
-fn play(frames: u32, work_us: u64, what: impl Fn(Eye, u32) -> Injected, copy_us: u64) -> (Vec<u32>, Losses) {
+fn play(frames: u32, work_us: u64, what: impl Fn(Eye, u32) -> Injected, copy_us: u64) -> (Vec<u32>, CaptureReport) {
     let hardware = hardware(0);
     // The cameras go on while the last pair is worked on.
     for frame in 0..frames + (work_us / PERIOD_US) as u32 + 4 {
@@ -501,10 +505,10 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
         let is_skipped = work_us > PAUSE_US;
         assert_eq!(losses.skipped > 0, is_skipped, "{work_us}: {losses:?}");
         // Signals that nobody fetched are lost, and that is said, of each camera.
-        let slow = Eye::BOTH.map(|eye| losses.of(eye, Fault::TooSlow) > 0);
+        let slow = Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
         assert_eq!(slow, [is_lost; 2], "{work_us}: {losses:?}");
         let others = losses.faults.iter().flatten().sum::<u32>()
-            - Eye::BOTH.map(|eye| losses.of(eye, Fault::TooSlow)).iter().sum::<u32>();
+            - Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize]).iter().sum::<u32>();
         assert_eq!(others, 0, "{work_us}: {losses:?}");
         if !is_skipped {
             assert_eq!(delivered, (0..2000).collect::<Vec<_>>());
@@ -516,7 +520,7 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
 fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
     for copy_us in [2, 6, 11, 25, 39] {
         let (delivered, losses) = play(500, 0, |_, _| Injected::Nothing, copy_us);
-        let slow: u32 = Eye::BOTH.iter().map(|&eye| losses.of(eye, Fault::TooSlow)).sum();
+        let slow: u32 = Eye::BOTH.iter().map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize]).sum();
         // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold what is behind, in less than 4 rows.
         let is_late = u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
         assert_eq!((slow > 0, delivered.len() == 500), (is_late, !is_late), "{copy_us}: {losses:?}");
@@ -532,7 +536,7 @@ fn both_cameras_stop_and_come_back() {
     };
     let (delivered, losses) = play(20, 0, what, 0);
     assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
-    assert_eq!(Eye::BOTH.map(|eye| losses.of(eye, Fault::Stopped)), [1, 1]);
+    assert_eq!(Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
 }
 
@@ -542,7 +546,7 @@ fn a_frame_without_a_partner_is_counted() {
     let what = |eye, frame| if eye == Eye::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
     let (delivered, losses) = play(10, 0, what, 0);
     assert_eq!(delivered, (3..10).collect::<Vec<_>>());
-    assert_eq!((losses.unpaired, losses.of(Eye::Right, Fault::Stopped)), (3, 1));
+    assert_eq!((losses.unpaired, losses.faults[Eye::Right as usize][Fault::Stopped as usize]), (3, 1));
 }
 
 /// Cameras that run by themselves, each at its own pace; the right one starts so much later.
@@ -585,7 +589,7 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
     let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
     let mut source = CameraSource::new(rings, FreeCameras, Capture::new(LIMITS, FrameStart::Triggered), DIMS, 5000);
     assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
-    assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().of(eye, Fault::Stopped)), [1, 1]);
+    assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     assert!((5000..5010).contains(&hardware.borrow().now_us));
 }
 

@@ -7,10 +7,10 @@ use core::cell::RefCell;
 use linestereo::Dims;
 use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, nibbles};
 use linestereo_firmware::boards::rp235x::rows::{
-    BORDER, DIMS, FRAME_ROWS, PLACE_WORDS, RING_ROWS, ROW_BYTES, RowCounter, Seen,
+    BORDER, DIMS, FRAME_ROWS, RING_ROWS, ROW_BYTES, RowCounter, SLOT_WORDS, Seen,
 };
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::{Capture, Fault, Limits, Report, RowRing, RowSink, Signal};
+use linestereo_firmware::ports::FrameStart;
 use linestereo_rig::{Eye, RowError};
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -28,7 +28,7 @@ const QUEUE: usize = 8;
 struct Machine {
     program: Program,
     number: u8,
-    place: u8,
+    slot: u8,
     x: u32,
     shift: u32,
     count: u32,
@@ -40,35 +40,35 @@ struct Machine {
 
 impl Machine {
     fn new(program: Program, number: u8) -> Self {
-        let place = program.wrap_target;
+        let slot = program.wrap_target;
         let queue = VecDeque::new();
-        Self { program, number, place, x: 0, shift: 0, count: 0, queue, is_overrun: false, late: [0; 2] }
+        Self { program, number, slot, x: 0, shift: 0, count: 0, queue, is_overrun: false, late: [0; 2] }
     }
 
     /// One cycle. The flag that it sets, if any.
     fn step(&mut self, pins: u32) -> Option<u8> {
         let seen = self.late[1];
         self.late = [pins, self.late[0]];
-        let word = self.program.words[usize::from(self.place)];
+        let word = self.program.words[usize::from(self.slot)];
         assert_eq!(word >> 8 & 31, 0, "no delay is used");
         let (high, low) = (word >> 5 & 7, word & 31);
-        let next = if usize::from(self.place) + 1 == self.program.words.len() {
+        let next = if usize::from(self.slot) + 1 == self.program.words.len() {
             self.program.wrap_target
         } else {
-            self.place + 1
+            self.slot + 1
         };
         let pin = |number: u16| seen >> number & 1;
         match (word >> 13, high) {
             // JMP PIN; the pin is LVLD.
-            (0b000, 0b110) => self.place = if pin(Wire::LineValid as u16) == 1 { low as u8 } else { next },
+            (0b000, 0b110) => self.slot = if pin(Wire::LineValid as u16) == 1 { low as u8 } else { next },
             // JMP X--
             (0b000, 0b010) => {
-                self.place = if self.x == 0 { next } else { low as u8 };
+                self.slot = if self.x == 0 { next } else { low as u8 };
                 self.x = self.x.wrapping_sub(1);
             }
             // WAIT polarity PIN number
-            (0b001, 0b101) => self.place = if pin(low) == 1 { next } else { self.place },
-            (0b001, 0b001) => self.place = if pin(low) == 0 { next } else { self.place },
+            (0b001, 0b101) => self.slot = if pin(low) == 1 { next } else { self.slot },
+            (0b001, 0b001) => self.slot = if pin(low) == 0 { next } else { self.slot },
             // IN PINS, IN X
             (0b010, source @ (0b000 | 0b001)) => {
                 let bits = if low == 0 { 32 } else { u32::from(low) };
@@ -83,18 +83,18 @@ impl Machine {
                     self.queue.push_back(self.shift);
                     (self.shift, self.count) = (0, 0);
                 }
-                self.place = next;
+                self.slot = next;
             }
             // MOV X, !NULL
             (0b101, 0b001) => {
                 assert_eq!(low, 0b01_011);
                 self.x = u32::MAX;
-                self.place = next;
+                self.slot = next;
             }
             // IRQ set, relative
             (0b110, 0b000) => {
                 assert_eq!(low >> 3, 0b10);
-                self.place = next;
+                self.slot = next;
                 return Some((low as u8 & 4) | (((low as u8 & 3) + self.number) % 4));
             }
             _ => panic!("instruction {word:#018b} is not known"),
@@ -103,7 +103,7 @@ impl Machine {
     }
 
     fn restart(&mut self) {
-        (self.place, self.shift, self.count, self.is_overrun) = (self.program.wrap_target, 0, 0, false);
+        (self.slot, self.shift, self.count, self.is_overrun) = (self.program.wrap_target, 0, 0, false);
         self.queue.clear();
     }
 }
@@ -112,9 +112,9 @@ impl Machine {
 struct Camera {
     rows: Machine,
     frames: Machine,
-    ring: Vec<[u32; PLACE_WORDS]>,
+    ring: Vec<[u32; SLOT_WORDS]>,
     /// Place in the table that is read next, words of the row that have come.
-    next_place: u32,
+    next_slot: u32,
     words: usize,
     is_held: bool,
     counter: RowCounter,
@@ -132,8 +132,8 @@ impl Camera {
         Self {
             rows: Machine::new(ROWS, number),
             frames: Machine::new(FRAMES, number + 1),
-            ring: vec![[0; PLACE_WORDS]; RING_ROWS],
-            next_place: 1,
+            ring: vec![[0; SLOT_WORDS]; RING_ROWS],
+            next_slot: 1,
             words: 0,
             is_held: false,
             counter: RowCounter::new(),
@@ -160,12 +160,12 @@ impl Camera {
         }
         let word = if self.is_held { None } else { self.rows.queue.pop_front() };
         if let Some(word) = word {
-            let place = (self.next_place as usize + RING_ROWS - 1) % RING_ROWS;
-            self.ring[place][self.words] = word;
+            let slot = (self.next_slot as usize + RING_ROWS - 1) % RING_ROWS;
+            self.ring[slot][self.words] = word;
             self.words += 1;
-            if self.words == PLACE_WORDS {
+            if self.words == SLOT_WORDS {
                 self.words = 0;
-                self.next_place = (self.next_place + 1) % RING_ROWS as u32;
+                self.next_slot = (self.next_slot + 1) % RING_ROWS as u32;
                 self.is_row_done = true;
             }
         }
@@ -185,15 +185,15 @@ impl Camera {
             is_started,
             is_ended,
             is_overrun: self.rows.is_overrun,
-            next_place: self.next_place,
+            next_slot: self.next_slot,
             is_begun: self.words > 0 || !self.rows.queue.is_empty(),
             time_us: self.time_us(),
         };
         let ring = &self.ring;
-        if let Some(place) = self.counter.take(self.frame_rows, &seen, |place| ring[place as usize][PLACE_WORDS - 1]) {
+        if let Some(slot) = self.counter.take(self.frame_rows, &seen, |slot| ring[slot as usize][SLOT_WORDS - 1]) {
             self.rows.restart();
             self.words = 0;
-            self.next_place = (place + 1) % RING_ROWS as u32;
+            self.next_slot = (slot + 1) % RING_ROWS as u32;
         }
     }
 }
@@ -212,7 +212,7 @@ impl RowRing for Ring {
 
     fn written(&self) -> u32 {
         let camera = self.0.borrow();
-        camera.counter.written(camera.next_place)
+        camera.counter.written(camera.next_slot)
     }
 
     fn copy(&self, row: u32, into: &mut [u8]) {
@@ -405,9 +405,9 @@ fn a_row_is_its_pixels_and_its_length() {
             words.extend(camera.rows.queue.pop_front());
         }
     }
-    let bytes: Vec<u8> = words[..PLACE_WORDS - 1].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let bytes: Vec<u8> = words[..SLOT_WORDS - 1].iter().flat_map(|word| word.to_le_bytes()).collect();
     assert_eq!(bytes, (0..ROW_BYTES as u32).map(|x| frame.pixel(x, 0)).collect::<Vec<_>>());
-    assert_eq!((words.len(), nibbles(words[PLACE_WORDS - 1])), (PLACE_WORDS, 2 * ROW_BYTES as u32));
+    assert_eq!((words.len(), nibbles(words[SLOT_WORDS - 1])), (SLOT_WORDS, 2 * ROW_BYTES as u32));
 }
 
 #[test]
@@ -510,9 +510,9 @@ fn more_signals_than_are_kept_are_lost_and_said_to_be() {
     let mut counter = RowCounter::new();
     let good = u32::MAX - 2 * ROW_BYTES as u32;
     for row in 0..400_u32 {
-        let next_place = (row + 2) % RING_ROWS as u32;
+        let next_slot = (row + 2) % RING_ROWS as u32;
         let seen =
-            Seen { is_started: row == 0, is_ended: false, is_overrun: false, next_place, is_begun: false, time_us: 0 };
+            Seen { is_started: row == 0, is_ended: false, is_overrun: false, next_slot, is_begun: false, time_us: 0 };
         assert_eq!(counter.take(1000, &seen, |_| good), None);
     }
     let signals: Vec<_> = core::iter::from_fn(|| counter.next_signal()).collect();

@@ -1,89 +1,50 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
-use core::cell::{Cell, RefCell};
+use crate::support::port::{Port, push};
 use linestereo::{Dims, HealthFlags, ObjectDepth};
-use linestereo_firmware::boards::capacities::NODES;
+use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::painter::Scene;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
-use linestereo_firmware::programs::live::{Live, Painter};
+use linestereo_firmware::painter::{Painter, Scene};
+use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
+use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;
 use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, RigImage, RigImageError, View};
 use linestereo_wire::*;
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 
 const DIMS: Dims = Dims { width: 128, height: 96 };
 
-/// A microsecond passes with every look.
-#[derive(Default)]
-struct Microseconds(Cell<u32>);
-
-impl Clock for Microseconds {
-    const UNIT: &'static str = "microseconds";
-
-    fn now(&self) -> u32 {
-        self.0.set(self.0.get().wrapping_add(1));
-        self.0.get()
-    }
-
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
-
-    fn microseconds(&self, from: u32, to: u32) -> u64 {
-        self.elapsed(from, to)
-    }
+fn pair_head(dims: Dims, capture_time_us: u64) -> PairHead {
+    PairHead { width: dims.width, height: dims.height, capture_time_us, right_capture_time_us: None }
 }
 
-/// Gives at most `step` bytes at a time, as ports do.
-struct Trickle {
-    bytes: VecDeque<u8>,
-    step: usize,
-}
-
-impl ByteSource for Trickle {
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let count = bytes.len().min(self.step).min(self.bytes.len());
-        bytes.iter_mut().zip(self.bytes.drain(..count)).for_each(|(place, byte)| *place = byte);
-        count
-    }
-}
-
-#[derive(Default)]
-struct Written(Vec<u8>);
-
-impl ByteSink for Written {
-    fn write(&mut self, bytes: &[u8]) {
-        self.0.extend_from_slice(bytes);
-    }
-}
-
-fn push(bytes: &mut Vec<u8>, id: u16, request: Request) {
-    bytes.push(DELIMITER);
-    bytes.extend_from_slice(encode(&Command { id, request }, &mut [0; MAX_COMMAND]).unwrap());
-}
-
-fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
-    let head = PairHead {
-        width: dims.width,
-        height: dims.height,
-        capture_time_us: 1000 * u64::from(id),
-        right_capture_time_us: None,
-    };
-    push(bytes, id, Request::Pair(head));
+fn painted(dims: Dims, scene: Scene) -> [Vec<u8>; 2] {
     let pixels = usize::from(dims.width) * usize::from(dims.height);
     let (mut left, mut right) = (vec![0; pixels], vec![0; pixels]);
     scene.paint(dims, &mut left, &mut right);
-    bytes.extend([left, right].concat());
+    [left, right]
 }
 
-fn messages(bytes: &[u8]) -> Vec<Message> {
-    let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
-    bytes.iter().filter_map(|&byte| decoder.push(byte)).collect::<Result<_, _>>().unwrap()
+fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
+    push(bytes, id, Request::Pair(pair_head(dims, 1000 * u64::from(id))));
+    bytes.extend(painted(dims, scene).concat());
+}
+
+/// What `replay` sends for this input, which comes in pieces of so many bytes.
+fn replay(
+    session: &mut Session<'_>,
+    memory: &mut Workspace,
+    input: Vec<u8>,
+    step: usize,
+) -> (Port, Counters, Vec<Event>) {
+    let (port, mut events) = (Port::holding(input, step), Vec::new());
+    let (mut source, mut sink) = (port.clone(), port.clone());
+    let report = |event: &Event| events.push(event.clone());
+    let counters = replay::run(memory, &port, session, &mut source, &mut sink, report);
+    (port, counters, events)
 }
 
 /// What the board says of objects, pair by pair.
@@ -115,12 +76,7 @@ fn objects_that_are_asked_for_come_with_every_pair() {
     push(&mut input, 7, Request::SetRegions(Regions::default()));
     push_pair(&mut input, 8, DIMS, Scene::Blocks);
 
-    let mut memory = Box::new(Workspace::new());
-    let mut source = Trickle { bytes: input.into(), step: 64 };
-    let mut output = Written::default();
-    let clock = Microseconds::default();
-    replay::run(&mut *memory, &clock, &mut Session::new(BOARD), &mut source, &mut output, |_| {});
-    let messages = messages(&output.0);
+    let messages = replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input, 64).0.received();
     let found = objects(&messages);
     let refused = Message::Answer(Answer { command: 5, outcome: Outcome::Refused(Refusal::Region(1)) });
     assert!(messages.contains(&refused));
@@ -153,17 +109,8 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     push(&mut input, 5, Request::Stop); // the delimiter before it is taken for the last pixel
     let mut outputs = Vec::new();
     for step in [1, 7, 256, usize::MAX] {
-        let mut memory = Box::new(Workspace::new());
-        let mut source = Trickle { bytes: input.clone().into(), step };
-        let (mut output, mut events) = (Written::default(), Vec::new());
-        let counters = replay::run(
-            &mut *memory,
-            &Microseconds::default(),
-            &mut Session::new(BOARD),
-            &mut source,
-            &mut output,
-            |event| events.push(event.clone()),
-        );
+        let (port, counters, events) =
+            replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input.clone(), step);
         assert_eq!((counters.good, counters.bad()), (5, 1), "{counters:?}");
         assert!(matches!(
             events[..],
@@ -173,7 +120,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
                 Event::Matched { sequence: 2, .. }
             ]
         ));
-        outputs.push(output.0);
+        outputs.push(port.received());
     }
     assert!(outputs.iter().all(|output| *output == outputs[0]));
 
@@ -182,7 +129,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     Scene::Blocks.paint(DIMS, left, right);
     let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
     let (mut matches, mut points, mut heads, mut answers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for message in messages(&outputs[0]) {
+    for message in outputs.swap_remove(0) {
         match message {
             Message::Hello(hello) => assert_eq!((hello.largest_width, hello.largest_height), (160, 120)),
             Message::Frame(head) => heads.push(head),
@@ -236,36 +183,18 @@ fn push_rig(bytes: &mut Vec<u8>, id: u16, image: &[u8]) {
 
 /// A raw pair, its rows in turn.
 fn push_raw(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
-    push(
-        bytes,
-        id,
-        Request::RawPair(PairHead {
-            width: dims.width,
-            height: dims.height,
-            capture_time_us: 0,
-            right_capture_time_us: None,
-        }),
-    );
+    push(bytes, id, Request::RawPair(pair_head(dims, 0)));
     let [left, right] = painted(dims, scene);
     let width = usize::from(dims.width);
     left.chunks(width).zip(right.chunks(width)).for_each(|(left, right)| bytes.extend([left, right].concat()));
 }
 
-fn painted(dims: Dims, scene: Scene) -> [Vec<u8>; 2] {
-    let pixels = usize::from(dims.width) * usize::from(dims.height);
-    let (mut left, mut right) = (vec![0; pixels], vec![0; pixels]);
-    scene.paint(dims, &mut left, &mut right);
-    [left, right]
-}
-
 /// What `replay` answers: by command, and the frames.
 fn replayed(session: &mut Session<'_>, memory: &mut Workspace, input: Vec<u8>) -> (Vec<(u16, Outcome)>, Vec<Message>) {
-    let mut source = Trickle { bytes: input.into(), step: 97 };
-    let mut output = Written::default();
-    let counters = replay::run(memory, &Microseconds::default(), session, &mut source, &mut output, |_| {});
+    let (port, counters, _) = replay(session, memory, input, 97);
     assert_eq!(counters.bad(), 0);
     let (answers, others): (Vec<_>, Vec<_>) =
-        messages(&output.0).into_iter().partition(|message| matches!(message, Message::Answer(_)));
+        port.received().into_iter().partition(|message| matches!(message, Message::Answer(_)));
     let outcome =
         |message| if let Message::Answer(answer) = message { (answer.command, answer.outcome) } else { panic!() };
     (answers.into_iter().map(outcome).collect(), others)
@@ -431,27 +360,6 @@ fn a_rig_is_kept_where_there_is_flash() {
     assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, too large for this board");
 }
 
-/// A serial port whose other end the test holds.
-struct Line<'a> {
-    incoming: &'a RefCell<VecDeque<u8>>,
-    outgoing: &'a RefCell<Vec<u8>>,
-}
-
-impl ByteSource for Line<'_> {
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let mut incoming = self.incoming.borrow_mut();
-        let count = bytes.len().min(incoming.len());
-        bytes.iter_mut().zip(incoming.drain(..count)).for_each(|(place, byte)| *place = byte);
-        count
-    }
-}
-
-impl ByteSink for Line<'_> {
-    fn write(&mut self, bytes: &[u8]) {
-        self.outgoing.borrow_mut().extend_from_slice(bytes);
-    }
-}
-
 /// A camera with a loose cable: no pair, a pair of a wrong size, one with a late right image, then painted ones.
 struct LooseCamera(u32, Painter);
 
@@ -477,17 +385,11 @@ impl PairSource for LooseCamera {
 
 #[test]
 fn live_serves_commands_and_survives_its_camera() {
-    let (incoming, outgoing) = (RefCell::new(VecDeque::new()), RefCell::new(Vec::new()));
-    let send = |id, request| {
-        let mut bytes = Vec::new();
-        push(&mut bytes, id, request);
-        *incoming.borrow_mut() = bytes.into();
-    };
-    let received = || messages(&core::mem::take(&mut *outgoing.borrow_mut()));
+    let port = Port::with_look(1);
+    let (send, received) = (|id, request| port.send(id, request), || port.received());
     let mut memory = Box::new(Workspace::new());
     let mut camera = LooseCamera(0, Painter::new(DIMS));
-    let line = Line { incoming: &incoming, outgoing: &outgoing };
-    let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     assert!(matches!(&received()[..], [Message::Hello(hello)] if hello.board == BOARD.name));
     live.turn(&mut *memory, &mut camera);
     assert_eq!(received(), []); // nobody asked
@@ -515,7 +417,7 @@ fn live_serves_commands_and_survives_its_camera() {
     assert!(head.segments > 10 && head.capture_time_us > 0);
     assert_eq!(frame.len(), 1 + usize::from(head.segments).div_ceil(SEGMENTS_PER_PACKET));
 
-    send(2, Request::Pair(PairHead { width: 16, height: 16, capture_time_us: 0, right_capture_time_us: None }));
+    send(2, Request::Pair(pair_head(Dims { width: 16, height: 16 }, 0)));
     live.turn(&mut *memory, &mut camera);
     assert_eq!(received()[0], Message::Answer(Answer { command: 2, outcome: Outcome::Refused(Refusal::Unsupported) }));
     send(3, Request::Stop);
@@ -525,26 +427,20 @@ fn live_serves_commands_and_survives_its_camera() {
 
 #[test]
 fn of_what_takes_long_there_is_one_a_turn() {
+    let image: RigBytes = rig(DIMS).encode(0).into_iter().collect();
     let mut bytes = Vec::new();
-    let image = rig(DIMS).encode(0);
-    for id in 1..=2 {
-        push_rig(&mut bytes, id, &image);
+    let requests = [Request::SetRig(image.clone()), Request::SetRig(image), Request::Photograph, Request::Photograph];
+    for (id, request) in (1..).zip(requests.into_iter().chain([Request::Stop, Request::Describe])) {
+        push(&mut bytes, id, request);
     }
-    for id in 3..=4 {
-        push(&mut bytes, id, Request::Photograph);
-    }
-    push(&mut bytes, 5, Request::Stop);
-    push(&mut bytes, 6, Request::Describe);
-    let (incoming, outgoing) = (RefCell::new(bytes.into()), RefCell::new(Vec::new()));
-    let line = Line { incoming: &incoming, outgoing: &outgoing };
+    let port = Port::holding(bytes, 0);
     let mut memory = Box::new(Workspace::new());
-    let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     // The watchdog is fed between two turns, and waits for one sector that is erased, not for two.
     let mut answered_in = Vec::new();
     for turn in 0..200 {
-        outgoing.borrow_mut().clear();
         live.turn(&mut *memory, &mut Painter::new(DIMS));
-        for message in messages(&outgoing.borrow()) {
+        for message in port.received() {
             if let Message::Answer(answer) = message {
                 answered_in.push((turn, answer.command));
             }
@@ -573,14 +469,12 @@ impl PairSource for InTurnCamera {
 #[test]
 fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
     for (still_us, is_matched) in [(None, false), (Some(21_000), false), (Some(30_000), true)] {
-        let mut start = Vec::new();
-        push(&mut start, 1, Request::Start);
-        let (incoming, outgoing) = (RefCell::new(start.into()), RefCell::new(Vec::new()));
-        let line = Line { incoming: &incoming, outgoing: &outgoing };
-        let mut live = Live::start(Session::new(BOARD), Microseconds::default(), line);
+        let port = Port::with_look(1);
+        port.send(1, Request::Start);
+        let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
         let mut camera = InTurnCamera(Painter::new(DIMS), still_us);
         live.turn(&mut *Box::new(Workspace::new()), &mut camera);
-        let received = messages(&outgoing.borrow());
+        let received = port.received();
         let head =
             received.iter().find_map(|message| if let Message::Frame(head) = message { Some(head) } else { None });
         let (head, health) = (head.unwrap(), head.unwrap().health);
@@ -591,28 +485,20 @@ fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
 
 #[test]
 fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
-    let (left, right) = {
-        let mut images = [vec![0; 128 * 96], vec![0; 128 * 96]];
-        let [left, right] = &mut images;
-        Scene::Blocks.paint(DIMS, left, right);
-        let [left, right] = images;
-        (left, right)
-    };
+    let [left, right] = painted(DIMS, Scene::Blocks);
     let mut input = Vec::new();
     for (id, skew_us, changed) in
         [(1, None, 0), (2, Some(1001), 1), (3, Some(1000), 2), (4, Some(0), 3), (5, Some(7), 4)]
     {
-        let (width, height, capture_time_us) = (DIMS.width, DIMS.height, 50_000 * u64::from(id));
+        let capture_time_us = 50_000 * u64::from(id);
         let right_capture_time_us = skew_us.map(|skew_us| capture_time_us - skew_us);
-        push(&mut input, id, Request::Pair(PairHead { width, height, capture_time_us, right_capture_time_us }));
+        push(&mut input, id, Request::Pair(PairHead { right_capture_time_us, ..pair_head(DIMS, capture_time_us) }));
         // A sensor never gives the same picture twice.
         input.extend([&left, &right].into_iter().flatten().map(|&grey| grey + changed));
     }
-    let (mut memory, mut source) = (Box::new(Workspace::new()), Trickle { bytes: input.into(), step: 256 });
-    let (clock, mut output) = (Microseconds::default(), Written::default());
-    replay::run(&mut *memory, &clock, &mut Session::new(BOARD), &mut source, &mut output, |_| {});
+    let (port, ..) = replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input, 256);
     let (mut heads, mut refused) = (Vec::new(), Vec::new());
-    for message in messages(&output.0) {
+    for message in port.received() {
         match message {
             Message::Frame(head) => heads.push((head.sequence, head.pair.unwrap().skew_us, head.health.of_pair())),
             Message::Answer(Answer { command, outcome: Outcome::Refused(why) }) => refused.push((command, why)),
@@ -638,28 +524,19 @@ fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
 
 #[test]
 fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() {
-    let (incoming, outgoing) = (RefCell::new(VecDeque::new()), RefCell::new(Vec::new()));
-    let autopilot = RefCell::new(Vec::new());
-    let nothing = RefCell::new(VecDeque::new());
-    let send = |id, request| {
-        let mut bytes = Vec::new();
-        push(&mut bytes, id, request);
-        *incoming.borrow_mut() = bytes.into();
-    };
-    let told = || mavlink_frames(&core::mem::take(&mut *autopilot.borrow_mut()));
+    // A look at the clock takes 17 ms, a turn two looks: 60 turns are two seconds.
+    let (port, autopilot) = (Port::with_look(17_000), Port::default());
+    let told = || mavlink_frames(&autopilot.bytes());
     let mut memory = Box::new(Workspace::new());
     let mut camera = LooseCamera(0, Painter::new(DIMS));
-    let line = Line { incoming: &incoming, outgoing: &outgoing };
-    // A look at the clock takes 17 ms, a turn two looks: 60 turns are two seconds.
-    let mut live = Live::start(Session::new(BOARD), Slow(Microseconds::default()), line)
-        .with_autopilot(Line { incoming: &nothing, outgoing: &autopilot });
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone()).with_autopilot(autopilot.clone());
     for _ in 0..5 {
         live.turn(&mut *memory, &mut camera);
     }
     assert_eq!(told(), [], "without a rig nothing has a distance");
     let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
-    send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
-    outgoing.borrow_mut().clear();
+    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    port.bytes();
 
     // No pair, a pair of a wrong size and a skewed one come first: no view is known yet.
     for _ in 0..3 {
@@ -669,7 +546,7 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
     for _ in 0..60 {
         live.turn(&mut *memory, &mut camera);
     }
-    let answers = messages(&outgoing.borrow());
+    let answers = port.received();
     assert!(matches!(answers[..], [Message::Answer(_)]), "no host asked for results: {answers:?}");
     let frames = told();
     let (beats, distances): (Vec<_>, Vec<_>) = frames.iter().partition(|(id, _)| *id == 0);
@@ -694,25 +571,6 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
     }
     let list = sectors(&told().iter().rfind(|(id, _)| *id == 330).unwrap().1);
     assert_eq!((list[0], list[5], list[67], list[36]), (17, 17, 17, u16::MAX));
-}
-
-/// A clock that takes its time.
-struct Slow(Microseconds);
-
-impl Clock for Slow {
-    const UNIT: &'static str = "microseconds";
-
-    fn now(&self) -> u32 {
-        self.0.now() * 17_000
-    }
-
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        self.0.elapsed(from, to)
-    }
-
-    fn microseconds(&self, from: u32, to: u32) -> u64 {
-        self.0.microseconds(from, to)
-    }
 }
 
 /// A camera without a cable.

@@ -8,13 +8,13 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::{
-    Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
-    StereoConfig, Trigger,
+    Binning, Chip, Config, ExposureControl, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
 };
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::PairSource;
+use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
 use linestereo_rig::{Calibration, Camera, Eye, Lens, Rectification, View};
+use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -149,7 +149,7 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
         };
         assert_eq!(pixels(&memory), pixels(&expected));
     }
-    assert_eq!((source.raw_dims(), source.losses()), (Some(DIMS), Some(Losses::default())));
+    assert_eq!((source.raw_dims(), source.losses()), (Some(DIMS), Some(CaptureReport::default())));
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert_eq!(bench.stops.get(), 2, "both are told of, once each");
     let losses = source.losses().unwrap();
-    assert_eq!(Eye::BOTH.map(|eye| losses.of(eye, Fault::Stopped)), [1, 1]);
+    assert_eq!(Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     bench.is_silent.set(false);
     let pair = source.next_pair(&mut *memory, None).unwrap();
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
@@ -387,20 +387,20 @@ fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
         let (bench, mut source, _) = held(late_us.map(Some), LIMITS);
         let mut memory = Box::new(Workspace::new());
         for pairs in 0..3 {
-            let asked_us = bench.now_us.get();
+            let requested_us = bench.now_us.get();
             // Starting the sensors takes longer than the longest silence, and than a pair may take.
             let pair = source.next_pair(&mut *memory, None).expect("a pair");
             let (shot_us, held_us) = last_pulse(&bench, 2 * pairs);
             let second_us = late_us[0].max(late_us[1]);
             // Looked for every 50 us, while rows of the other camera are fetched.
             assert!((second_us..second_us + 150).contains(&held_us), "{late_us:?}: {held_us}");
-            assert_eq!(shot_us > asked_us, pairs == 0, "started once");
+            assert_eq!(shot_us > requested_us, pairs == 0, "started once");
             let middle_us = if pairs == 0 { 0 } else { 15_250 - 258 * 125_333 / 2000 };
             let times_us = late_us.map(|late_us| shot_us + late_us);
             assert_eq!(pair.times_us, Some(times_us.map(|time_us| time_us.saturating_add_signed(middle_us))));
             assert_eq!(bench.begun(), [pairs as u32 + 1; 2], "one frame of each, no second one");
         }
-        assert_eq!(source.losses(), Some(Losses::default()));
+        assert_eq!(source.losses(), Some(CaptureReport::default()));
     }
 }
 

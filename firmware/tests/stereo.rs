@@ -1,19 +1,19 @@
 //! A pair of sensors at work, from the first start to failures in the middle of a flight; and what the host is told of losses.
 
+use crate::support::port::Port;
 use crate::support::sensor::Fake;
-use core::cell::RefCell;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::camera::*;
-use linestereo_firmware::capture::{Cameras, Fault, Losses};
+use linestereo_firmware::capture::Fault;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
-use linestereo_firmware::programs::live::{Live, Painter, Turn};
+use linestereo_firmware::painter::Painter;
+use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource};
+use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
-use std::rc::Rc;
 
 const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
 const AGC_GAIN_OUTPUT: u16 = 0xba;
@@ -125,66 +125,9 @@ fn a_camera_that_has_stopped_is_started_again_before_the_next_pair() {
     pin.done();
 }
 
-/// Both ends of a serial line, and a clock that its test turns.
-#[derive(Clone, Default)]
-struct Bench(Rc<RefCell<Line>>);
-
-#[derive(Default)]
-struct Line {
-    to_board: Vec<u8>,
-    from_board: Vec<u8>,
-    now_us: u32,
-}
-
-impl Bench {
-    fn send(&self, request: Request) {
-        let mut buffer = [0; MAX_COMMAND];
-        self.0.borrow_mut().to_board.extend_from_slice(encode(&Command { id: 1, request }, &mut buffer).unwrap());
-    }
-
-    fn received(&self) -> Vec<Message> {
-        let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
-        let bytes = core::mem::take(&mut self.0.borrow_mut().from_board);
-        bytes.into_iter().filter_map(|byte| decoder.push(byte)).map(|message| message.unwrap()).collect()
-    }
-
-    fn losses(&self) -> Vec<CaptureReport> {
-        self.received()
-            .into_iter()
-            .filter_map(|message| if let Message::Capture(lost) = message { Some(lost) } else { None })
-            .collect()
-    }
-}
-
-impl ByteSource for Bench {
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let mut state = self.0.borrow_mut();
-        let count = bytes.len().min(state.to_board.len());
-        bytes.iter_mut().zip(state.to_board.drain(..count)).for_each(|(place, byte)| *place = byte);
-        count
-    }
-}
-
-impl ByteSink for Bench {
-    fn write(&mut self, bytes: &[u8]) {
-        self.0.borrow_mut().from_board.extend_from_slice(bytes);
-    }
-}
-
-impl Clock for Bench {
-    const UNIT: &'static str = "microseconds";
-
-    fn now(&self) -> u32 {
-        self.0.borrow().now_us
-    }
-
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
-
-    fn microseconds(&self, from: u32, to: u32) -> u64 {
-        self.elapsed(from, to)
-    }
+fn losses(port: &Port) -> Vec<CaptureReport> {
+    let report = |message| if let Message::Capture(lost) = message { Some(lost) } else { None };
+    port.received().into_iter().filter_map(report).collect()
 }
 
 /// Every second pair is lost, with a torn left frame.
@@ -199,8 +142,8 @@ impl PairSource for Lossy {
         if self.calls.is_multiple_of(2) { None } else { self.painter.next_pair(memory, rectified) }
     }
 
-    fn losses(&self) -> Option<Losses> {
-        let mut losses = Losses::default();
+    fn losses(&self) -> Option<CaptureReport> {
+        let mut losses = CaptureReport::default();
         losses.faults[0][Fault::TornFrame as usize] = self.calls / 2;
         losses.unpaired = self.calls / 2;
         Some(losses)
@@ -209,16 +152,16 @@ impl PairSource for Lossy {
 
 #[test]
 fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished_frames() {
-    let bench = Bench::default();
+    let port = Port::default();
     let mut memory = Box::new(Workspace::new());
     let mut camera = Lossy { calls: 0, painter: Painter::new(Dims { width: 128, height: 96 }) };
-    let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
     assert!(Turn::Idle.is_work() && Turn::Finished.is_work() && !Turn::Missing.is_work());
-    bench.send(Request::Start);
+    port.send(1, Request::Start);
     let mut turn = |after_us: u32| {
-        bench.0.borrow_mut().now_us += after_us;
-        (live.turn(&mut *memory, &mut camera), bench.losses())
+        port.pass(after_us);
+        (live.turn(&mut *memory, &mut camera), losses(&port))
     };
     assert_eq!(turn(0), (Turn::Finished, vec![]));
     let (missing, told) = turn(50_000);
@@ -235,24 +178,24 @@ fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished
 #[test]
 fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     let dims = Dims { width: 128, height: 96 };
-    let bench = Bench::default();
+    let port = Port::default();
     let mut memory = Box::new(Workspace::new());
     let mut camera = Lossy { calls: 0, painter: Painter::new(dims) };
-    let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
-    bench.received();
-    bench.send(Request::Photograph);
-    bench.0.borrow_mut().now_us = 77;
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    port.received();
+    port.send(1, Request::Photograph);
+    port.pass(77);
     live.turn(&mut *memory, &mut camera);
-    let mut sent = bench.received();
+    let mut sent = port.received();
     assert_eq!(sent[0], Message::Answer(Answer { command: 1, outcome: Outcome::Accepted }));
     let head = PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
     assert_eq!(sent[1], Message::Photo(head));
     let expected = memory.frames().map(|frame| frame[..128 * 96].to_vec());
     let mut turns = 1;
     while sent.len() < 2 + 2 * (128 * 96) / PIXELS_PER_PACKET {
-        bench.send(Request::Describe); // is answered in between
+        port.send(1, Request::Describe); // is answered in between
         assert!(live.turn(&mut *memory, &mut camera).is_work());
-        let received = bench.received();
+        let received = port.received();
         assert!(received.iter().any(|message| matches!(message, Message::Hello(_))));
         sent.extend(received.into_iter().filter(|message| matches!(message, Message::Pixels(_))));
         turns += 1;
@@ -267,10 +210,10 @@ fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     }
     assert_eq!(images, expected);
     // The second pair is missing, and nothing is left of the first one.
-    bench.send(Request::Photograph);
+    port.send(1, Request::Photograph);
     live.turn(&mut *memory, &mut camera);
     let refused = Outcome::Refused(Refusal::NoPair);
-    assert_eq!(bench.received(), [Message::Answer(Answer { command: 1, outcome: refused })]);
+    assert_eq!(port.received(), [Message::Answer(Answer { command: 1, outcome: refused })]);
     assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
 }
 
@@ -296,15 +239,15 @@ fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
     let rig = Calibration::new(camera().unwrap(), camera().unwrap(), [1.0, 0.0, 0.0, 0.0], [-0.06, 0.0, 0.0]).unwrap();
     let image = RigImage::new(rig, dims, View::default(), (0, 48)).unwrap();
     for (raw, good) in [(dims, true), (Dims { width: 160, height: 120 }, false)] {
-        let bench = Bench::default();
+        let port = Port::default();
         let mut memory = Box::new(Workspace::new());
-        let mut live = Live::start(Session::new(BOARD), bench.clone(), bench.clone());
-        bench.send(Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
-        bench.send(Request::Start);
+        let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+        port.send(1, Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
+        port.send(1, Request::Start);
         let mut camera = Raw(raw, Painter::new(dims), 0);
         assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Finished);
         assert_eq!(camera.2, 1, "a frame a pair: the host is not flooded");
-        let heads = bench.received().into_iter().filter_map(|message| match message {
+        let heads = port.received().into_iter().filter_map(|message| match message {
             Message::Frame(head) => Some(head),
             Message::Answer(answer) => {
                 assert_eq!(answer.outcome, Outcome::Accepted);

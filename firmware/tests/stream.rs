@@ -7,11 +7,11 @@ use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
 use linestereo::{Dims, HealthFlags, HealthLimits};
 use linestereo_firmware::boards::mps2_an386::Workspace;
-use linestereo_firmware::camera::FrameStart;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::PairSource;
+use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
 use linestereo_rig::Eye;
+use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -285,7 +285,7 @@ fn ten_thousand_frames_side_by_side_with_faults() {
     let eyes = SideBySide::new(FakeStream(fake.clone()));
     let mut rings = eyes.eyes(WIDTH);
     let mut capture = Capture::new(limits(2 * WIDTH, 1), FrameStart::Triggered);
-    let mut expected = Losses::default();
+    let mut expected = CaptureReport::default();
     let [mut left, mut right] = [[0; (WIDTH * DIMS.height) as usize]; 2];
     let (mut good, mut delivered) = (Vec::new(), Vec::new());
     let frames = 10_000;
@@ -329,10 +329,11 @@ fn ten_thousand_frames_side_by_side_with_faults() {
     assert!(delivered == good, "seed {seed}: others were delivered than were good");
     assert_eq!(capture.losses().faults, expected.faults, "seed {seed}");
     for fault in [Fault::ShortLine, Fault::EarlyVsync, Fault::MissingVsync, Fault::Overrun] {
-        assert!(expected.of(Eye::Left, fault) > 100, "{fault:?} was hardly ever injected");
+        assert!(expected.faults[Eye::Left as usize][fault as usize] > 100, "{fault:?} was hardly ever injected");
     }
     // Set to the start of the ring after wrong rows and overruns, and only then.
-    let restarts = expected.of(Eye::Left, Fault::ShortLine) + expected.of(Eye::Left, Fault::Overrun);
+    let restarts = expected.faults[Eye::Left as usize][Fault::ShortLine as usize]
+        + expected.faults[Eye::Left as usize][Fault::Overrun as usize];
     assert_eq!(fake.borrow().restarts, restarts);
 }
 
@@ -462,7 +463,7 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     assert_eq!(let_go.get(), 4 + 5);
     let [l, r] = Eye::BOTH;
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
-    assert_eq!(source.losses().unwrap().of(Eye::Left, Fault::EarlyVsync), 1);
+    assert_eq!(source.losses().unwrap().faults[Eye::Left as usize][Fault::EarlyVsync as usize], 1);
     assert_eq!(source.losses().unwrap().faults[1], [0; 7]);
 }
 

@@ -4,7 +4,7 @@ use core::convert::Infallible;
 use core::fmt::Write;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 use linestereo::{HealthFlags, Match, Point};
-use linestereo_wire::mavlink::{AutopilotStream, Policy};
+use linestereo_mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 
 /// What is known of each direction after one pair.
@@ -113,7 +113,7 @@ impl Directions {
     /// HEARTBEAT and OBSTACLE_DISTANCE, as a board sends them first.
     #[must_use]
     pub fn mavlink(&self, policy: Policy) -> Vec<u8> {
-        use linestereo_wire::mavlink::AutopilotParams;
+        use linestereo_mavlink::AutopilotParams;
         let params = AutopilotParams { policy, ..AutopilotParams::of(&self.plan) };
         let mut bytes = Vec::new();
         if let Ok(mut stream) = AutopilotStream::new(params, &self.plan) {

@@ -6,16 +6,16 @@
 use crate::engine::GrayImage;
 use core::fmt;
 use linestereo::{Dims, Span};
-use linestereo_firmware::boards;
-use linestereo_rig::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
+use linestereo_boards::Board;
+use linestereo_rig::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes, mesh_nodes};
 
 /// The largest images that a board rectifies.
-const BOARD: Dims = boards::mps2_an500::BOARD.largest;
+const BOARD: Dims = Board::MPS2_AN500.largest;
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 /// Bytes of raw rows: a whole image of 1280x1200.
 const BAND: usize = 1280 * 1200;
 
-type BoardMesh = Mesh<{ boards::capacities::NODES }, { BOARD.height as usize }>;
+type BoardMesh = Mesh<{ mesh_nodes(BOARD) }, { BOARD.height as usize }>;
 type PcMesh = Mesh<{ fine_mesh_nodes(LARGEST) }, { LARGEST.height as usize }>;
 
 /// Why a pair cannot be rectified.

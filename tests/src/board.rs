@@ -2,7 +2,8 @@
 
 use core::any::Any;
 use linestereo::Matcher;
-use linestereo_firmware::boards::{Board, mps2_an386, mps2_an500};
+use linestereo_boards::Board;
+use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
 use linestereo_sim::board::{Machine, firmware};
 use linestereo_sim::engine::{FrameResult, GrayImage};

@@ -2,7 +2,7 @@
 //! against the board's map of flash and RAM.
 
 use core::ops::Range;
-use linestereo_firmware::boards::Board;
+use linestereo_boards::Board;
 use linestereo_sim::board::top;
 use linestereo_tests::board::{image, on_all};
 use object::elf::{FileHeader32, PT_LOAD};

@@ -96,8 +96,8 @@ pub(crate) struct Rectified {
     pub(crate) set_up: u64,
     /// Instructions for both images.
     pub(crate) rows: u64,
-    /// Instructions of the dearest raw row.
-    pub(crate) dearest_row: u64,
+    /// Instructions of the most expensive raw row.
+    pub(crate) worst_row: u64,
     /// Raw rows held, bytes of the camera that needs more.
     pub(crate) band_bytes: u64,
 }
@@ -122,10 +122,10 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
             );
         }
         let numbers: Vec<u64> = numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
-        let [set_up, rows, dearest_row, band_bytes] = numbers[..] else {
+        let [set_up, rows, worst_row, band_bytes] = numbers[..] else {
             anyhow::bail!("the table of rectify has an unknown line: {line}")
         };
-        rigs.insert(name.to_owned(), Rectified { set_up, rows, dearest_row, band_bytes });
+        rigs.insert(name.to_owned(), Rectified { set_up, rows, worst_row, band_bytes });
     }
     Ok(rigs)
 }
@@ -136,17 +136,17 @@ fn rectified_here(board: &Board) -> Result<BTreeMap<String, String>> {
     let rigs = board.sizes.iter().flat_map(|&dims| BuiltIn::ALL.map(|rig| (rig, dims)));
     let digest = |(rig, dims): (BuiltIn, Dims)| {
         let measured = rectify::measure(&mut workspace, &NoClock, rig, dims);
-        let digest = measured.map_err(|why| anyhow::anyhow!("{} {dims}: {why:?}", rig.name()))?.digest;
+        let digest = measured.with_context(|| format!("{} {dims} cannot be rectified", rig.name()))?.digest;
         Ok((format!("{}_{dims}", rig.name()), format!("{digest:08x}")))
     };
     rigs.map(digest).collect()
 }
 
-/// Built-in pairs by their size and kind, such as `128x96` and `128x96_dearest`, without these in their names.
+/// Built-in pairs by their size and kind, such as `128x96` and `128x96_worst_case`, without these in their names.
 pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTreeMap<String, Vec<(String, Costs)>>> {
     let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
     for (name, costs) in pairs {
-        // Such as bricks_128x96_dearest.
+        // Such as bricks_128x96_worst_case.
         let parts = board.sizes.iter().find_map(|dims| Some((dims, name.split_once(&format!("_{dims}"))?)));
         let (dims, (scene, kind)) = parts.with_context(|| format!("the pair {name} has no size"))?;
         groups.entry(format!("{dims}{kind}")).or_default().push((scene.to_owned(), costs));
@@ -165,10 +165,10 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
             continue;
         }
         println!("{}, rectification of a pair, thousands of instructions (band: bytes of a camera)", board.name);
-        for (name, Rectified { set_up, rows, dearest_row, band_bytes }) in rectified(board)? {
-            let [set_up, rows, dearest_row] = [set_up, rows, dearest_row].map(|count| count / 1000);
+        for (name, Rectified { set_up, rows, worst_row, band_bytes }) in rectified(board)? {
+            let [set_up, rows, worst_row] = [set_up, rows, worst_row].map(|count| count / 1000);
             println!(
-                "{name:30} set-up {set_up:>7} both images {rows:>6} dearest row {dearest_row:>4} band {band_bytes:>6}"
+                "{name:30} set-up {set_up:>7} both images {rows:>6} most expensive row {worst_row:>4} band {band_bytes:>6}"
             );
         }
         let Builtin { pairs, autopilot, kernels, .. } = builtin(board)?;

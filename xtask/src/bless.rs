@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
-use linestereo_firmware::boards::{Board, capacities, mps2_an386, mps2_an500};
+use linestereo_boards::Board;
+use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::programs::selftest;
@@ -11,13 +12,13 @@ use std::path::Path;
 /// Writes `firmware/src/programs/expected.rs`, or compares with it.
 pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
-        "//! Digests of the built-in frames, one per stage and one of what an autopilot is told. Generated on a PC by `cargo xtask bless`.\n\n\
-         use crate::boards::Board;\nuse linestereo::diagnostics::Stage;\n\n\
-         /// One digest per stage, and one of what an autopilot is told.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
+        "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated on a PC by `cargo xtask bless`.\n\n\
+         use linestereo::diagnostics::Stage;\nuse linestereo_boards::Board;\n\n\
+         /// One digest per stage, and one of what an autopilot gets.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);
-    write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(capacities::qvga::Workspace::new()))?;
-    write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(capacities::qqvga::Workspace::new()))?;
+    write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
+    write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
     let path = top.join("firmware/src/programs/expected.rs");
     let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
     if check {

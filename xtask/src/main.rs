@@ -12,7 +12,7 @@ mod sizes;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
 use core::time::Duration;
-use linestereo_firmware::boards::Device;
+use linestereo_boards::Device;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;

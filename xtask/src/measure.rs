@@ -25,7 +25,7 @@ const HEAD: &str = "\
 # an error, a gain of more than 1 % asks for a new blessing.
 #
 # Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states.
-# All pairs: default parameters, 64 disparities; \"dearest\" ones: parameters that find and report as much as any can.
+# All pairs: default parameters, 64 disparities; \"worst_case\" ones: parameters that find and report as much as any can.
 # built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
 # kernels: work of the usual size (firmware/src/programs/kernel_costs.rs) by the kernels that the core uses on this processor, and by the
 # portable ones compiled for it.
@@ -35,7 +35,7 @@ const HEAD: &str = "\
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
 # objects: on the captured pairs, medians: the depths of eight boxes on top of a pair; all of a pair that is matched around three boxes with a
 # tenth of its pixels alone, also in permille of the whole pair's, and around one such box.
-# autopilot: the dearest of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
+# autopilot: the most expensive of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
 # raw: a rendered raw pair rectified row by row (75 degrees of view, cameras turned by a degree) to the lists; band: the bytes of raw rows

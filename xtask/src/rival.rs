@@ -6,13 +6,17 @@ use linestereo::Dims;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
-use linestereo_firmware::programs::blocks::{METHODS, Measured, Workspace};
+use linestereo_firmware::programs::blocks::{self, METHODS, Measured, groups};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, qemu};
 use linestereo_sim::engine::GrayImage;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Width of the largest pair of any board, px.
+const WIDTH: usize = Board::MPS2_AN500.largest.width as usize;
+type Workspace = blocks::Workspace<WIDTH, { Board::MPS2_AN500.pixels() }, { groups(WIDTH).0 }, { groups(WIDTH).1 }>;
 
 /// What one method gave for one pair.
 type ByMethod = BTreeMap<String, Measured>;
@@ -104,7 +108,7 @@ pub(crate) fn run(board: &Board, frames: Option<&Path>) -> Result<()> {
             (names, images, ours.iter().map(|(_, costs)| bench::total(costs)).collect())
         }
         None => {
-            let cases: Vec<_> = Case::all(board).filter(|case| !case.dearest && case.dims == dims).collect();
+            let cases: Vec<_> = Case::all(board).filter(|case| !case.worst_case && case.dims == dims).collect();
             let costs: BTreeMap<_, _> = builtin.pairs.iter().map(|(name, costs)| (name, bench::total(costs))).collect();
             let names: Vec<_> = cases.iter().map(Case::to_string).collect();
             let ours = names.iter().map(|name| costs.get(name).copied().unwrap_or(0)).collect();

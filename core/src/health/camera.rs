@@ -6,6 +6,7 @@
 //! # Cost
 //! Some 14 instructions a sample, 1536 samples an image.
 
+use crate::fnv::Fnv;
 use crate::image::Gray;
 use crate::units::quotient;
 
@@ -47,7 +48,7 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
     let step = |side: u16, most: u16| usize::from(side.div_ceil(most));
     let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
     let (mut samples, mut sum, mut black, mut white, mut steps) = (0_u32, 0_u32, 0_u32, 0_u32, 0_u32);
-    let (mut low, mut high, mut digest) = (u8::MAX, 0_u8, FNV_OFFSET);
+    let (mut low, mut high, mut digest) = (u8::MAX, 0_u8, Fnv::EMPTY);
     let (mut usable, mut all) = (0_u32, 0_u32);
     let mut y = down / 2;
     while let Some(row) = image.row(y) {
@@ -57,7 +58,7 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
         all += u32::from(dims.width);
         let (words, rest) = row.as_chunks();
         let words = words.iter().map(|&word| u32::from_le_bytes(word));
-        digest = words.chain(rest.iter().map(|&level| level.into())).fold(digest, mix);
+        digest = words.chain(rest.iter().map(|&level| level.into())).fold(digest, Fnv::mixed);
         let mut x = across / 2;
         let mut before = row.get(x).copied().unwrap_or(0);
         while let Some(&level) = row.get(x) {
@@ -81,13 +82,5 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
         white_permille: share(white, 1000) as u16,
         view_permille: quotient(usable as i32 * 1000, all as i32) as u16,
     };
-    CameraCheck { health, range: high.saturating_sub(low), digest }
-}
-
-/// FNV-1a, 32 bits (Fowler, Noll, Vo).
-const FNV_OFFSET: u32 = 0x811c_9dc5;
-const FNV_PRIME: u32 = 0x0100_0193;
-
-fn mix(digest: u32, value: u32) -> u32 {
-    (digest ^ value).wrapping_mul(FNV_PRIME)
+    CameraCheck { health, range: high.saturating_sub(low), digest: digest.value() }
 }

@@ -1,4 +1,4 @@
-//! What a board says of itself beside its results: why it was reset, and what its cameras lost.
+//! State of a board beside its results: why it was reset, and what its cameras lost.
 
 use core::fmt;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ pub struct Reset {
     /// Why.
     pub cause: ResetCause,
     /// Of a fault, the address of the instruction, for `addr2line`; of a panic, the line in its source file; 0 when it is not known.
-    pub place: u32,
+    pub location: u32,
 }
 
 /// What resets a board.
@@ -23,7 +23,7 @@ pub enum ResetCause {
     Pin,
     /// No frame was finished for longer than the watchdog allows.
     Watchdog,
-    /// The program asked for it.
+    /// The program's own reset.
     Software,
     /// The program panicked.
     Panic,
@@ -39,7 +39,7 @@ impl Reset {
     /// For this cause, nowhere in particular.
     #[must_use]
     pub const fn of(cause: ResetCause) -> Self {
-        Self { cause, place: 0 }
+        Self { cause, location: 0 }
     }
 
     /// Did it come out of a fault of the supply or of the program?
@@ -62,7 +62,7 @@ impl fmt::Display for Reset {
             ResetCause::StackOverflow => "the stack grew out of its memory",
             ResetCause::Unknown => "unknown",
         })?;
-        match (self.cause, self.place) {
+        match (self.cause, self.location) {
             (_, 0) => Ok(()),
             (ResetCause::Panic, line) => write!(f, " in line {line} of a source file"),
             (_, address) => write!(f, " at address {address:#010x}"),
@@ -82,7 +82,7 @@ pub struct CaptureReport {
     pub unpaired: u32,
     /// Frames that came while the last pair was still worked on.
     pub skipped: u32,
-    /// How often the left and the right sensor did not do what it was told.
+    /// How often the left and the right sensor did not do what was written to it.
     pub sensors: [u32; 2],
 }
 

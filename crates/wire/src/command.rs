@@ -1,9 +1,10 @@
-//! What a host asks for, and why a board refuses.
+//! Commands of a host, and why a board refuses one.
 //!
 //! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
-//! range of the one that is wrong. Bytes that were damaged never get here: see [`Decoder`](crate::Decoder).
+//! range of the one that is wrong. Bytes that were damaged never get here: see `Decoder`.
 
 use crate::object::Regions;
+use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
 use core::fmt;
 use heapless::String;
@@ -20,14 +21,26 @@ pub type Name = String<32>;
 pub struct Command {
     /// Chosen by the host; the answer carries it. The same command with the same id may come again, when the answer was lost.
     pub id: u16,
-    /// What is asked for.
+    /// The request.
     pub request: Request,
 }
 
-/// What is asked for. Each is answered, and doing it twice is the same as doing it once.
+impl Sealed for Command {}
+
+impl Record for Command {
+    const TAG: u8 = VERSION | 0x80;
+}
+
+/// Bytes of the largest packet of a [`Command`]: a rig.
+pub const MAX_COMMAND: usize = {
+    // id 3, kind 1, length 2
+    packet_bytes(6 + RigImage::BYTES)
+};
+
+/// Requests of a host. Each is answered, and doing it twice is the same as doing it once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// Say what you are: a [`Hello`](crate::Hello) and the answer.
+    /// Say what you are: a `Hello` and the answer.
     Describe,
     /// Match pairs and send results.
     Start,
@@ -46,7 +59,7 @@ pub enum Request {
     RawPair(PairHead),
     /// Say the depth of these objects with every pair from now on; what was asked for before is forgotten.
     SetRegions(Regions),
-    /// Send the next pair as the cameras deliver it, before it is rectified: [`Message::Photo`](crate::Message::Photo) and its pixels, after
+    /// Send the next pair as the cameras deliver it, before it is rectified: `Message::Photo` and its pixels, after
     /// the answer. For calibration, and to see what a camera sees.
     Photograph,
 }
@@ -245,7 +258,7 @@ pub enum Refusal {
     },
     /// The flash does not keep the rig.
     NotKept,
-    /// The box at this place of the list has no pixel in the board's largest image.
+    /// The box with this index of the list has no pixel in the board's largest image.
     Region(u8),
     /// The cameras delivered no whole pair.
     NoPair,
@@ -268,7 +281,7 @@ impl From<ParamError> for Refusal {
     fn from(error: ParamError) -> Self {
         match error {
             ParamError::OutOfRange { name, value, low, high } => {
-                Self::OutOfRange { name: shortened(name), value, low, high }
+                Self::OutOfRange { name: self::name(name), value, low, high }
             }
             ParamError::MarginNeedsRig => Self::MarginNeedsRig,
         }
@@ -286,15 +299,16 @@ impl From<RigError> for Refusal {
     }
 }
 
-/// As much of a name as there is room for.
-fn shortened(name: &str) -> Name {
-    let mut short = Name::new();
-    for character in name.chars() {
-        if short.push(character).is_err() {
+/// A name, as much of it as there is room for.
+#[must_use]
+pub fn name(text: &str) -> Name {
+    let mut name = Name::new();
+    for character in text.chars() {
+        if name.push(character).is_err() {
             break;
         }
     }
-    short
+    name
 }
 
 /// The core's own words where it has them.
@@ -321,7 +335,7 @@ impl fmt::Display for Refusal {
             }
             Self::NotKept => write!(f, "the board's flash does not keep the rig"),
             Self::NoPair => write!(f, "the cameras delivered no whole pair: look at what they lost"),
-            Self::Region(place) => write!(f, "box {place} has no pixel in the image"),
+            Self::Region(index) => write!(f, "box {index} has no pixel in the image"),
         }
     }
 }

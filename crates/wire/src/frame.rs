@@ -4,13 +4,18 @@
 //! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
 
 use crate::health::{Health, PairReport};
-use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
 use heapless::Vec;
 use linestereo::diagnostics::Techniques;
 use linestereo::{
     Confidence, Depth, Dims, Disparity, ImagePosition, Match, Owner, PairHealth, Point, Position, Rejection, Source,
 };
 use serde::{Deserialize, Serialize};
+
+/// Most segments in one packet: what keeps `MAX_PACKET` below 600 bytes whatever the values are.
+pub const SEGMENTS_PER_PACKET: usize = 10;
+
+/// Most points in one packet, for the same reason.
+pub const POINTS_PER_PACKET: usize = 32;
 
 /// What a frame gave, without its segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,7 +39,7 @@ pub struct FrameHead {
 }
 
 impl FrameHead {
-    /// The head of a result of the core; what its counts say about full lists is added to `health`, and [`send_frame`](crate::send_frame)
+    /// The head of a result of the core; what its counts say about full lists is added to `health`, and `send_frame`
     /// fills in the number of segments.
     #[must_use]
     pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
@@ -43,7 +48,7 @@ impl FrameHead {
         Self { sequence, capture_time_us, width, height, health, pair: None, counts: counts.into(), segments: 0 }
     }
 
-    /// The same with what a monitor says of the pair.
+    /// The same with the health of the pair.
     #[must_use]
     pub fn with_pair(self, pair: &PairHealth) -> Self {
         Self { health: self.health | pair.flags.into(), pair: Some(pair.into()), ..self }
@@ -127,7 +132,7 @@ pub struct PointRecord {
     pub disparity_q6: i16,
     /// Probability that the disparity is within 1 px, 1/65536.
     pub confidence_q16: u16,
-    /// Kind and position of the claim that it comes from.
+    /// Kind and position of the hypothesis that it comes from.
     pub source: PointSource,
 }
 
@@ -163,8 +168,8 @@ impl From<PointSource> for Source {
 }
 
 impl From<&Point> for PointRecord {
-    fn from(claim: &Point) -> Self {
-        let Point { x, y, disparity, confidence, source } = *claim;
+    fn from(point: &Point) -> Self {
+        let Point { x, y, disparity, confidence, source } = *point;
         Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source: source.into() }
     }
 }

@@ -25,7 +25,7 @@ const BOARD: [(Health, &str); 5] = [
     (Health::FREE_RUNNING, "free_running"),
 ];
 
-/// A set of flags; empty when there is nothing to say.
+/// A set of flags; empty for a pair without a defect.
 ///
 /// ```
 /// use linestereo::HealthFlags;
@@ -39,7 +39,7 @@ const BOARD: [(Health, &str); 5] = [
 pub struct Health(u32);
 
 impl Health {
-    /// Nothing to say.
+    /// No flag.
     pub const GOOD: Self = Self(0);
     /// The pair was refused: its size is not the planned one.
     pub const SIZE_MISMATCH: Self = Self(1);
@@ -197,7 +197,7 @@ pub struct RowsReport {
     pub offset_q8: i16,
     /// Spread, 1/256 px.
     pub spread_q8: u16,
-    /// Matches that said so.
+    /// Matches behind it.
     pub samples: u8,
 }
 

@@ -48,7 +48,6 @@ mod board_state;
 mod command;
 mod frame;
 mod health;
-pub mod mavlink;
 mod message;
 mod object;
 mod packet;
@@ -57,20 +56,16 @@ mod send;
 
 pub use board_state::{CaptureReport, Reset, ResetCause};
 pub use command::{
-    Command, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes, RigUpdate,
+    Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,
+    RigUpdate, name,
 };
-pub use frame::{Counts, FrameHead, PointRecord, PointSource, Points, Segment, SegmentOwner, Segments};
+pub use frame::{
+    Counts, FrameHead, POINTS_PER_PACKET, PointRecord, PointSource, Points, SEGMENTS_PER_PACKET, Segment, SegmentOwner,
+    Segments,
+};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
-pub use message::{Answer, BoardName, Hello, Message, Outcome, PIXELS_PER_PACKET, Pixels};
+pub use message::{Answer, BoardName, Hello, MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
-pub use packet::{
-    Counters, DELIMITER, DecodeError, Decoder, EncodeError, MAX_COMMAND, MAX_PACKET, Record, VERSION, encode,
-};
+pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};
 pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use send::{PointStream, SendError, send, send_frame, send_objects};
-
-/// Most segments in one packet: what keeps [`MAX_PACKET`] below 600 bytes whatever the values are.
-pub const SEGMENTS_PER_PACKET: usize = 10;
-
-/// Most points in one packet, for the same reason.
-pub const POINTS_PER_PACKET: usize = 32;

@@ -1,9 +1,10 @@
-//! What a board says.
+//! Records from a board to its host.
 
 use crate::board_state::{CaptureReport, Reset};
 use crate::command::{PairHead, Refusal};
-use crate::frame::{FrameHead, Points, Segments};
+use crate::frame::{FrameHead, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::object::Objects;
+use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigReport;
 use heapless::String;
 use serde::{Deserialize, Serialize};
@@ -14,7 +15,7 @@ pub type BoardName = String<32>;
 /// One record from the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
-    /// What the board is: sent when it starts, and for [`Request::Describe`](crate::Request::Describe) before the answer.
+    /// What the board is: sent when it starts, and for `Request::Describe` before the answer.
     Hello(Hello),
     /// A frame begins.
     Frame(FrameHead),
@@ -24,15 +25,29 @@ pub enum Message {
     Answer(Answer),
     /// Points of the frame that began last: only from programs that are fed by a file, a serial port is too slow.
     Points(Points),
-    /// Depths of the objects that were asked for, of the frame that began last.
+    /// Depths of the wanted objects, of the frame that began last.
     Objects(Objects),
     /// What the cameras lost so far: sent when it has changed, at most once a second.
     Capture(CaptureReport),
-    /// A photo that was asked for begins: the pair as the cameras deliver it.
+    /// A requested photo begins: the pair as the cameras deliver it.
     Photo(PairHead),
     /// Pixels of the photo that began last.
     Pixels(Pixels),
 }
+
+impl Sealed for Message {}
+
+impl Record for Message {
+    const TAG: u8 = VERSION;
+}
+
+/// Bytes of the largest packet of a [`Message`], which is a full list of segments whose numbers all take their longest form.
+pub const MAX_PACKET: usize = {
+    // postcard: 16 bits take 3 bytes, 32 take 5; ends 12, disparities 6, sigma 3, confidence 3, owner 1, depths 2 * 11, techniques 10
+    const SEGMENT: usize = 57;
+    // kind 1, sequence 5, first 3, length 1
+    packet_bytes(10 + SEGMENTS_PER_PACKET * SEGMENT)
+};
 
 /// Neighbouring pixels of a photo, row by row.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! Regions that a host asks about, and what a board says of them.
+//! Regions of a host, and the depths of the objects in them.
 //!
 //! In: boxes of a detector, in pixels of the rectified left image. Out: an [`ObjectRecord`] for each, of the same bits as the core's
 //! [`ObjectDepth`].
@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 /// Most regions that a board keeps.
 pub const MAX_REGIONS: usize = 16;
 
-/// Objects in one packet, so that it stays below [`MAX_PACKET`](crate::MAX_PACKET).
+/// Objects in one packet, so that it stays below `MAX_PACKET`.
 pub const OBJECTS_PER_PACKET: usize = 8;
 
-/// Which objects are asked for, from the next pair on.
+/// Objects whose depths are wanted, from the next pair on.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Regions {
-    /// Boxes; none asks for no object.
+    /// Boxes; none: no object.
     pub boxes: Vec<RegionBox, MAX_REGIONS>,
     /// Match in and just around these boxes alone, where there are any.
     pub only: bool,
@@ -71,7 +71,7 @@ pub struct Objects {
 pub struct ObjectRecord {
     /// Of its region.
     pub label: u16,
-    /// Disparity at the region's centre, 1/64 px, or why there is none: its place in [`NoDepth::ALL`].
+    /// Disparity at the region's centre, 1/64 px, or why there is none: its index in [`NoDepth::ALL`].
     pub disparity_q6: Result<i16, u8>,
     /// Standard deviation of the disparity, 1/64 px.
     pub sigma_q6: i16,
@@ -81,7 +81,7 @@ pub struct ObjectRecord {
     pub spread_q6: i16,
     /// Depth at the centre, its standard deviation, and the nearest credible depth, 1/65536 m; `i32::MAX` is infinite.
     pub depth_q16: Option<[i32; 3]>,
-    /// Segments that speak for the answer.
+    /// Segments that support the answer.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range, 1/65536.
     pub confidence_q16: u16,
@@ -89,15 +89,15 @@ pub struct ObjectRecord {
 
 impl From<&ObjectDepth> for ObjectRecord {
     fn from(object: &ObjectDepth) -> Self {
-        let place =
-            |reason: NoDepth| (0..).zip(NoDepth::ALL).find(|&(_, of)| of == reason).map_or(0, |(place, _)| place);
+        let index =
+            |reason: NoDepth| (0..).zip(NoDepth::ALL).find(|&(_, of)| of == reason).map_or(0, |(index, _)| index);
         let depth_q16 = match (object.depth, object.depth_sigma, object.nearest) {
             (Some(depth), Some(sigma), Some(nearest)) => Some([depth, sigma, nearest].map(Depth::to_bits)),
             _ => None,
         };
         Self {
             label: object.label,
-            disparity_q6: object.disparity.map(Disparity::to_bits).map_err(place),
+            disparity_q6: object.disparity.map(Disparity::to_bits).map_err(index),
             sigma_q6: object.sigma.to_bits(),
             slope_q10: object.slope_q10,
             spread_q6: object.spread.to_bits(),
@@ -110,7 +110,7 @@ impl From<&ObjectDepth> for ObjectRecord {
 
 impl From<&ObjectRecord> for ObjectDepth {
     fn from(record: &ObjectRecord) -> Self {
-        let reason = |place: u8| NoDepth::ALL.get(usize::from(place)).copied().unwrap_or(NoDepth::LittleSupport);
+        let reason = |index: u8| NoDepth::ALL.get(usize::from(index)).copied().unwrap_or(NoDepth::LittleSupport);
         let [depth, depth_sigma, nearest] = match record.depth_q16 {
             Some(bits) => bits.map(|bits| Some(Depth::from_bits(bits))),
             None => [None; 3],

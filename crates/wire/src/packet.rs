@@ -10,14 +10,10 @@
 //! # Bounds
 //! A payload is counted in a `usize` up to the decoder's `N`; counters saturate.
 
-use crate::SEGMENTS_PER_PACKET;
-use crate::command::Command;
-use crate::message::Message;
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use core::marker::PhantomData;
 use crc::Digest;
-use linestereo_rig::RigImage;
 use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
@@ -29,49 +25,24 @@ pub const VERSION: u8 = 5;
 /// Ends every packet, and stands nowhere else.
 pub const DELIMITER: u8 = 0;
 
-/// Bytes of the largest packet of a [`Message`], which is a full list of segments whose numbers all take their longest form.
-pub const MAX_PACKET: usize = {
-    // postcard: 16 bits take 3 bytes, 32 take 5; ends 12, disparities 6, sigma 3, confidence 3, owner 1, depths 2 * 11, techniques 10
-    const SEGMENT: usize = 57;
-    // kind 1, sequence 5, first 3, length 1
-    packet_bytes(10 + SEGMENTS_PER_PACKET * SEGMENT)
-};
-
-/// Bytes of the largest packet of a [`Command`]: a rig.
-pub const MAX_COMMAND: usize = {
-    // id 3, kind 1, length 2
-    packet_bytes(6 + RigImage::BYTES)
-};
-
 /// Bytes on the wire of a record of so many.
-const fn packet_bytes(record: usize) -> usize {
+pub(crate) const fn packet_bytes(record: usize) -> usize {
     cobs::max_encoding_length(1 + record + CRC_BYTES) + 1
 }
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for super::Message {}
-    impl Sealed for super::Command {}
-}
-
-/// What a packet can hold: a [`Message`] or a [`Command`].
-pub trait Record: Serialize + DeserializeOwned + sealed::Sealed {
+/// What a packet can hold: a message or a command.
+pub trait Record: Serialize + DeserializeOwned + Sealed {
     /// First byte of the payload: the version, and which way the record goes, so that an echo is not taken for an answer.
     const TAG: u8;
 }
 
-impl Record for Message {
-    const TAG: u8 = VERSION;
-}
-
-impl Record for Command {
-    const TAG: u8 = VERSION | 0x80;
-}
+/// Of this crate's records alone.
+pub trait Sealed {}
 
 /// Why a record is not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
-    /// The buffer is smaller than the packet; [`MAX_PACKET`] and [`MAX_COMMAND`] always suffice.
+    /// The buffer is smaller than the packet; `MAX_PACKET` and `MAX_COMMAND` always suffice.
     BufferTooSmall,
 }
 
@@ -195,7 +166,7 @@ impl Counters {
     }
 }
 
-/// Finds the records in a stream of bytes. `N` bytes of memory: [`MAX_PACKET`] for messages, [`MAX_COMMAND`] for commands.
+/// Finds the records in a stream of bytes. `N` bytes of memory: `MAX_PACKET` for messages, `MAX_COMMAND` for commands.
 #[derive(Debug)]
 pub struct Decoder<T, const N: usize> {
     payload: [u8; N],
@@ -229,8 +200,8 @@ impl<T: Record, const N: usize> Decoder<T, N> {
         let framing = match self.cobs.feed(byte) {
             Ok(DecodeResult::DataContinue(data)) => {
                 match self.payload.get_mut(self.length) {
-                    Some(place) => {
-                        *place = data;
+                    Some(slot) => {
+                        *slot = data;
                         self.length = self.length.saturating_add(1);
                     }
                     None => self.too_long = true,

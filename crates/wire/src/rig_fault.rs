@@ -1,6 +1,6 @@
-//! What a board says of its rig: which one it uses, and what is wrong with the slots that hold none.
+//! State of a board's rig: which one it uses, and what is wrong with the slots that hold none.
 //!
-//! The numbers behind a fault stay on the board: who made the image can ask [`RigImage::decode`](linestereo_rig::RigImage::decode) for them.
+//! The numbers behind a fault stay on the board: who made the image gets them from [`RigImage::decode`].
 
 use core::fmt;
 use linestereo::Dims;

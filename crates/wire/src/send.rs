@@ -5,11 +5,10 @@
 //! # Cost
 //! [`MAX_PACKET`] bytes and one list of segments on the stack.
 
-use crate::frame::{FrameHead, PointRecord, Points, Segment, Segments};
-use crate::message::Message;
+use crate::frame::{FrameHead, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments};
+use crate::message::{MAX_PACKET, Message};
 use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
-use crate::packet::{EncodeError, MAX_PACKET, Record, encode};
-use crate::{POINTS_PER_PACKET, SEGMENTS_PER_PACKET};
+use crate::packet::{EncodeError, Record, encode};
 use core::fmt;
 use linestereo::{Match, ObjectDepth, Point};
 

@@ -1,7 +1,5 @@
-//! Records, packets and MAVLink, a module a topic: `cargo test -p linestereo-wire TOPIC`.
+//! Records and packets, a module a topic: `cargo test -p linestereo-wire TOPIC`.
 
-mod autopilots;
 mod damage;
-mod mavlink;
 mod records;
 mod support;

@@ -167,7 +167,7 @@ fn the_layout_of_this_version_is_exactly_this() {
         largest_height: 240,
         segments: 512,
         rig,
-        reset: Some(Reset { cause: ResetCause::Fault, place: 300 }),
+        reset: Some(Reset { cause: ResetCause::Fault, location: 300 }),
     };
     let expected = [
         5, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
@@ -335,10 +335,10 @@ fn a_board_says_what_its_slots_hold() {
 
 #[test]
 fn what_a_board_says_of_itself_reads_like_a_sentence() {
-    let said = |cause, place| Reset { cause, place }.to_string();
-    assert_eq!(said(ResetCause::Watchdog, 0), "the watchdog: no frame was finished in time");
-    assert!(said(ResetCause::Fault, 0x0800_1234).ends_with("address 0x08001234"));
-    assert!(said(ResetCause::Panic, 77).ends_with("line 77 of a source file"));
+    let text = |cause, location| Reset { cause, location }.to_string();
+    assert_eq!(text(ResetCause::Watchdog, 0), "the watchdog: no frame was finished in time");
+    assert!(text(ResetCause::Fault, 0x0800_1234).ends_with("address 0x08001234"));
+    assert!(text(ResetCause::Panic, 77).ends_with("line 77 of a source file"));
     let mut lost = CaptureReport::default();
     assert!(lost.is_empty() && lost.to_string() == "nothing");
     lost.faults[0][4] = 2;

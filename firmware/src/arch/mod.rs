@@ -1,4 +1,4 @@
-//! What differs between families of processors; one of the folders is compiled, and says the same to the rest as the others do.
+//! What differs between families of processors; one of the folders is compiled, with the same interface as the others.
 //!
 //! ```text
 //! cortex_m    Armv7E-M (M4, M7) and Armv8-M Mainline (M33 and above), on cortex-m-rt
@@ -8,8 +8,7 @@
 //! ```text
 //! switch_stack         leaves the stack of handlers for that of the program
 //! protection           forbidden memory: the guard below the stack, fences around the memory of kernels
-//! semihosting_call     asks the PC behind QEMU or a probe
-//! (faults)             what the processor refuses comes to `crate::fault::refused`, on the stack of handlers
+//! semihosting_call     a request to the PC behind QEMU or a probe
 //! ```
 
 use crate::stack;
@@ -21,7 +20,11 @@ mod cortex_m;
 mod riscv;
 
 #[cfg(target_arch = "arm")]
+pub use cortex_m::protection::forbid_fences;
+#[cfg(target_arch = "arm")]
 pub(crate) use cortex_m::{protection, switch_stack};
+#[cfg(target_arch = "riscv32")]
+pub use riscv::protection::forbid_fences;
 #[cfg(target_arch = "riscv32")]
 pub(crate) use riscv::{protection, switch_stack};
 

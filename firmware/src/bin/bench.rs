@@ -2,19 +2,23 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn bench() -> linestereo_firmware::startup::Exit {
+fn bench() -> linestereo_boards::Exit {
     use linestereo::Matcher;
-    use linestereo_firmware::boards::selected::{self, InstructionClock};
+    use linestereo_boards::Exit;
+    use linestereo_firmware::boards::{
+        self,
+        selected::{self, InstructionClock},
+    };
     use linestereo_firmware::cases::Case;
-    use linestereo_firmware::memory::{self, Memory as _};
+    use linestereo_firmware::memory::Memory as _;
     use linestereo_firmware::painter::Scene;
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::{stack, startup::Exit};
+    use linestereo_firmware::stack;
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
-    let Some(memory) = memory::take() else { return Exit::Usage };
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
+    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {
         let [left, right] = memory.frames();
@@ -23,9 +27,9 @@ fn bench() -> linestereo_firmware::startup::Exit {
         if let Ok((costs, matched)) = bench::measure(memory, &clock, &mut Matcher::new(plan), None, None) {
             bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };
-            let [see, tell, bytes] = bench::measure_autopilot(&matched, &clock, &view);
+            let [see, send, bytes] = bench::measure_autopilot(&matched, &clock, &view);
             let _ =
-                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{tell}\t{bytes}\n"));
+                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{send}\t{bytes}\n"));
         }
     }
     let [left, right] = memory.frames();

@@ -3,20 +3,21 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn blocks() -> linestereo_firmware::startup::Exit {
-    use core::cell::RefCell;
+fn blocks() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
-    use critical_section::Mutex;
     use linestereo::Dims;
+    use linestereo_boards::Exit;
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::cases::Case;
+    use linestereo_firmware::once::Once;
     use linestereo_firmware::programs::block_kernels::BlockKernels;
-    use linestereo_firmware::programs::blocks::{self, Dense, Grid, METHODS, Workspace};
+    use linestereo_firmware::programs::blocks::{self, METHODS, groups};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::{error, stack, startup::Exit};
+    use linestereo_firmware::{error, stack};
 
-    /// Too large for the stack, where anything else would be made first.
-    static WORKSPACE: Mutex<RefCell<Workspace>> = Mutex::new(RefCell::new(Workspace::new()));
+    const WIDTH: usize = selected::BOARD.largest.width as usize;
+    type Workspace = blocks::Workspace<WIDTH, { selected::BOARD.pixels() }, { groups(WIDTH).0 }, { groups(WIDTH).1 }>;
+    static WORKSPACE: Once<Workspace> = Once::new(Workspace::new());
 
     fn measure(
         memory: &mut Workspace,
@@ -34,33 +35,30 @@ fn blocks() -> linestereo_firmware::startup::Exit {
         })
     }
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     let Ok(mut pairs) = arguments.get(1).map(|name| File::open(name, Mode::Read)).transpose() else {
         return Exit::Usage;
     };
-    let all_fit = critical_section::with(|section| {
-        let memory = &mut *WORKSPACE.borrow(section).borrow_mut();
-        let mut all_fit = true;
-        match &mut pairs {
-            Some(pairs) => {
-                let mut number = 0;
-                while let Some(dims) = memory.read(pairs) {
-                    all_fit &= measure(memory, &clock, &mut table, dims, number);
-                    number += 1;
-                }
-            }
-            None => {
-                for case in Case::all(&selected::BOARD).filter(|case| !case.dearest) {
-                    let [left, right] = memory.frames();
-                    case.scene.paint(case.dims, left, right);
-                    all_fit &= measure(memory, &clock, &mut table, case.dims, case);
-                }
+    let Some(memory) = WORKSPACE.take() else { return Exit::Usage };
+    let mut all_fit = true;
+    match &mut pairs {
+        Some(pairs) => {
+            let mut number = 0;
+            while let Some(dims) = memory.read(pairs) {
+                all_fit &= measure(memory, &clock, &mut table, dims, number);
+                number += 1;
             }
         }
-        all_fit
-    });
-    let _ = writeln!(table, "bytes\t{}\t{}\nstack\t{}", Dense::BYTES, Grid::BYTES, stack::depth());
+        None => {
+            for case in Case::all(&selected::BOARD).filter(|case| !case.worst_case) {
+                let [left, right] = memory.frames();
+                case.scene.paint(case.dims, left, right);
+                all_fit &= measure(memory, &clock, &mut table, case.dims, case);
+            }
+        }
+    }
+    let _ = writeln!(table, "bytes\t{}\t{}\nstack\t{}", Workspace::BYTES[0], Workspace::BYTES[1], stack::depth());
     if let Some(kernel) = BlockKernels::CHOSEN.first_that_differs() {
         error!("{=str} differs from the portable one", kernel);
         return Exit::Difference;

@@ -2,10 +2,11 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn faults() -> linestereo_firmware::startup::Exit {
+fn faults() -> linestereo_boards::Exit {
     use core::hint::black_box;
+    use linestereo_boards::Exit;
     use linestereo_firmware::semihosting::Arguments;
-    use linestereo_firmware::{stack, startup::Exit};
+    use linestereo_firmware::stack;
 
     /// Calls itself until the stack is full, in steps of `BYTES`.
     #[inline(never)]
@@ -14,7 +15,7 @@ fn faults() -> linestereo_firmware::startup::Exit {
         if depth == 0 { 0 } else { fill::<BYTES>(depth - 1).wrapping_add(memory[depth as usize % BYTES].into()) }
     }
 
-    let arguments = Arguments::ask();
+    let arguments = Arguments::read();
     match arguments.get(0) {
         None => return Exit::Success,
         Some("panic") => panic!("as asked"),

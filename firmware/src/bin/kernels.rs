@@ -4,10 +4,14 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn kernels() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::programs::kernels::{self, Kernels};
+fn kernels() -> linestereo_boards::Exit {
+    use linestereo_boards::Exit;
+    use linestereo_firmware::once::Once;
+    use linestereo_firmware::programs::kernels::{self, Kernels, Rooms};
     use linestereo_firmware::semihosting::Arguments;
-    use linestereo_firmware::{error, fence, info, startup::Exit};
+    use linestereo_firmware::{arch, error, info};
+
+    static ROOMS: Once<Rooms> = Once::new(Rooms::new());
 
     /// As the portable one, but for a byte too many.
     fn beyond(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
@@ -16,14 +20,14 @@ fn kernels() -> linestereo_firmware::startup::Exit {
         linestereo::diagnostics::kernel::portable::gradient_row(above, row, below, out);
     }
 
-    let arguments = Arguments::ask();
+    let arguments = Arguments::read();
     let kernels = match arguments.get(0) {
         None => Kernels::CHOSEN,
         Some("wrong") => Kernels::WRONG,
         Some("beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
         Some(_) => return Exit::Usage,
     };
-    let Some(rooms) = fence::take() else { return Exit::Usage };
+    let Some(rooms) = ROOMS.take().filter(|rooms| arch::forbid_fences(&rooms.fences())) else { return Exit::Usage };
     let all_equal = kernels::run(&kernels, rooms, |compared| match compared.first {
         None => info!("{=str}: {=u32} comparisons, all equal", compared.kernel, compared.comparisons),
         Some(at) => error!(

@@ -3,15 +3,15 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn live() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::selected;
+fn live() -> linestereo_boards::Exit {
+    use linestereo_boards::Exit;
+    use linestereo_firmware::boards::{self, selected};
     use linestereo_firmware::ports::{Peripherals, Watchdog as _};
     use linestereo_firmware::programs::live::{Live, Turn};
     use linestereo_firmware::session::Session;
     use linestereo_firmware::vehicle::VEHICLE;
-    use linestereo_firmware::{memory, startup::Exit};
 
-    let Some(memory) = memory::take() else { return Exit::Usage };
+    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
     let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset } = board;
     let mut session = match &mut flash {

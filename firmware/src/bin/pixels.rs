@@ -2,16 +2,18 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn pixels() -> linestereo_firmware::startup::Exit {
-    use linestereo_firmware::boards::selected::{self, InstructionClock};
+fn pixels() -> linestereo_boards::Exit {
+    use linestereo_boards::Exit;
+    use linestereo_firmware::boards::{
+        self,
+        selected::{self, InstructionClock},
+    };
     use linestereo_firmware::cases::Case;
-    use linestereo_firmware::memory;
     use linestereo_firmware::programs::pixels;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::startup::Exit;
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
-    let Some(memory) = memory::take() else { return Exit::Usage };
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
+    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {
         match pixels::measure(memory, &clock, &case) {

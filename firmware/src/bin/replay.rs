@@ -2,19 +2,21 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-fn replay() -> linestereo_firmware::startup::Exit {
+fn replay() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
+    use linestereo_boards::Exit;
     use linestereo_firmware::boards::{
+        self,
         flash_file::FlashFile,
         selected::{self, InstructionClock},
     };
     use linestereo_firmware::programs::replay::{self, Event};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::session::Session;
-    use linestereo_firmware::{error, info, memory, stack, startup::Exit};
+    use linestereo_firmware::{error, info, stack};
 
-    let (arguments, clock) = (Arguments::ask(), InstructionClock::start());
-    let Some(memory) = memory::take() else { return Exit::Usage };
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
+    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let (Some(input), Some(output), Some(table)) = (arguments.get(0), arguments.get(1), arguments.get(2)) else {
         error!("arguments: input, output, table");
         return Exit::Usage;

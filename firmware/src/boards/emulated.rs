@@ -1,8 +1,8 @@
 //! What all emulated machines give to the program `live`, beside a clock and ports of their own.
 
 use super::flash_file::FlashFile;
+use crate::painter::Painter;
 use crate::ports::{self, ByteSink, ByteSource, NoWatchdog};
-use crate::programs::live::Painter;
 use crate::rig_store::RigStore;
 use crate::semihosting::Arguments;
 
@@ -16,14 +16,14 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         host,
         autopilot,
         pairs: Painter::new(super::selected::BOARD.largest),
-        flash: Arguments::ask().get(0).map(FlashFile::slots).transpose().ok()?,
+        flash: Arguments::read().get(0).map(FlashFile::slots).transpose().ok()?,
         watchdog: NoWatchdog,
         rest: || {}, // no interrupt is enabled that would end it
         reset: None,
     })
 }
 
-/// A serial port that is asked for bytes and room.
+/// A serial port that is polled for bytes and room.
 pub trait Polled {
     /// A byte that has come.
     fn take(&mut self) -> Option<u8>;
@@ -42,8 +42,8 @@ pub struct Port<P>(pub P);
 impl<P: Polled> ByteSource for Port<P> {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         let mut count = 0;
-        for (place, byte) in bytes.iter_mut().zip(core::iter::from_fn(|| self.0.take())) {
-            *place = byte;
+        for (slot, byte) in bytes.iter_mut().zip(core::iter::from_fn(|| self.0.take())) {
+            *slot = byte;
             count += 1;
         }
         count

@@ -1,6 +1,28 @@
-//! The boards: one file each, with what it can hold and what its peripherals are. `docs/porting.md` adds one.
+//! The boards: one file each, with its memory and what its peripherals are. `crates/boards` says what each of them holds and what runs it;
+//! `docs/porting.md` adds one.
 
-pub mod capacities;
+/// The memory of a board, for what its description says that it holds.
+macro_rules! workspace {
+    ($board:expr) => {
+        crate::memory::Workspace<
+            { $board.pixels() },
+            { $board.raw_width },
+            linestereo::Scratch<
+                { linestereo::row_bytes($board.largest.width) },
+                { linestereo::mark_words($board.largest) },
+                { $board.segments },
+                // One per square of the default size.
+                { linestereo::most_candidates($board.largest, linestereo::Params::DEFAULT.cell) },
+                { linestereo::most_support_points($board.largest) },
+            >,
+            crate::memory::CameraRows<
+                { $crate::boards::NODES },
+                { $board.largest.height as usize },
+                { $board.band },
+            >,
+        >
+    };
+}
 
 // Not by the macro below: rustfmt finds no file that a macro declares.
 pub mod mps2_an386;
@@ -29,27 +51,24 @@ pub mod rp235x;
 pub mod usb_port;
 
 use linestereo::Dims;
+use linestereo_rig::mesh_nodes;
 
-/// Every board by its feature and its file, the default one first. [`selected`] is the one that is built.
+/// Nodes of a camera's mesh, the same on every board: every 16 px of 320x240, and as many every 8 px of 160x120, where lenses may ask for it.
+/// A mesh depends on the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
+pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });
+
+/// Every board by its feature and its file: `selected` is the one that is built.
+#[cfg(target_os = "none")]
 macro_rules! boards {
     ($($feature:literal $board:ident)*) => {
-        impl Board {
-            /// Every board, the default one first.
-            pub const ALL: [Self; [$($feature),*].len()] = [$($board::BOARD),*];
-        }
-
         $(
-            /// The board that is built.
-            #[cfg(all(target_os = "none", feature = $feature))]
+            #[cfg(feature = $feature)]
             pub use $board as selected;
         )*
     };
 }
 
-/// On a PC the default one.
-#[cfg(not(target_os = "none"))]
-pub use mps2_an500 as selected;
-
+#[cfg(target_os = "none")]
 boards! {
     "mps2-an500" mps2_an500
     "mps2-an386" mps2_an386
@@ -61,72 +80,6 @@ boards! {
     "portenta-h7" portenta_h7
 }
 
-/// What a program or a PC has to know of a board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Board {
-    /// Its name: of the feature that builds for it, of `--on`.
-    pub name: &'static str,
-    /// Its processor.
-    pub processor: &'static str,
-    /// What rustc calls it.
-    pub target: &'static str,
-    /// What runs its programs.
-    pub device: Device,
-    /// The largest pair: frames may be no wider than this and have no more pixels.
-    pub largest: Dims,
-    /// Segments it lists per image.
-    pub segments: usize,
-    /// Widest raw image that it rectifies.
-    pub raw_width: usize,
-    /// Bytes of raw rows that it holds of each camera.
-    pub band: usize,
-    /// Sizes of the built-in frames.
-    pub sizes: &'static [Dims],
-}
-
-/// What runs a board's programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Device {
-    /// QEMU: the program, and the arguments that choose the machine.
-    Qemu {
-        /// Such as `qemu-system-arm`.
-        program: &'static str,
-        /// Such as `-machine mps2-an500`.
-        arguments: &'static [&'static str],
-    },
-    /// Silicon: the name of the chip for probe-rs.
-    Chip(&'static str),
-}
-
-impl Board {
-    /// The two whose every program is run and measured: the classes of processors that the core is made for. The others show that bits are
-    /// the same elsewhere.
-    pub const MEASURED: [Self; 2] = [mps2_an500::BOARD, mps2_an386::BOARD];
-
-    /// The board of this name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|board| board.name == name)
-    }
-
-    /// Those that QEMU runs.
-    pub fn emulated() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(Self::is_emulated)
-    }
-
-    /// Does QEMU run it?
-    #[must_use]
-    pub const fn is_emulated(&self) -> bool {
-        matches!(self.device, Device::Qemu { .. })
-    }
-
-    /// Does it hold pairs of this size?
-    #[must_use]
-    pub fn fits(&self, dims: Dims) -> bool {
-        dims.width <= self.largest.width && pixels(dims) <= pixels(self.largest)
-    }
-}
-
-const fn pixels(dims: Dims) -> usize {
-    dims.width as usize * dims.height as usize
-}
+/// The memory of the board that is built.
+#[cfg(target_os = "none")]
+pub static MEMORY: crate::once::Once<selected::Workspace> = crate::once::Once::new(selected::Workspace::new());

@@ -2,19 +2,13 @@
 //!
 //! It starts in the secure state and stays there. Addresses: Arm's application note AN505; QEMU, `hw/arm/mps2-tz.c`.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board(
-    "mps2-an505",
-    "Cortex-M33",
-    "thumbv8m.main-none-eabihf",
-    Device::Qemu { program: "qemu-system-arm", arguments: &["-machine", "mps2-an505"] },
-);
+pub const BOARD: Board = Board::MPS2_AN505;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an505"))]
 pub use on_board::{InstructionClock, peripherals};

@@ -3,19 +3,13 @@
 //! It starts in the secure state and stays there. The kernels are those of Armv8-M's DSP extension; nothing uses Helium. Addresses: Arm's
 //! application note AN547; QEMU, `hw/arm/armsse.c` and `hw/arm/mps2-tz.c`.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board(
-    "mps3-an547",
-    "Cortex-M55",
-    "thumbv8m.main-none-eabihf",
-    Device::Qemu { program: "qemu-system-arm", arguments: &["-machine", "mps3-an547"] },
-);
+pub const BOARD: Board = Board::MPS3_AN547;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
 pub use on_board::{InstructionClock, peripherals};

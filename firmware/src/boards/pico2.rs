@@ -8,14 +8,13 @@
 //! ```
 //! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board("pico2", "Cortex-M33", "thumbv8m.main-none-eabihf", Device::Chip("RP235x"));
+pub const BOARD: Board = Board::PICO2;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "pico2"))]
 mod wired {
@@ -27,11 +26,11 @@ mod wired {
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
-        Binning, Chip, Config, ExposureControl, FrameStart, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera,
-        StereoConfig, Trigger,
+        Binning, Chip, Config, ExposureControl, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
+        Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
-    use crate::ports::{PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
@@ -80,24 +79,11 @@ mod wired {
 
         let mut block = Block::new(board.PIO0);
         let common = block.common();
-        let left = [
-            common.make_pio_pin(board.PIN_2),
-            common.make_pio_pin(board.PIN_3),
-            common.make_pio_pin(board.PIN_4),
-            common.make_pio_pin(board.PIN_5),
-            common.make_pio_pin(board.PIN_6),
-            common.make_pio_pin(board.PIN_7),
-            common.make_pio_pin(board.PIN_8),
-        ];
-        let right = [
-            common.make_pio_pin(board.PIN_9),
-            common.make_pio_pin(board.PIN_10),
-            common.make_pio_pin(board.PIN_11),
-            common.make_pio_pin(board.PIN_12),
-            common.make_pio_pin(board.PIN_13),
-            common.make_pio_pin(board.PIN_14),
-            common.make_pio_pin(board.PIN_15),
-        ];
+        macro_rules! pins {
+            ($($pin:ident)*) => { [$(common.make_pio_pin(board.$pin)),*] };
+        }
+        let left = pins!(PIN_2 PIN_3 PIN_4 PIN_5 PIN_6 PIN_7 PIN_8);
+        let right = pins!(PIN_9 PIN_10 PIN_11 PIN_12 PIN_13 PIN_14 PIN_15);
         let rings = block.start([left, right]);
 
         let left = i2c::bus(board.I2C0, (board.PIN_17, board.PIN_16));

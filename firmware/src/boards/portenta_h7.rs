@@ -1,14 +1,12 @@
 //! Arduino Portenta H7 (STM32H747XI, its Cortex-M7) with two MT9V034 whose rows come as one: left, then right. `docs/boards/portenta-h7.md`.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board =
-    qvga::board("portenta-h7", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H747XIHx"));
+pub const BOARD: Board = Board::PORTENTA_H7;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
 pub use on_board::peripherals;
@@ -19,14 +17,13 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort};
+    use crate::boards::stm32h7::ports;
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
-    use crate::boards::usb_port;
-    use crate::camera::{FrameStart, NoReset, ResetPin, Trigger};
+    use crate::boards::{stm32h7, usb_port};
+    use crate::camera::{NoReset, ResetPin, Trigger};
     use crate::capture::{CameraSource, Capture, SideBySide};
-    use crate::ports::{PairSource, Peripherals};
-    use crate::rig_store::RigStore;
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use core::mem::MaybeUninit;
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
     use embassy_stm32::pac::interrupt;
@@ -102,9 +99,7 @@ mod on_board {
     }
 
     /// What the board gives to `live`.
-    pub fn peripherals() -> Option<
-        Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
-    > {
+    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
         static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
 
         memory::prepare();
@@ -140,15 +135,7 @@ mod on_board {
         let capture = Capture::new(Row::Both.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
         let flash = RigFlash::slots(p.FLASH);
-        Some(Peripherals {
-            clock: MicrosecondClock,
-            host,
-            autopilot,
-            pairs,
-            flash,
-            watchdog,
-            rest: cortex_m::asm::wfe,
-            reset,
-        })
+        let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
+        Some(Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
     }
 }

@@ -3,19 +3,13 @@
 //!
 //! Addresses: QEMU, `hw/riscv/virt.c`.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board(
-    "riscv-virt",
-    "RV32IMAC",
-    "riscv32imac-unknown-none-elf",
-    Device::Qemu { program: "qemu-system-riscv32", arguments: &["-machine", "virt", "-bios", "none"] },
-);
+pub const BOARD: Board = Board::RISCV_VIRT;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 pub use on_board::{InstructionClock, peripherals};
@@ -90,7 +84,7 @@ mod on_board {
         }
     }
 
-    /// The machine has no second port: what an autopilot is told goes nowhere.
+    /// The machine has no second port: what an autopilot would get goes nowhere.
     #[derive(Debug)]
     pub struct NoPort;
 

@@ -2,14 +2,13 @@
 //!
 //! The pins are those of the 100-pin package, and those of WeAct's camera connector.
 
-use super::capacities::qvga;
-use super::{Board, Device};
+use linestereo_boards::Board;
 
 /// Its description.
-pub const BOARD: Board = qvga::board("stm32h743", "Cortex-M7", "thumbv7em-none-eabihf", Device::Chip("STM32H743ZITx"));
+pub const BOARD: Board = Board::STM32H743;
 
 /// Its memory.
-pub type Workspace = qvga::Workspace;
+pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 pub use on_board::peripherals;
@@ -20,14 +19,13 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports::{self, AutopilotPort, HostPort};
+    use crate::boards::stm32h7::ports;
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
-    use crate::boards::usb_port;
-    use crate::camera::{FrameStart, ResetPin};
+    use crate::boards::{stm32h7, usb_port};
+    use crate::camera::ResetPin;
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
-    use crate::ports::{PairSource, Peripherals};
-    use crate::rig_store::RigStore;
+    use crate::ports::{FrameStart, PairSource, Peripherals};
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
     use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
@@ -55,9 +53,9 @@ mod on_board {
     }
 
     impl Switch for BusSwitch {
-        /// Both are triggered, the one that is not connected reads out unheard.
+        /// Both are triggered, the one that is not connected reads out for nobody.
         fn shoot(&mut self, eye: Eye) -> bool {
-            // The other camera may end its frame some rows later than the one that was heard.
+            // The other camera may end its frame some rows later than the one that was connected.
             block_for(Duration::from_micros(200));
             self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds
@@ -82,9 +80,7 @@ mod on_board {
     }
 
     /// What the board gives to `live`.
-    pub fn peripherals() -> Option<
-        Peripherals<MicrosecondClock, HostPort, AutopilotPort, impl PairSource, RigStore<RigFlash>, IndependentDog>,
-    > {
+    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
         static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
 
         memory::prepare();
@@ -112,15 +108,7 @@ mod on_board {
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = RigFlash::slots(p.FLASH);
-        Some(Peripherals {
-            clock: MicrosecondClock,
-            host,
-            autopilot,
-            pairs,
-            flash,
-            watchdog,
-            rest: cortex_m::asm::wfe,
-            reset,
-        })
+        let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
+        Some(Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
     }
 }

@@ -1,9 +1,10 @@
 //! One sensor: its steps taken over the bus, and what becomes of it when one fails.
 
 use super::{
-    CameraError, Cause, Condition, Config, Exposure, ExposureControl, FrameStart, Model, PinFault, ResetLine, Step,
-    TriggerInput, Unsupported,
+    CameraError, Cause, Condition, Config, Exposure, ExposureControl, Model, PinFault, ResetLine, Step, TriggerInput,
+    Unsupported,
 };
+use crate::ports::FrameStart;
 use core::marker::PhantomData;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;

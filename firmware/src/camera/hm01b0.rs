@@ -26,7 +26,8 @@
 //! TRIG high while it streams. ANA_REGISTER_17, bit 1 (the trigger is taken at the falling edge of MCLK): the same file sets it; here it is off, as in
 //! OpenMV. Walking ones (0x11): `hm01b0-esp-idf-driver`.
 
-use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use crate::ports::FrameStart;
 use linestereo::Dims;
 
 /// The sensor, with so many data wires: 8 or 4.

@@ -37,6 +37,7 @@ pub use registers::{Identity, Step, Wire};
 pub use stereo::{StereoCamera, StereoConfig};
 pub use trigger::{Trigger, TriggerInput};
 
+use crate::ports::FrameStart;
 use core::fmt;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c;
@@ -49,7 +50,7 @@ pub struct Config {
     pub dims: Dims,
     /// Pixels of the sensor, in each direction, that become one.
     pub binning: Binning,
-    /// Who says when a frame starts.
+    /// What starts a frame.
     pub start: FrameStart,
     /// Who chooses exposure and gain.
     pub exposure: ExposureControl,
@@ -78,15 +79,6 @@ impl Binning {
             Self::Four => 4,
         }
     }
-}
-
-/// Who says when a frame starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameStart {
-    /// The sensor: frames of two sensors start at different times, and drift.
-    Free,
-    /// The sensor's trigger pin ([`TriggerInput`]).
-    Triggered,
 }
 
 /// Who chooses exposure and gain.

@@ -14,7 +14,8 @@
 //! `drivers/media/i2c/mt9v032.c` (names, addresses, chip version 0x1324, ranges, CHIP_CONTROL to start and stop); OpenMV `mt9v0xx.c`
 //! (snapshot mode, linear companding, row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted without binning).
 
-use super::{Binning, Config, Exposure, FrameStart, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use crate::ports::FrameStart;
 
 /// The sensor.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@
 //! ```
 //! A pair with one camera does not run: there is no depth to be had.
 
-use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, FrameStart, Model, ResetLine};
+use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, Model, ResetLine};
 use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
@@ -22,7 +22,6 @@ pub struct CameraPair<M, BL, RL, BR, RR> {
     is_shared: bool,
     /// What both have, as far as is known.
     exposure: Option<Exposure>,
-    start: FrameStart,
 }
 
 /// Who chooses exposure and gain of both.
@@ -67,7 +66,7 @@ where
 {
     /// Two sensors. Nothing is sent yet.
     pub const fn new(left: Chip<M, BL, RL>, right: Chip<M, BR, RR>) -> Self {
-        Self { left, right, is_shared: false, exposure: None, start: FrameStart::Free }
+        Self { left, right, is_shared: false, exposure: None }
     }
 
     /// Starts both in one mode; of `config`, the exposure is replaced. When one fails neither runs.
@@ -97,7 +96,7 @@ where
         };
         let right = Config { exposure: known.map_or(ExposureControl::Auto, ExposureControl::Fixed), ..*config };
         self.right.start(&right, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
-        (self.exposure, self.start) = (known, config.start);
+        self.exposure = known;
         Ok(())
     }
 
@@ -135,11 +134,6 @@ where
             self.is_shared = false;
         }
         Ok(exposure)
-    }
-
-    /// Who says when frames start: [`FrameStart::Free`] is a pair that is not synchronised.
-    pub const fn frame_start(&self) -> FrameStart {
-        self.start
     }
 
     /// The state of the left and the right one.

@@ -7,10 +7,9 @@
 //! ```
 
 use super::{
-    CameraPair, Chip, Condition, Config, Exposure, FrameStart, Model, PairError, PairExposure, ResetLine, Trigger,
-    TriggerInput,
+    CameraPair, Chip, Condition, Config, Exposure, Model, PairError, PairExposure, ResetLine, Trigger, TriggerInput,
 };
-use crate::capture::Cameras;
+use crate::ports::{Cameras, FrameStart};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;

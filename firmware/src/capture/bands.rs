@@ -1,16 +1,16 @@
-//! What a camera interface and its DMA say about one stream of rows -> [`Signal`]s, a band of rows each.
+//! Events of a camera interface and its DMA, one stream of rows -> [`Signal`]s, a band of rows each.
 //!
 //! In: the ends of rows and frames, lost bytes, and how far the DMA has come in its ring at that moment. Out: signals for
 //! [`Capture`](super::Capture); whether the DMA has to be set to the start of the ring.
 //!
 //! ```text
-//! frame starts   row number of the place of the DMA; not at the start of a row: the DMA is set to the start of the ring first
+//! frame starts   row number of the offset of the DMA; not at the start of a row: the DMA is set to the start of the ring first
 //! row ends       the DMA has moved by a row: one more row; every `band` rows a signal
 //!                by several rows: their interrupts came late, they count all the same
 //!                not at all: it was looked at already
 //!                by anything else: a signal with the bytes that came, at once, and nothing more of this frame
 //! frame ends     the rows of the last band; after a wrong row the DMA is set to the start of the ring
-//! bytes lost     said, and the DMA is set to the start of the ring
+//! bytes lost     a signal, and the DMA is set to the start of the ring
 //! ```
 //! Rows of one frame lie behind those of the last one, wherever that is in the ring: nothing is moved while all goes well, so that rows that
 //! wait to be fetched stay good. When the DMA is set to the start of the ring, row numbers go on at the next multiple of the ring.
@@ -49,7 +49,7 @@ impl RingLayout {
 pub struct Events {
     /// A frame has started.
     pub has_started: bool,
-    /// A row has ended, or several, and the next one has not begun when the place of the DMA is looked at. A look that comes too late for that is
+    /// A row has ended, or several, and the next one has not begun when the offset of the DMA is looked at. A look that comes too late for that is
     /// left out: the next one finds its row as well.
     pub row_ended: bool,
     /// A frame has ended.
@@ -68,7 +68,7 @@ pub enum Dma {
     Restart,
 }
 
-/// The state of a stream of rows. A place is the byte of the ring that the DMA writes next.
+/// The state of a stream of rows. An offset is that of the byte of the ring that the DMA writes next.
 #[derive(Debug)]
 pub struct Bands<const QUEUE: usize> {
     layout: RingLayout,
@@ -77,10 +77,10 @@ pub struct Bands<const QUEUE: usize> {
     /// Rows that are complete.
     row: u32,
     /// Where the DMA was seen last, and how many bytes that is behind the start of the next row.
-    place: u32,
+    offset: u32,
     ahead: u32,
     /// Number of the row after those that signals were given for.
-    said: u32,
+    reported: u32,
     phase: Phase,
 }
 
@@ -97,7 +97,16 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     /// A DMA at the start of its ring.
     #[must_use]
     pub const fn new(layout: RingLayout) -> Self {
-        Self { layout, queue: Deque::new(), is_lost: false, row: 0, place: 0, ahead: 0, said: 0, phase: Phase::Pause }
+        Self {
+            layout,
+            queue: Deque::new(),
+            is_lost: false,
+            row: 0,
+            offset: 0,
+            ahead: 0,
+            reported: 0,
+            phase: Phase::Pause,
+        }
     }
 
     /// The shape of its ring.
@@ -112,12 +121,12 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         self.phase != Phase::Pause
     }
 
-    /// What an interrupt has found, perhaps some of it late; the DMA is at this place.
-    pub fn serve(&mut self, events: Events, place: u32, time_us: u64) -> Dma {
+    /// What an interrupt has found, perhaps some of it late; the DMA is at this offset of the ring.
+    pub fn serve(&mut self, events: Events, offset: u32, time_us: u64) -> Dma {
         if events.is_lost {
             return self.bytes_lost(time_us);
         }
-        (self.ahead, self.place) = (self.distance(place), place);
+        (self.ahead, self.offset) = (self.distance(offset), offset);
         // Between frames a start comes first; in a frame, what is left of it.
         let is_first = events.has_started && self.phase == Phase::Pause;
         if is_first {
@@ -132,19 +141,19 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         if events.has_started && !is_first { self.frame_starts(time_us) } else { Dma::Goes }
     }
 
-    /// Between frames the DMA stands still: bytes that it has moved already are of this frame, whose start is told late.
+    /// Between frames the DMA stands still: bytes that it has moved already are of this frame, whose start is reported late.
     fn frame_starts(&mut self, time_us: u64) -> Dma {
         let goes = match self.phase {
             Phase::Pause => true,
-            Phase::Frame => self.count_rows(), // its end was not told
+            Phase::Frame => self.count_rows(), // its end was not reported
             Phase::Broken => false,
         };
         if !goes {
             self.phase = Phase::Pause; // this frame is lost as well
             return self.restart();
         }
-        (self.said, self.phase) = (self.row, Phase::Frame);
-        self.say(Signal::FrameStart { time_us, row: self.row });
+        (self.reported, self.phase) = (self.row, Phase::Frame);
+        self.push(Signal::FrameStart { time_us, row: self.row });
         Dma::Goes
     }
 
@@ -155,23 +164,23 @@ impl<const QUEUE: usize> Bands<QUEUE> {
             return;
         }
         if !self.count_rows() {
-            let said_bytes = self.row.wrapping_sub(self.said) * self.layout.row_bytes;
+            let reported_bytes = self.row.wrapping_sub(self.reported) * self.layout.row_bytes;
             let rows = (bytes / self.layout.row_bytes).max(1);
             self.row = self.row.wrapping_add(rows);
             self.phase = Phase::Broken;
-            self.say_rows(said_bytes + bytes, time_us);
+            self.push_rows(reported_bytes + bytes, time_us);
             return;
         }
-        let rows = self.row.wrapping_sub(self.said);
+        let rows = self.row.wrapping_sub(self.reported);
         if rows >= self.layout.band {
-            self.say_rows(rows * self.layout.row_bytes, time_us);
+            self.push_rows(rows * self.layout.row_bytes, time_us);
         }
     }
 
     fn frame_ends(&mut self, time_us: u64) -> Dma {
-        let rows = self.row.wrapping_sub(self.said);
+        let rows = self.row.wrapping_sub(self.reported);
         if self.phase == Phase::Frame && rows > 0 {
-            self.say_rows(rows * self.layout.row_bytes, time_us);
+            self.push_rows(rows * self.layout.row_bytes, time_us);
         }
         let was_broken = self.phase == Phase::Broken;
         self.phase = Phase::Pause;
@@ -179,7 +188,7 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     }
 
     fn bytes_lost(&mut self, time_us: u64) -> Dma {
-        self.say(Signal::Overrun { time_us });
+        self.push(Signal::Overrun { time_us });
         self.phase = Phase::Pause;
         self.restart()
     }
@@ -191,16 +200,16 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         self.queue.pop_front().or(lost)
     }
 
-    /// Number of the row that a DMA at this place is writing.
+    /// Number of the row that a DMA at this offset is writing.
     #[must_use]
-    pub fn written(&self, place: u32) -> u32 {
-        self.row.wrapping_add(self.distance(place) / self.layout.row_bytes)
+    pub fn written(&self, offset: u32) -> u32 {
+        self.row.wrapping_add(self.distance(offset) / self.layout.row_bytes)
     }
 
-    /// From the start of the next row to a place, bytes.
-    fn distance(&self, place: u32) -> u32 {
+    /// From the start of the next row to an offset, bytes.
+    fn distance(&self, offset: u32) -> u32 {
         let bytes = self.layout.bytes();
-        self.ahead.wrapping_add((place + bytes - self.place) % bytes)
+        self.ahead.wrapping_add((offset + bytes - self.offset) % bytes)
     }
 
     /// Counts the rows up to where the DMA was seen; not when that is no start of a row.
@@ -216,17 +225,17 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     /// Row numbers go on at the start of the ring.
     fn restart(&mut self) -> Dma {
         self.row = (self.row | (self.layout.rows - 1)).wrapping_add(1);
-        (self.place, self.ahead, self.said) = (0, 0, self.row);
+        (self.offset, self.ahead, self.reported) = (0, 0, self.row);
         Dma::Restart
     }
 
-    fn say_rows(&mut self, bytes: u32, time_us: u64) {
-        self.said = self.row;
-        self.say(Signal::Rows { end: self.row, bytes, time_us });
+    fn push_rows(&mut self, bytes: u32, time_us: u64) {
+        self.reported = self.row;
+        self.push(Signal::Rows { end: self.row, bytes, time_us });
     }
 
     /// After a signal is lost none is kept until that is known: what follows would be taken for part of an older frame.
-    fn say(&mut self, signal: Signal) {
+    fn push(&mut self, signal: Signal) {
         if self.is_lost || self.queue.push_back(signal).is_err() {
             self.is_lost = true;
         }

@@ -32,7 +32,7 @@ pub use bands::{Bands, Dma, Events, RingLayout};
 pub use pairing::{Capture, Report};
 pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};
 pub use sinks::{FrameRows, MemoryRows, luma};
-pub use source::{CameraSource, Cameras, FreeCameras};
+pub use source::{CameraSource, FreeCameras};
 pub use tracker::Tracker;
 
 use core::fmt;
@@ -81,7 +81,7 @@ impl Signal {
 ///
 /// A board sets the DMA to the start of a row at every start of a frame: what a short line has shifted must not reach the next one.
 pub trait RowRing {
-    /// Rows that the ring holds: a power of two, so that the number of a row says its place.
+    /// Rows that the ring holds: a power of two, so that the number of a row says where it lies.
     fn rows(&self) -> u32;
 
     /// What the interrupts have seen since the last call, oldest first.
@@ -90,7 +90,7 @@ pub trait RowRing {
     /// Rows that are complete now, whether their signal was fetched or not: the hardware is writing row number `written`.
     fn written(&self) -> u32;
 
-    /// Copies the grey levels of a row out of its place, whatever lies there by now.
+    /// Copies the grey levels of a row out of the ring, whatever lies there by now.
     fn copy(&self, row: u32, into: &mut [u8]);
 
     /// The clock of the signals, microseconds.
@@ -179,38 +179,14 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Faults and losses so far. They stay at their largest value instead of wrapping.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Losses {
-    /// Of the left and the right camera, in the order of [`Fault::ALL`].
-    pub faults: [[u32; Fault::ALL.len()]; 2],
-    /// Frames without a fault whose partner was missing.
-    pub unpaired: u32,
-    /// Frames that were not fetched in time because the last pair was still worked on.
-    pub skipped: u32,
-    /// How often the left and the right sensor did not do what it was told.
-    pub sensors: [u32; 2],
-}
+const _: () = assert!(Fault::ALL.len() == CaptureReport::KINDS.len());
 
-impl From<Losses> for CaptureReport {
-    fn from(Losses { faults, unpaired, skipped, sensors }: Losses) -> Self {
-        Self { faults, unpaired, skipped, sensors }
-    }
-}
-
-impl Losses {
-    /// Faults of a kind and a camera.
-    #[must_use]
-    pub fn of(&self, eye: Eye, fault: Fault) -> u32 {
-        let [left, right] = &self.faults;
+impl Fault {
+    /// Counts this fault of a camera.
+    fn count(self, eye: Eye, losses: &mut CaptureReport) {
+        let [left, right] = &mut losses.faults;
         let counts = if eye == Eye::Left { left } else { right };
-        counts.get(fault as usize).copied().unwrap_or(0)
-    }
-
-    fn count(&mut self, eye: Eye, fault: Fault) {
-        let [left, right] = &mut self.faults;
-        let counts = if eye == Eye::Left { left } else { right };
-        if let Some(count) = counts.get_mut(fault as usize) {
+        if let Some(count) = counts.get_mut(self as usize) {
             *count = count.saturating_add(1);
         }
     }

@@ -8,16 +8,16 @@
 //!     fault     the frame in hand is dropped
 //!     both whole: the pair
 //! ```
-//! When frames of both have started since a pair was asked for, that is told at once, before their rows are fetched.
+//! When frames of both have started since a pair was requested, that is told at once, before their rows are fetched.
 //!
 //! A row is safe while fewer rows than the ring holds were written since: `written - row < rows`. It is looked at after the copy, so a
 //! row that was overwritten during the copy is never used.
 
 use super::tracker::{Progress, Tracker};
-use super::{Fault, Limits, Losses, RowRing, RowSink, Signal};
-use crate::camera::FrameStart;
-use crate::ports::CapturedPair;
+use super::{Fault, Limits, RowRing, RowSink, Signal};
+use crate::ports::{CapturedPair, FrameStart};
 use linestereo_rig::{Eye, RowError};
+use linestereo_wire::CaptureReport;
 
 /// The state of both cameras' streams.
 #[derive(Clone, Debug)]
@@ -27,15 +27,15 @@ pub struct Capture {
     middle_us: [i32; 2],
     left: Camera,
     right: Camera,
-    losses: Losses,
-    /// When a pair was asked for whose frames have not both started yet.
-    asked_us: Option<u64>,
+    losses: CaptureReport,
+    /// When a pair was requested whose frames have not both started yet.
+    requested_us: Option<u64>,
 }
 
 /// What a turn led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Report {
-    /// A frame of each camera has started since a pair was asked for. Once after each [`Capture::ask`].
+    /// A frame of each camera has started since a pair was requested. Once after each [`Capture::request`].
     Started,
     /// Both frames lie in the sink, whole and of one time.
     Pair(CapturedPair),
@@ -53,7 +53,7 @@ struct Camera {
     /// Fetched and not looked at yet.
     signal: Option<Signal>,
     hand: Option<Hand>,
-    /// A frame has started since a pair was asked for.
+    /// A frame has started since a pair was requested.
     has_started: bool,
 }
 
@@ -71,7 +71,7 @@ impl Capture {
     #[must_use]
     pub fn new(limits: Limits, start: FrameStart) -> Self {
         let [left, right] = [Camera::default(), Camera::default()];
-        Self { limits, start, middle_us: [0; 2], left, right, losses: Losses::default(), asked_us: None }
+        Self { limits, start, middle_us: [0; 2], left, right, losses: CaptureReport::default(), requested_us: None }
     }
 
     /// From the start of a frame to the middle of its exposure, of the left and the right camera, microseconds
@@ -82,24 +82,24 @@ impl Capture {
 
     /// Faults and losses so far.
     #[must_use]
-    pub const fn losses(&self) -> &Losses {
+    pub const fn losses(&self) -> &CaptureReport {
         &self.losses
     }
 
-    /// A pair is asked for, now: frames that are half fetched are left, because their rows lie in another sink, and a camera that was silent
+    /// A pair is requested, now: frames that are half fetched are left, because their rows lie in another sink, and a camera that was silent
     /// until now had nothing to do.
-    pub fn ask(&mut self, now_us: u64) {
+    pub fn request(&mut self, now_us: u64) {
         for camera in [&mut self.left, &mut self.right] {
             (camera.hand, camera.has_started) = (None, false);
         }
-        self.asked_us = Some(now_us);
+        self.requested_us = Some(now_us);
         self.shot(now_us);
     }
 
     /// The cameras can send from now on: a silence that is as long as it takes to make them ready is none.
     pub fn shot(&mut self, now_us: u64) {
         for camera in [&mut self.left, &mut self.right] {
-            camera.tracker.ask(now_us);
+            camera.tracker.request(now_us);
         }
     }
 
@@ -108,7 +108,7 @@ impl Capture {
     pub fn turn<R: RowRing>(&mut self, rings: &mut [R; 2], sink: &mut impl RowSink) -> Option<Report> {
         let [left, right] = rings;
         loop {
-            if self.left.has_started && self.right.has_started && self.asked_us.take().is_some() {
+            if self.left.has_started && self.right.has_started && self.requested_us.take().is_some() {
                 return Some(Report::Started);
             }
             // Before the signals are fetched: what comes later is no silence.
@@ -150,8 +150,8 @@ impl Capture {
         match progress {
             Progress::None => report,
             Progress::Started { row, time_us } => {
-                let is_asked_for = self.asked_us.is_some_and(|asked_us| time_us >= asked_us);
-                self.camera(eye).has_started |= is_asked_for;
+                let is_requested = self.requested_us.is_some_and(|requested_us| time_us >= requested_us);
+                self.camera(eye).has_started |= is_requested;
                 self.begin(eye, Hand { time_us, next: row, is_whole: false }, ring, sink);
                 report
             }
@@ -228,7 +228,7 @@ impl Capture {
 
     fn fault(&mut self, eye: Eye, fault: Fault) -> Option<Report> {
         self.camera(eye).hand = None;
-        self.losses.count(eye, fault);
+        fault.count(eye, &mut self.losses);
         Some(Report::Fault(eye, fault))
     }
 

@@ -15,7 +15,8 @@
 //! # Cost
 //! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals that nobody has fetched.
 
-use super::{Cameras, RowRing, Signal};
+use super::{RowRing, Signal};
+use crate::ports::Cameras;
 use core::cell::RefCell;
 use core::fmt;
 use heapless::Deque;
@@ -35,7 +36,7 @@ pub trait Stream {
     /// Has a frame started that has not ended?
     fn is_in_frame(&self) -> bool;
 
-    /// Copies bytes of a row from this one on out of its place, whatever lies there by now.
+    /// Copies bytes of a row from this one on out of the ring, whatever lies there by now.
     fn copy(&self, row: u32, from: usize, into: &mut [u8]);
 
     /// The clock of the signals, microseconds.

@@ -8,31 +8,11 @@
 //!         triggered sensors start after their exposure, and if these differ by too much there is no pair before they are alike
 //! ```
 
-use super::{Capture, Fault, FrameRows, Losses, MemoryRows, Report, RowRing, RowSink};
+use super::{Capture, Fault, FrameRows, MemoryRows, Report, RowRing, RowSink};
 use crate::memory::Memory;
-use crate::ports::{CapturedPair, PairSource};
+use crate::ports::{Cameras, CapturedPair, PairSource};
 use linestereo::Dims;
-
-/// The sensors of both cameras, as the source of pairs needs them. [`StereoCamera`](crate::camera::StereoCamera) is what boards have.
-pub trait Cameras {
-    /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
-    fn shoot(&mut self) -> bool;
-
-    /// Frames of both have started, or are not waited for any more: lowers a trigger that is held.
-    fn let_go(&mut self) {}
-
-    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
-    /// when it is not known any more.
-    fn follow(&mut self) -> Option<[i32; 2]>;
-
-    /// A camera has stopped: both are started again before the next frame.
-    fn stopped(&mut self);
-
-    /// How often the left and the right sensor did not do what it was told.
-    fn failures(&self) -> [u32; 2] {
-        [0; 2]
-    }
-}
+use linestereo_wire::CaptureReport;
 
 /// Cameras that somebody else has started, and that run free.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,7 +35,7 @@ impl Cameras for FreeCameras {
 pub struct CameraSource<R, C = FreeCameras> {
     rings: [R; 2],
     cameras: C,
-    /// Its losses say why there was no pair.
+    /// Its losses name why there was no pair.
     pub capture: Capture,
     dims: Dims,
     patience_us: u32,
@@ -68,7 +48,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
         Self { rings, cameras, capture, dims, patience_us, still_us: None }
     }
 
-    /// Somebody says that nothing moves: images may be captured so far apart, microseconds.
+    /// The scene is known to stand still: images may be captured so far apart, microseconds.
     #[must_use]
     pub fn still(self, skew_us: u32) -> Self {
         Self { still_us: Some(skew_us), ..self }
@@ -76,7 +56,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        self.capture.ask(self.now_us());
+        self.capture.request(self.now_us());
         let is_shot = self.cameras.shoot();
         self.capture.shot(self.now_us());
         let pair = self.wait(is_shot, rows);
@@ -134,7 +114,7 @@ impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
         self.still_us
     }
 
-    fn losses(&self) -> Option<Losses> {
-        Some(Losses { sensors: self.cameras.failures(), ..*self.capture.losses() })
+    fn losses(&self) -> Option<CaptureReport> {
+        Some(CaptureReport { sensors: self.cameras.failures(), ..*self.capture.losses() })
     }
 }

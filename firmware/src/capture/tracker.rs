@@ -14,17 +14,17 @@ use super::{Fault, Limits, Signal};
 /// The state of one camera's stream.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracker {
-    place: Place,
+    phase: Phase,
     /// Number of the row after the last one.
     end: u32,
     /// Time of the last signal.
     last_us: Option<u64>,
-    /// Before this time nothing was asked for.
-    asked_us: u64,
+    /// Before this time nothing was requested.
+    requested_us: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Phase {
     Lost,
     Frame { rows: u32 },
     Whole,
@@ -51,15 +51,15 @@ impl Tracker {
     /// In the middle of nothing.
     #[must_use]
     pub const fn new() -> Self {
-        Self { place: Place::Lost, end: 0, last_us: None, asked_us: 0 }
+        Self { phase: Phase::Lost, end: 0, last_us: None, requested_us: 0 }
     }
 
     /// Takes a signal. A fault and the start of a frame can come together.
     pub(super) fn take(&mut self, limits: &Limits, signal: Signal) -> (Option<Fault>, Progress) {
         match signal {
             Signal::FrameStart { time_us, row } => {
-                let is_early = matches!(self.place, Place::Frame { .. });
-                (self.place, self.end, self.last_us) = (Place::Frame { rows: 0 }, row, Some(time_us));
+                let is_early = matches!(self.phase, Phase::Frame { .. });
+                (self.phase, self.end, self.last_us) = (Phase::Frame { rows: 0 }, row, Some(time_us));
                 (is_early.then_some(Fault::EarlyVsync), Progress::Started { row, time_us })
             }
             Signal::Rows { end, bytes, time_us } => {
@@ -71,18 +71,18 @@ impl Tracker {
                         (None, progress.map_or(Progress::None, |is_whole| Progress::Rows { end, is_whole }))
                     }
                     Err(fault) => {
-                        self.place = Place::Lost;
+                        self.phase = Phase::Lost;
                         (Some(fault), Progress::None)
                     }
                 }
             }
             Signal::Overrun { time_us } => {
                 self.last_us = Some(time_us);
-                self.place = Place::Lost;
+                self.phase = Phase::Lost;
                 (Some(Fault::Overrun), Progress::None)
             }
             Signal::Lost => {
-                (self.place, self.last_us) = (Place::Lost, None);
+                (self.phase, self.last_us) = (Phase::Lost, None);
                 (Some(Fault::TooSlow), Progress::None)
             }
         }
@@ -90,37 +90,37 @@ impl Tracker {
 
     /// Rows of the frame: were these the last ones? `None`: they belong to no frame.
     fn rows(&mut self, limits: &Limits, rows: u32, bytes: u32, is_after_pause: bool) -> Result<Option<bool>, Fault> {
-        match self.place {
-            Place::Silent => Err(Fault::MissingVsync),
-            Place::Lost if is_after_pause => Err(Fault::MissingVsync),
-            Place::Lost => Ok(None),
-            Place::Whole => Err(Fault::MissingVsync),
-            Place::Frame { rows: before } if before > 0 && is_after_pause => Err(Fault::TornFrame),
-            Place::Frame { .. } if rows.checked_mul(limits.row_bytes.into()) != Some(bytes) => Err(Fault::ShortLine),
-            Place::Frame { rows: before } => {
+        match self.phase {
+            Phase::Silent => Err(Fault::MissingVsync),
+            Phase::Lost if is_after_pause => Err(Fault::MissingVsync),
+            Phase::Lost => Ok(None),
+            Phase::Whole => Err(Fault::MissingVsync),
+            Phase::Frame { rows: before } if before > 0 && is_after_pause => Err(Fault::TornFrame),
+            Phase::Frame { .. } if rows.checked_mul(limits.row_bytes.into()) != Some(bytes) => Err(Fault::ShortLine),
+            Phase::Frame { rows: before } => {
                 let rows = before.saturating_add(rows);
                 let all = u32::from(limits.rows);
                 if rows > all {
                     return Err(Fault::MissingVsync);
                 }
-                self.place = if rows == all { Place::Whole } else { Place::Frame { rows } };
+                self.phase = if rows == all { Phase::Whole } else { Phase::Frame { rows } };
                 Ok(Some(rows == all))
             }
         }
     }
 
-    /// A frame is asked for: silence before now is none of the camera's.
-    pub(super) fn ask(&mut self, now_us: u64) {
-        self.asked_us = now_us;
+    /// A frame is requested: silence before now is none of the camera's.
+    pub(super) fn request(&mut self, now_us: u64) {
+        self.requested_us = now_us;
     }
 
     /// After all signals of now: has the camera stopped? Said once.
     pub(super) fn silence(&mut self, limits: &Limits, now_us: u64) -> Option<Fault> {
-        let last_us = (*self.last_us.get_or_insert(now_us)).max(self.asked_us);
-        if matches!(self.place, Place::Silent) || now_us.saturating_sub(last_us) <= u64::from(limits.silence_us) {
+        let last_us = (*self.last_us.get_or_insert(now_us)).max(self.requested_us);
+        if matches!(self.phase, Phase::Silent) || now_us.saturating_sub(last_us) <= u64::from(limits.silence_us) {
             return None;
         }
-        self.place = Place::Silent;
+        self.phase = Phase::Silent;
         Some(Fault::Stopped)
     }
 }

@@ -211,31 +211,3 @@ fn views<'a>(frames: [&'a [u8]; 2], usable: [&'a [Span]; 2], dims: Dims) -> Resu
 fn usable<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
     rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.usable() } else { &[] })
 }
-
-#[cfg(target_os = "none")]
-mod taken {
-    //! The one workspace of the board that is built.
-
-    use crate::boards::selected::Workspace as Selected;
-    use core::cell::UnsafeCell;
-    use core::sync::atomic::{AtomicBool, Ordering};
-
-    struct Cell(UnsafeCell<Selected>);
-
-    // SAFETY: only `take` reaches the content, and hands it out once.
-    unsafe impl Sync for Cell {}
-
-    static WORKSPACE: Cell = Cell(UnsafeCell::new(Selected::new()));
-    static TAKEN: AtomicBool = AtomicBool::new(false);
-
-    /// The board's memory; `None` when it was taken before.
-    pub fn take() -> Option<&'static mut Selected> {
-        if TAKEN.swap(true, Ordering::Relaxed) {
-            return None;
-        }
-        // SAFETY: `TAKEN` was false until now, so this is the only reference there will ever be.
-        Some(unsafe { &mut *WORKSPACE.0.get() })
-    }
-}
-#[cfg(target_os = "none")]
-pub use taken::take;

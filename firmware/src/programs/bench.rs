@@ -41,7 +41,7 @@ impl<C: Clock> Observer for StageClock<'_, C> {
     }
 }
 
-/// What the obstacles of the last pair cost, as those of a good one, and telling an autopilot of them; and the bytes of the latter.
+/// What the obstacles of the last pair cost, as those of a good one, and those to send them to an autopilot; and the bytes of the latter.
 pub fn measure_autopilot(matched: &Matched<'_>, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
@@ -50,8 +50,8 @@ pub fn measure_autopilot(matched: &Matched<'_>, clock: &impl Clock, view: &Obsta
     autopilot.see(matched, HealthFlags::GOOD, 0);
     let seen = clock.now();
     autopilot.turn(0, &mut count);
-    let told = clock.now();
-    [clock.elapsed(start, seen), clock.elapsed(seen, told), count.0]
+    let sent = clock.now();
+    [clock.elapsed(start, seen), clock.elapsed(seen, sent), count.0]
 }
 
 /// Counts what is written.

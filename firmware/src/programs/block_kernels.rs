@@ -3,11 +3,12 @@
 //! In: the kernels. Out: the first that gives other bits, or that none does.
 //!
 //! ```text
-//! for each kernel, number of groups or pixels, place within a word:
+//! for each kernel, number of groups or pixels, offset within a word:
 //!     random contents, often extreme ones; slices that are too short or longer than need be among them
 //!     kernel, portable kernel: all that they may write must be equal
 //! ```
 
+use super::random::Random;
 use linestereo_block_matching::kernel::{self, Blocks, Column, Group, Windows};
 use linestereo_block_matching::portable;
 
@@ -15,8 +16,8 @@ use linestereo_block_matching::portable;
 const GROUPS: usize = 16;
 /// Columns of the longest row of windows.
 const COLUMNS: usize = 18;
-/// Places of the rings of changes.
-const PLACES: usize = 15;
+/// Slots of the rings of changes.
+const SLOTS: usize = 15;
 type Ring = [[[i8; 4]; GROUPS]];
 type SlideWindows = fn(&Windows<'_>, (&mut Ring, usize), &mut [Group], &mut [Group], &mut [Group]);
 
@@ -50,7 +51,7 @@ impl BlockKernels {
     /// The name of the first kernel that differs from the portable one.
     #[must_use]
     pub fn first_that_differs(&self) -> Option<&'static str> {
-        let mut random = Random(0x9e37_79b9);
+        let mut random = Random::new();
         type Comparison = fn(&BlockKernels, &mut Random) -> bool;
         let compared: [(&str, Comparison); 8] = [
             ("sobel_row", Self::sobel_rows),
@@ -105,7 +106,7 @@ impl BlockKernels {
         (0..300).all(|round: usize| {
             let (groups, columns) = (1 + round % GROUPS, 1 + random.below(COLUMNS));
             let mut state = State {
-                changes: [[[0; 4]; GROUPS]; PLACES],
+                changes: [[[0; 4]; GROUPS]; SLOTS],
                 sums: [Group::default(); GROUPS],
                 costs: [Group::default(); GROUPS * COLUMNS],
                 lowest: [Group::default(); COLUMNS],
@@ -124,9 +125,9 @@ impl BlockKernels {
                 right: right.each_ref().map(|row| &row[round % 4..][..long]),
                 asked: &asked[..columns],
             };
-            let place = random.below(PLACES + 1);
-            state.run(self.slide_windows, &windows, place, groups);
-            expected.run(portable::slide_windows, &windows, place, groups);
+            let slot = random.below(SLOTS + 1);
+            state.run(self.slide_windows, &windows, slot, groups);
+            expected.run(portable::slide_windows, &windows, slot, groups);
             state == expected
         })
     }
@@ -201,35 +202,21 @@ impl BlockKernels {
 /// What [`portable::slide_windows`] writes.
 #[derive(Clone, PartialEq, Eq)]
 struct State {
-    changes: [[[i8; 4]; GROUPS]; PLACES],
+    changes: [[[i8; 4]; GROUPS]; SLOTS],
     sums: [Group; GROUPS],
     costs: [Group; GROUPS * COLUMNS],
     lowest: [Group; COLUMNS],
 }
 
 impl State {
-    fn run(&mut self, slide_windows: SlideWindows, windows: &Windows<'_>, place: usize, groups: usize) {
+    fn run(&mut self, slide_windows: SlideWindows, windows: &Windows<'_>, slot: usize, groups: usize) {
         let columns = windows.asked.len();
         let (sums, costs) = (&mut self.sums[..groups], &mut self.costs[..groups * columns]);
-        slide_windows(windows, (&mut self.changes, place), sums, costs, &mut self.lowest[..columns]);
+        slide_windows(windows, (&mut self.changes, slot), sums, costs, &mut self.lowest[..columns]);
     }
 }
 
-/// Numbers without a pattern, the same in every run (xorshift, Marsaglia 2003).
-struct Random(u32);
-
 impl Random {
-    fn next(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() >> 8) as usize % end
-    }
-
     /// Any byte, often an extreme one.
     fn byte(&mut self) -> u8 {
         match self.below(6) {
@@ -260,89 +247,50 @@ mod tests {
         assert_eq!(BlockKernels::CHOSEN.first_that_differs(), None);
     }
 
+    /// Each is wrong for few inputs, as a kernel with a forgotten case is.
+    const WRONG: BlockKernels = BlockKernels {
+        sobel_row: |above, row, below, out| {
+            portable::sobel_row(above, row, below, out);
+            if let (77, Some(last)) = (row.len(), out.get_mut(75)) {
+                *last ^= 1;
+            }
+        },
+        add_column: |column, ring, sums| {
+            portable::add_column(column, ring, sums);
+            if let (12, Some(last)) = (sums.len(), sums.last_mut()) {
+                last.0[3] ^= 0x8000;
+            }
+        },
+        slide_windows: |windows, (changes, slot), sums, costs, lowest| {
+            // Forgets where the ring ends.
+            let slot = if slot + windows.asked.len() > SLOTS { 0 } else { slot };
+            portable::slide_windows(windows, (changes, slot), sums, costs, lowest);
+        },
+        groups_within: |costs, bound| portable::groups_within(costs, bound - 1),
+        places_within: |group, bound| portable::places_within(group, bound.saturating_sub(1)),
+        columns_of_four: |rows, out| {
+            let width = out.len();
+            portable::columns_of_four(rows, &mut out[..width & !3]);
+        },
+        block_costs: |left, right, out| {
+            let groups = out.len();
+            portable::block_costs(left, right, &mut out[..groups.min(16)]);
+        },
+        add_block: |blocks, costs| {
+            portable::add_block(blocks, costs);
+            costs.first().copied().unwrap_or_default()
+        },
+    };
+
     #[test]
     fn every_wrong_kernel_is_found() {
-        const CHOSEN: BlockKernels = BlockKernels::CHOSEN;
-        let wrong = [
-            (
-                "sobel_row",
-                BlockKernels {
-                    sobel_row: |above, row, below, out| {
-                        portable::sobel_row(above, row, below, out);
-                        if let (77, Some(last)) = (row.len(), out.get_mut(75)) {
-                            *last ^= 1;
-                        }
-                    },
-                    ..CHOSEN
-                },
-            ),
-            (
-                "add_column",
-                BlockKernels {
-                    add_column: |column, ring, sums| {
-                        portable::add_column(column, ring, sums);
-                        if let (12, Some(last)) = (sums.len(), sums.last_mut()) {
-                            last.0[3] ^= 0x8000;
-                        }
-                    },
-                    ..CHOSEN
-                },
-            ),
-            (
-                "slide_windows",
-                BlockKernels {
-                    slide_windows: |windows, (changes, place), sums, costs, lowest| {
-                        // Forgets where the ring ends.
-                        let place = if place + windows.asked.len() > PLACES { 0 } else { place };
-                        portable::slide_windows(windows, (changes, place), sums, costs, lowest);
-                    },
-                    ..CHOSEN
-                },
-            ),
-            (
-                "groups_within",
-                BlockKernels { groups_within: |costs, bound| portable::groups_within(costs, bound - 1), ..CHOSEN },
-            ),
-            (
-                "places_within",
-                BlockKernels {
-                    places_within: |group, bound| portable::places_within(group, bound.saturating_sub(1)),
-                    ..CHOSEN
-                },
-            ),
-            (
-                "columns_of_four",
-                BlockKernels {
-                    columns_of_four: |rows, out| {
-                        let width = out.len();
-                        portable::columns_of_four(rows, &mut out[..width & !3]);
-                    },
-                    ..CHOSEN
-                },
-            ),
-            (
-                "block_costs",
-                BlockKernels {
-                    block_costs: |left, right, out| {
-                        let groups = out.len();
-                        portable::block_costs(left, right, &mut out[..groups.min(16)]);
-                    },
-                    ..CHOSEN
-                },
-            ),
-            (
-                "add_block",
-                BlockKernels {
-                    add_block: |blocks, costs| {
-                        portable::add_block(blocks, costs);
-                        costs.first().copied().unwrap_or_default()
-                    },
-                    ..CHOSEN
-                },
-            ),
-        ];
-        for (name, kernels) in wrong {
-            assert_eq!(kernels.first_that_differs(), Some(name));
+        macro_rules! assert_found {
+            ($($kernel:ident)*) => {$({
+                let kernels = BlockKernels { $kernel: WRONG.$kernel, ..BlockKernels::CHOSEN };
+                assert_eq!(kernels.first_that_differs(), Some(stringify!($kernel)));
+            })*};
         }
+        assert_found!(sobel_row add_column slide_windows groups_within);
+        assert_found!(places_within columns_of_four block_costs add_block);
     }
 }

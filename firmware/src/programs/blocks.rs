@@ -5,33 +5,25 @@
 //! A file holds pairs one after the other: width and height in two bytes each, the lower one first, then the pixels of the left and of the
 //! right image.
 
-use crate::boards::selected;
 use crate::ports::{ByteSource, Clock};
 use core::fmt;
+use linestereo::diagnostics::Fnv;
 use linestereo::{Dims, Gray};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
 
-const WIDTH: usize = selected::BOARD.largest.width as usize;
-const PIXELS: usize = WIDTH * selected::BOARD.largest.height as usize;
-const DISPARITIES: usize = Settings::STRICT.disparities;
-
-/// Memory of the dense matcher for the largest pair of the board that is built.
-pub type Dense = DenseMemory<WIDTH, { dense_groups(WIDTH, DISPARITIES) }>;
-/// The same of the grid.
-pub type Grid = GridMemory<WIDTH, { grid_groups(WIDTH, DISPARITIES) }>;
-
-/// The frames of one board and the memory of both matchers.
-#[derive(Debug)]
-pub struct Workspace {
-    frames: [[u8; PIXELS]; 2],
-    dense: Dense,
-    grid: Grid,
+/// Groups of both matchers' memory for images of this width: `DENSE` and `GRID` of a [`Workspace`].
+#[must_use]
+pub const fn groups(width: usize) -> (usize, usize) {
+    let disparities = Settings::STRICT.disparities;
+    (dense_groups(width, disparities), grid_groups(width, disparities))
 }
 
-impl Default for Workspace {
-    fn default() -> Self {
-        Self::new()
-    }
+/// Frames of `PIXELS` each, at most `WIDTH` px wide, and the memory of both matchers: [`groups`].
+#[derive(Debug)]
+pub struct Workspace<const WIDTH: usize, const PIXELS: usize, const DENSE: usize, const GRID: usize> {
+    frames: [[u8; PIXELS]; 2],
+    dense: DenseMemory<WIDTH, DENSE>,
+    grid: GridMemory<WIDTH, GRID>,
 }
 
 /// How the pixels of a pair are matched.
@@ -62,11 +54,17 @@ pub struct Measured {
     pub cost: u64,
 }
 
-impl Workspace {
+impl<const WIDTH: usize, const PIXELS: usize, const DENSE: usize, const GRID: usize>
+    Workspace<WIDTH, PIXELS, DENSE, GRID>
+{
+    /// Bytes of the dense matcher's memory, and of the grid's.
+    pub const BYTES: [usize; 2] = [DenseMemory::<WIDTH, DENSE>::BYTES, GridMemory::<WIDTH, GRID>::BYTES];
+
     /// Cleared memory.
     #[must_use]
+    #[expect(clippy::new_without_default, reason = "it is too large to be made but in a static or a box")]
     pub const fn new() -> Self {
-        Self { frames: [[0; PIXELS]; 2], dense: Dense::new(), grid: Grid::new() }
+        Self { frames: [[0; PIXELS]; 2], dense: DenseMemory::new(), grid: GridMemory::new() }
     }
 
     /// The memories of the left and the right frame.
@@ -102,15 +100,14 @@ impl Workspace {
         let [left, right] = &self.frames;
         let view = |frame| Gray::new(frame, dims, dims.width.into()).map_err(|_| Misfit::Size(dims));
         let pair = [view(left)?, view(right)?];
-        let mut measured = Measured { values: 0, digest: 0x811c_9dc5, cost: 0 };
+        let mut measured = Measured { values: 0, digest: 0, cost: 0 };
+        let mut digest = Fnv::EMPTY;
         let mut last = clock.now();
         let mut row = |_: usize, disparities: &[i16]| {
             measured.cost += clock.elapsed(last, clock.now());
             for &disparity in disparities {
                 measured.values += u32::from(disparity != NO_DISPARITY);
-                for byte in disparity.to_le_bytes() {
-                    measured.digest = (measured.digest ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-                }
+                digest.write(&disparity.to_le_bytes());
             }
             last = clock.now();
         };
@@ -119,6 +116,7 @@ impl Workspace {
             Matcher::Grid => self.grid.run(settings, pair, &mut row)?,
         }
         measured.cost += clock.elapsed(last, clock.now());
+        measured.digest = digest.value();
         Ok(measured)
     }
 }

@@ -1,9 +1,8 @@
 //! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
-use crate::camera::FrameStart;
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, PairSource};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource};
 use crate::session::{Reply, Session, failed_frame};
 use core::convert::Infallible;
 use linestereo::{Dims, Match, ObjectDepth};
@@ -12,7 +11,7 @@ use linestereo_wire::{
     PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, send, send_frame, send_objects,
 };
 
-/// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot can be told of obstacles.
+/// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
 #[derive(Debug)]
 pub struct Live<'a, C, P, A = NoAutopilot> {
     session: Session<'a>,
@@ -24,9 +23,9 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     time_us: u64,
     autopilot: Autopilot,
     autopilot_port: Option<A>,
-    /// What the cameras lost, as the host was told, and when.
+    /// Losses of the cameras in the last report to the host, and when that was.
     lost: CaptureReport,
-    told_us: Option<u64>,
+    reported_us: Option<u64>,
     photo: Option<Photo>,
 }
 
@@ -59,7 +58,7 @@ impl Turn {
     }
 }
 
-/// The host is told of losses at most so often, microseconds.
+/// Shortest time between two reports of losses, microseconds.
 const LOSSES_US: u64 = 1_000_000;
 
 /// Nobody at the second port.
@@ -71,7 +70,7 @@ impl ByteSink for NoAutopilot {
 }
 
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
-    /// Says hello.
+    /// Starts with a [`Message::Hello`].
     pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
         let last = clock.now();
         let autopilot = Autopilot::new(session.vehicle);
@@ -85,7 +84,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             autopilot,
             autopilot_port: None,
             lost: CaptureReport::default(),
-            told_us: None,
+            reported_us: None,
             photo: None,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
@@ -94,11 +93,11 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
         live
     }
 
-    /// With an autopilot at this port: as soon as there is a rig it is told of obstacles, whether a host asks for results or not.
+    /// With an autopilot at this port: as soon as there is a rig it gets obstacles, whether a host asks for results or not.
     pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
-        let Self { session, clock, port: host, decoder, last, time_us, autopilot, lost, told_us, photo, .. } = self;
+        let Self { session, clock, port: host, decoder, last, time_us, autopilot, lost, reported_us, photo, .. } = self;
         let autopilot_port = Some(port);
-        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port, lost, told_us, photo }
+        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port, lost, reported_us, photo }
     }
 }
 
@@ -106,10 +105,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         self.serve_commands(memory, camera);
-        let is_told = self.autopilot_port.is_some() && self.session.has_rig();
+        let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
-            None if self.session.running || is_told => self.match_pair(memory, camera),
+            None if self.session.running || has_listener => self.match_pair(memory, camera),
             None => Turn::Idle,
         };
         let now_us = self.time();
@@ -117,16 +116,16 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             self.autopilot.turn(now_us, port);
         }
         if let Some(losses) = camera.losses() {
-            self.tell_losses(losses.into(), now_us);
+            self.report_losses(losses, now_us);
         }
         turn
     }
 
-    /// Tells a host that wants results what the cameras lost, when that has changed.
-    fn tell_losses(&mut self, lost: CaptureReport, now_us: u64) {
-        let is_due = self.told_us.is_none_or(|told| now_us.saturating_sub(told) >= LOSSES_US);
+    /// Reports to a host that wants results what the cameras lost, when that has changed.
+    fn report_losses(&mut self, lost: CaptureReport, now_us: u64) {
+        let is_due = self.reported_us.is_none_or(|reported_us| now_us.saturating_sub(reported_us) >= LOSSES_US);
         if self.session.running && lost != self.lost && is_due {
-            (self.lost, self.told_us) = (lost, Some(now_us));
+            (self.lost, self.reported_us) = (lost, Some(now_us));
             self.write(&Message::Capture(lost));
         }
     }
@@ -201,7 +200,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         Turn::Finished
     }
 
-    /// Fetches a pair and tells host and autopilot what it gave, or why it gave nothing.
+    /// Fetches a pair and sends host and autopilot what it gave, or why it gave nothing.
     fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         let rectified = match camera.raw_dims().filter(|_| self.session.rig_dims().is_some()) {
             None => Ok(None),
@@ -212,7 +211,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let now_us = self.time();
         self.autopilot.miss(); // until its matches say otherwise
         if let (false, Some(dims)) = (self.autopilot.has_view(), self.session.rig_dims()) {
-            self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is told of as well
+            self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is reported as well
         }
         let Some(pair) = captured else {
             let nothing = Dims { width: 0, height: 0 };
@@ -229,7 +228,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         Turn::Finished
     }
 
-    /// Matches the pair that lies in the frames, and tells of it; `None` when images of its size cannot be matched.
+    /// Matches the pair that lies in the frames, and sends the result; `None` when images of its size cannot be matched.
     fn match_captured(&mut self, memory: &mut impl Memory, pair: CapturedPair, now_us: u64) -> Option<()> {
         let (time_us, captured) = (captured_us(pair, now_us), captured_health(pair));
         let areas = self.session.areas();
@@ -287,29 +286,4 @@ fn captured_us(pair: CapturedPair, now_us: u64) -> u64 {
 /// What is known of a pair before anybody has looked at it.
 fn captured_health(pair: CapturedPair) -> Health {
     if pair.frame_start == Some(FrameStart::Free) { Health::FREE_RUNNING } else { Health::GOOD }
-}
-
-/// Stands for a camera: paints one scene after the other.
-#[derive(Debug)]
-pub struct Painter {
-    dims: Dims,
-    next: usize,
-}
-
-impl Painter {
-    /// A camera of this size.
-    #[must_use]
-    pub const fn new(dims: Dims) -> Self {
-        Self { dims, next: 0 }
-    }
-}
-
-impl PairSource for Painter {
-    fn next_pair(&mut self, memory: &mut impl Memory, _: Option<Dims>) -> Option<CapturedPair> {
-        let [left, right] = memory.frames();
-        let scene = crate::painter::Scene::ALL.get(self.next)?;
-        self.next = (self.next + 1) % crate::painter::Scene::ALL.len();
-        scene.paint(self.dims, left, right);
-        Some(CapturedPair::of(self.dims))
-    }
 }

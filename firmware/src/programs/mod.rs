@@ -8,6 +8,7 @@ pub mod kernel_costs;
 pub mod kernels;
 pub mod live;
 pub mod pixels;
+mod random;
 pub mod rectify;
 pub mod replay;
 pub mod selftest;

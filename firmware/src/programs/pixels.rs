@@ -7,6 +7,7 @@ use crate::cases::Case;
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
 use core::fmt;
+use linestereo::diagnostics::Fnv;
 use linestereo::{Matcher, PixelDepth, PixelRejection};
 
 /// Columns and rows of the grid.
@@ -15,58 +16,57 @@ const GRID: [u16; 2] = [13, 9];
 /// What a case gave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measured {
-    /// Pixels asked for.
-    pub asked: u32,
+    /// Pixels queried.
+    pub queried: u32,
     /// Those with a depth.
     pub answered: u32,
     /// Of all answers (FNV-1a).
     pub digest: u32,
     /// Mean cost of one, in the unit of the clock.
     pub mean: u64,
-    /// Cost of the dearest.
-    pub dearest: u64,
+    /// Largest cost of one, in the unit of the clock.
+    pub worst_case: u64,
 }
 
-/// Matches a case and asks for the pixels of the grid.
+/// Matches a case and queries the pixels of the grid.
 pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Result<Measured, RunError> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
     let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
-    let mut measured = Measured { digest: 0x811c_9dc5, ..Measured::default() };
+    let (mut measured, mut digest) = (Measured::default(), Fnv::EMPTY);
     let [columns, rows] = GRID;
     let mut costs = 0;
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         // From the first to the last column and row.
-        let place = |i: u16, of: u16, side: u16| (u32::from(side - 1) * u32::from(i) / u32::from(of - 1)) as u16;
-        let pixel = (place(column, columns, case.dims.width), place(row, rows, case.dims.height));
+        let coordinate = |i: u16, of: u16, side: u16| (u32::from(side - 1) * u32::from(i) / u32::from(of - 1)) as u16;
+        let pixel = (coordinate(column, columns, case.dims.width), coordinate(row, rows, case.dims.height));
         let start = clock.now();
         let answer = matched.pixel(pixel, None);
         let cost = clock.elapsed(start, clock.now());
         costs += cost;
-        measured.dearest = measured.dearest.max(cost);
-        measured.asked += 1;
+        measured.worst_case = measured.worst_case.max(cost);
+        measured.queried += 1;
         measured.answered += u32::from(answer.is_ok());
-        for byte in bytes(answer) {
-            measured.digest = (measured.digest ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        for part in parts(answer) {
+            digest.write(&part.to_le_bytes());
         }
     }
-    measured.mean = costs / u64::from(measured.asked);
+    measured.digest = digest.value();
+    measured.mean = costs / u64::from(measured.queried);
     Ok(measured)
 }
 
 /// An answer without a rig.
-fn bytes(answer: Result<PixelDepth, PixelRejection>) -> [u8; 6] {
-    let [d, s, c] = match answer {
+fn parts(answer: Result<PixelDepth, PixelRejection>) -> [u16; 3] {
+    match answer {
         Ok(found) => [found.disparity.to_bits() as u16, found.sigma.to_bits() as u16, found.confidence.to_bits()],
         Err(reason) => [reason as u16, u16::MAX, 0],
     }
-    .map(u16::to_le_bytes);
-    [d[0], d[1], s[0], s[1], c[0], c[1]]
 }
 
 /// One line of the table that the PC reads: what, a name, numbers, the digest; separated by tabs.
 pub fn line(out: &mut impl fmt::Write, case: &Case, measured: &Measured) {
-    let Measured { asked, answered, digest, mean, dearest } = measured;
-    let _ = writeln!(out, "pixels\t{case}\t{asked}\t{answered}\t{mean}\t{dearest}\t{digest:08x}");
+    let Measured { queried, answered, digest, mean, worst_case } = measured;
+    let _ = writeln!(out, "pixels\t{case}\t{queried}\t{answered}\t{mean}\t{worst_case}\t{digest:08x}");
 }

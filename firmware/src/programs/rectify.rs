@@ -1,18 +1,18 @@
 //! What rectifying a pair costs, and which bytes it gives.
 //!
-//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the dearest raw row, and a digest of both rectified images.
+//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the most expensive raw row, and a digest of both rectified images.
 //!
 //! ```text
 //! set-up:  rig -> common view -> two meshes                floating point, once
 //! rows:    noise, row by row, as a camera would deliver it -> rectified rows
 //! ```
 
+use super::random::Random;
 use crate::ports::Clock;
 use core::fmt;
 use linestereo::Dims;
-use linestereo_rig::{
-    Band, Calibration, Camera, CameraError, Eye, Lens, Mesh, MeshError, RectifyError, RowError, View, mesh_nodes,
-};
+use linestereo::diagnostics::Fnv;
+use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
 
 /// The largest frames here.
 pub const LARGEST: Dims = Dims { width: 320, height: 240 };
@@ -70,7 +70,7 @@ impl BuiltIn {
     }
 
     /// The rig, for raw images of a size.
-    fn calibration(self, dims: Dims) -> Result<Calibration, CannotMeasure> {
+    fn calibration(self, dims: Dims) -> Option<Calibration> {
         let (width, height) = (f64::from(dims.width), f64::from(dims.height));
         // Rotations are normalised by the core; half angles in radians.
         let (focal, k, half_turn) = match self {
@@ -79,9 +79,9 @@ impl BuiltIn {
         };
         let lens = Lens::BrownConrady { k, p: [0.0005, -0.0003] };
         let camera =
-            |x: f64, y: f64| Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens);
+            |x: f64, y: f64| Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens).ok();
         let [x, y, z] = half_turn;
-        Ok(Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, [1.0, x, y, z], [-0.06, 0.0005, 0.001])?)
+        Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, [1.0, x, y, z], [-0.06, 0.0005, 0.001]).ok()
     }
 }
 
@@ -92,105 +92,46 @@ pub struct Measured {
     pub set_up: u64,
     /// All rows of both images.
     pub rows: u64,
-    /// The dearest raw row.
-    pub dearest_row: u64,
+    /// The most expensive raw row.
+    pub worst_row: u64,
     /// Bytes of raw rows held, of the camera that needs more.
     pub band_bytes: usize,
     /// Of both rectified images (FNV-1a).
     pub digest: u32,
 }
 
-/// Why nothing was measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CannotMeasure {
-    /// The rig has no such camera.
-    Camera,
-    /// The cameras are no pair.
-    Pair,
-    /// There is no common view.
-    View(RectifyError),
-    /// The memory is too small for the mesh.
-    Mesh(MeshError),
-    /// The memory is too small for the rows.
-    Row(RowError),
-}
-
-impl From<CameraError> for CannotMeasure {
-    fn from(_: CameraError) -> Self {
-        Self::Camera
-    }
-}
-
-impl From<linestereo_rig::CalibrationError> for CannotMeasure {
-    fn from(_: linestereo_rig::CalibrationError) -> Self {
-        Self::Pair
-    }
-}
-
-impl From<RectifyError> for CannotMeasure {
-    fn from(error: RectifyError) -> Self {
-        Self::View(error)
-    }
-}
-
-impl From<MeshError> for CannotMeasure {
-    fn from(error: MeshError) -> Self {
-        Self::Mesh(error)
-    }
-}
-
-impl From<RowError> for CannotMeasure {
-    fn from(error: RowError) -> Self {
-        Self::Row(error)
-    }
-}
-
-/// Sets a rig up for frames of this size and rectifies a pair of noise.
-pub fn measure(
-    workspace: &mut Workspace,
-    clock: &impl Clock,
-    rig: BuiltIn,
-    dims: Dims,
-) -> Result<Measured, CannotMeasure> {
+/// Sets a rig up for frames of this size and rectifies a pair of noise; `None` where rig or memory do not fit.
+pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims: Dims) -> Option<Measured> {
     let started = clock.now();
-    let rectification = rig.calibration(dims)?.rectify(dims, View::default())?;
+    let rectification = rig.calibration(dims)?.rectify(dims, View::default()).ok()?;
     for (mesh, eye) in workspace.meshes.iter_mut().zip(Eye::BOTH) {
-        mesh.build(&rectification, eye)?;
+        mesh.build(&rectification, eye).ok()?;
     }
     let set_up = clock.elapsed(started, clock.now());
-    let mut measured = Measured { set_up, rows: 0, dearest_row: 0, band_bytes: 0, digest: 0x811c_9dc5 };
-    let mut noise = 1;
+    let mut measured = Measured { set_up, rows: 0, worst_row: 0, band_bytes: 0, digest: 0 };
+    let (mut noise, mut digest) = (Random(1), Fnv::EMPTY);
     for mesh in &workspace.meshes {
         workspace.band.restart();
         measured.band_bytes = measured.band_bytes.max(mesh.band_bytes());
         for _ in 0..dims.height {
             let raw_row = workspace.raw_row.get_mut(..dims.width.into()).unwrap_or_default();
-            raw_row.fill_with(|| grey(&mut noise));
+            raw_row.fill_with(|| (noise.next() >> 24) as u8);
             let before = clock.now();
-            let finished = workspace.band.push(mesh, raw_row, &mut workspace.frame)?;
+            let finished = workspace.band.push(mesh, raw_row, &mut workspace.frame).ok()?;
             let cost = clock.elapsed(before, clock.now());
             measured.rows += cost;
-            measured.dearest_row = measured.dearest_row.max(cost);
+            measured.worst_row = measured.worst_row.max(cost);
             let [first, last] = [finished.start, finished.end].map(|y| usize::from(y) * usize::from(dims.width));
-            for &pixel in workspace.frame.get(first..last).unwrap_or(&[]) {
-                measured.digest = (measured.digest ^ u32::from(pixel)).wrapping_mul(0x0100_0193);
-            }
+            digest.write(workspace.frame.get(first..last).unwrap_or(&[]));
         }
     }
-    Ok(measured)
-}
-
-/// The next grey level of noise (Marsaglia's xorshift, 2003).
-fn grey(state: &mut u32) -> u8 {
-    *state ^= *state << 13;
-    *state ^= *state >> 17;
-    *state ^= *state << 5;
-    (*state >> 24) as u8
+    measured.digest = digest.value();
+    Some(measured)
 }
 
 /// One line of the table that the PC reads, separated by tabs.
 pub fn line(out: &mut impl fmt::Write, rig: BuiltIn, dims: Dims, measured: &Measured) {
-    let Measured { set_up, rows, dearest_row, band_bytes, digest } = measured;
+    let Measured { set_up, rows, worst_row, band_bytes, digest } = measured;
     let name = rig.name();
-    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{dearest_row}\t{band_bytes}\t{digest:08x}");
+    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{worst_row}\t{band_bytes}\t{digest:08x}");
 }

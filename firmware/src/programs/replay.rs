@@ -12,7 +12,7 @@ use super::bench::{self, Costs};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock};
 use crate::session::{self, Reply, Session};
-use linestereo::{Dims, Matched, Plan};
+use linestereo::{Dims, Matched};
 use linestereo_rig::Eye;
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
@@ -49,7 +49,7 @@ pub fn run(
     session: &mut Session<'_>,
     input: &mut impl ByteSource,
     output: &mut impl ByteSink,
-    mut tell: impl FnMut(&Event),
+    mut report: impl FnMut(&Event),
 ) -> Counters {
     let mut input = Buffered { source: input, bytes: [0; 256], from: 0, to: 0 };
     let mut decoder: Decoder<Command, MAX_COMMAND> = Decoder::new();
@@ -71,7 +71,7 @@ pub fn run(
                         let from = clock.now();
                         let found = session.objects(&mut matched);
                         let objects = clock.elapsed(from, clock.now());
-                        tell(&Event::Matched { sequence, rectification, costs, objects });
+                        report(&Event::Matched { sequence, rectification, costs, objects });
                         write_results(&mut matched, sequence, &head, output);
                         let _ = send_objects(sequence, &found, &mut |packet: &[u8]| {
                             output.write(packet);
@@ -80,7 +80,7 @@ pub fn run(
                         Outcome::Accepted
                     }
                     Err(why) => {
-                        tell(&Event::Refused { sequence, why: why.clone() });
+                        report(&Event::Refused { sequence, why: why.clone() });
                         Outcome::Refused(why)
                     }
                 };
@@ -109,14 +109,14 @@ fn pair<'m, S: ByteSource>(
     head: &PairHead,
     is_raw: bool,
 ) -> Result<Replayed<'m>, Refusal> {
-    let (plan, rectification) = if is_raw {
+    let (dims, rectification) = if is_raw {
         read_raw(memory, clock, session, input, head)?
     } else {
         (read_rectified(memory, session, input, head)?, 0)
     };
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
     let areas = session.areas();
-    let matcher = session.matcher(plan.dims())?;
+    let matcher = session.matcher(dims)?;
     let (costs, matched) =
         bench::measure(memory, clock, matcher, areas.as_deref(), times_us).map_err(session::refusal)?;
     if let Some(Err(skewed)) = times_us.map(|times| session.limits.skew_us(times)) {
@@ -131,15 +131,15 @@ fn read_rectified<S: ByteSource>(
     session: &mut Session<'_>,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
-) -> Result<Plan, Refusal> {
+) -> Result<Dims, Refusal> {
     let dims = Dims { width: head.width, height: head.height };
     let pixels = usize::from(dims.width) * usize::from(dims.height);
-    let plan = session.plan(dims).inspect_err(|_| input.skip_images(pixels))?;
+    session.matcher(dims).inspect_err(|_| input.skip_images(pixels))?;
     let mut given = 0;
     for frame in memory.frames() {
         given += input.read(frame.get_mut(..pixels).unwrap_or_default());
     }
-    if given < 2 * pixels { Err(truncated(pixels, given)) } else { Ok(plan) }
+    if given < 2 * pixels { Err(truncated(pixels, given)) } else { Ok(dims) }
 }
 
 /// Reads the rows of a raw pair and rectifies each, or skips them. Gives what rectifying costs, without the reading.
@@ -149,11 +149,11 @@ fn read_raw<S: ByteSource>(
     session: &mut Session<'_>,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
-) -> Result<(Plan, u64), Refusal> {
+) -> Result<(Dims, u64), Refusal> {
     let raw = Dims { width: head.width, height: head.height };
     let pixels = usize::from(raw.width) * usize::from(raw.height);
-    let plan = session.rectified(raw).and_then(|dims| session.plan(dims));
-    let plan = plan.inspect_err(|_| input.skip_images(pixels))?;
+    let dims = session.rectified(raw).and_then(|dims| session.matcher(dims).map(|_| dims));
+    let dims = dims.inspect_err(|_| input.skip_images(pixels))?;
     memory.restart();
     let (mut given, mut cost) = (0, 0);
     for _ in 0..raw.height {
@@ -167,7 +167,7 @@ fn read_raw<S: ByteSource>(
     if given < 2 * pixels {
         return Err(truncated(pixels, given));
     }
-    if memory.is_rectified() { Ok((plan, cost)) } else { Err(Refusal::NoRig) }
+    if memory.is_rectified() { Ok((dims, cost)) } else { Err(Refusal::NoRig) }
 }
 
 fn truncated(pixels: usize, given: usize) -> Refusal {
@@ -224,8 +224,8 @@ impl<S: ByteSource> Buffered<'_, S> {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         let buffered = self.bytes.get(self.from..self.to).unwrap_or_default();
         let mut filled = buffered.len().min(bytes.len());
-        for (place, &byte) in bytes.iter_mut().zip(buffered) {
-            *place = byte;
+        for (slot, &byte) in bytes.iter_mut().zip(buffered) {
+            *slot = byte;
         }
         self.from += filled;
         while let Some(rest) = bytes.get_mut(filled..).filter(|rest| !rest.is_empty()) {

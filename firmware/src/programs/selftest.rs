@@ -1,16 +1,16 @@
-//! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of what an autopilot is told, against those of
+//! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of what an autopilot gets, against those of
 //! [`super::expected`].
 
 use super::expected::Digests;
 use crate::autopilot::Autopilot;
-use crate::boards::Board;
 use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
-use linestereo::diagnostics::{Stage, StageDigests};
+use linestereo::diagnostics::{Fnv, Stage, StageDigests};
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
+use linestereo_boards::Board;
 
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";
@@ -38,12 +38,12 @@ impl Outcome {
 }
 
 /// Runs every case of a board, and says whether all digests are the expected ones.
-pub fn run(memory: &mut impl Memory, board: &Board, expected: &[Digests], mut tell: impl FnMut(&Outcome)) -> bool {
+pub fn run(memory: &mut impl Memory, board: &Board, expected: &[Digests], mut report: impl FnMut(&Outcome)) -> bool {
     let mut all_equal = true;
     for (number, case) in Case::all(board).enumerate() {
         let outcome = Outcome { case, found: digests(memory, &case), expected: expected.get(number).copied() };
         all_equal &= outcome.differs_in().is_none();
-        tell(&outcome);
+        report(&outcome);
     }
     all_equal
 }
@@ -57,8 +57,8 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut digests).ok()?;
     matched.points(|point| digests.add_point(&point));
     let mut all = [0; Stage::ALL.len() + 1];
-    for (place, stage) in all.iter_mut().zip(Stage::ALL) {
-        *place = digests.of(stage);
+    for (slot, stage) in all.iter_mut().zip(Stage::ALL) {
+        *slot = digests.of(stage);
     }
     *all.last_mut()? = autopilot(&view(case)?, &matched);
     Some(all)
@@ -70,27 +70,25 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
     ObstacleParams::DEFAULT.plan(&params, case.dims).ok()
 }
 
-/// Digest of what an autopilot is told: of matches and support points as those of a good pair, then of the pair as it is.
+/// Digest of what an autopilot gets: of matches and support points as those of a good pair, then of the pair as it is.
 fn autopilot(view: &ObstaclePlan, matched: &Matched<'_>) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
-    let mut digest = Fnv(0x811c_9dc5);
+    let mut digest = Digest(Fnv::EMPTY);
     let flags = matched.health().flags;
     for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
         autopilot.see(matched, health, time_us);
         autopilot.turn(time_us, &mut digest);
     }
-    digest.0
+    digest.0.value()
 }
 
-/// FNV-1a over what is written.
-struct Fnv(u32);
+/// A digest as a port.
+struct Digest(Fnv);
 
-impl ByteSink for Fnv {
+impl ByteSink for Digest {
     fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        }
+        self.0.write(bytes);
     }
 }
 
@@ -103,11 +101,11 @@ mod tests {
     #[test]
     fn this_machine_computes_what_is_expected_of_the_boards() {
         let hint = "when the output was meant to change: cargo xtask bless";
-        let tell = |outcome: &Outcome| assert_eq!(outcome.differs_in(), None, "{}; {hint}", outcome.case);
+        let report = |outcome: &Outcome| assert_eq!(outcome.differs_in(), None, "{}; {hint}", outcome.case);
         let mut large = Box::new(mps2_an500::Workspace::new());
-        assert!(run(&mut *large, &mps2_an500::BOARD, &expected::QVGA, tell));
+        assert!(run(&mut *large, &mps2_an500::BOARD, &expected::QVGA, report));
         let mut small = Box::new(mps2_an386::Workspace::new());
-        assert!(run(&mut *small, &mps2_an386::BOARD, &expected::QQVGA, tell));
+        assert!(run(&mut *small, &mps2_an386::BOARD, &expected::QQVGA, report));
     }
 
     /// A stage that hashes nothing proves nothing: rows once did, and reports without a list of points.
@@ -143,8 +141,8 @@ mod tests {
         let mut expected = expected::QQVGA;
         expected[3][Stage::Matching as usize] ^= 1;
         let mut wrong = Vec::new();
-        let tell = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
-        assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, tell));
+        let report = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
+        assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, report));
         assert_eq!(wrong, [(crate::painter::Scene::ALL[3], Stage::Matching.name())]);
     }
 }

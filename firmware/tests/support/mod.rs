@@ -1,4 +1,5 @@
 //! What test files share.
 
+pub(crate) mod port;
 pub(crate) mod random;
 pub(crate) mod sensor;

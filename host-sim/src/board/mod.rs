@@ -16,7 +16,7 @@ pub mod qemu;
 pub mod toolchain;
 
 use anyhow::{Context, Result, bail};
-pub use linestereo_firmware::boards::Board;
+pub use linestereo_boards::Board;
 pub use pairs::{BoardResult, Costs, Machine, Replayed, push, push_pair, push_raw_pair, update};
 use std::path::{Path, PathBuf};
 

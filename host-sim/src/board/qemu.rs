@@ -5,8 +5,7 @@
 use super::{Board, packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
-use linestereo_firmware::boards::Device;
-use linestereo_firmware::startup::Exit;
+use linestereo_boards::{Device, Exit};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -6,7 +6,7 @@ use crate::engine::FrameResult;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use linestereo::obstacles::{ObstacleError, ObstacleParams};
-use linestereo_wire::mavlink::Policy;
+use linestereo_mavlink::Policy;
 use std::path::PathBuf;
 
 /// What an autopilot would be told.

@@ -165,7 +165,7 @@ pub(crate) fn messages() -> Vec<Message> {
             largest_height: u16::MAX,
             segments: u16::MAX,
             rig: longest_rig,
-            reset: Some(Reset { cause: ResetCause::Unknown, place: u32::MAX }),
+            reset: Some(Reset { cause: ResetCause::Unknown, location: u32::MAX }),
         }),
         Message::Frame(head(5, 20)),
         Message::Frame(FrameHead {

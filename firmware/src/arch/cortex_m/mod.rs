@@ -1,11 +1,10 @@
 //! Arm Cortex-M.
 
-mod faults;
 pub(crate) mod protection;
 
-use crate::exit::Exit;
 use crate::stack;
 use core::arch::asm;
+use linestereo_boards::Exit;
 
 /// Goes to `enter` with the program, on the program's stack (PSP). Handlers keep theirs (MSP).
 #[expect(improper_ctypes_definitions, reason = "both sides are this crate; a function pointer is one register")]

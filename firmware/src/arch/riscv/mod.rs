@@ -3,14 +3,13 @@
 // Reset, and the linker script.
 use riscv_rt as _;
 
-mod faults;
 pub(crate) mod protection;
 
-use crate::exit::Exit;
 use crate::stack;
 use core::arch::asm;
+use linestereo_boards::Exit;
 
-/// Goes to `enter` with the program, on the program's stack. Handlers begin at the end of theirs: see [`faults`].
+/// Goes to `enter` with the program, on the program's stack. Handlers begin at the end of theirs: see `fault/riscv.rs`.
 #[expect(improper_ctypes_definitions, reason = "both sides are this crate; a function pointer is one register")]
 pub(crate) fn switch_stack(enter: extern "C" fn(fn() -> Exit) -> !, program: fn() -> Exit) -> ! {
     // SAFETY: the stack pointer is the end of memory that nothing else uses; what this stack holds is never returned to.

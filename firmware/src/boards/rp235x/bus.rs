@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! transaction   off, until what was before has ended; on, with an address; a byte after the other; until the stop
-//! at each wait  aborted by the block (nobody answers): said; it has sent the stop itself. Too late: said, and everything set up again
+//! at each wait  aborted by the block (nobody answers): an error; it has sent the stop itself. Too late: an error, and everything set up again
 //! clear         SDA low: SCL up to nine times, until it is high; then a stop
 //! ```
 //! An abort is looked for until the stop has been seen, so that a last byte that nobody takes is noticed, whatever TX_EMPTY_CTRL says.
@@ -31,7 +31,7 @@ pub enum Order {
     Read,
 }
 
-/// What a block says.
+/// State of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct State {
     /// It is on, or something still goes on after it was switched off.
@@ -57,7 +57,7 @@ pub trait Block {
     /// On, for this address; nothing is left of what was before.
     fn switch_on(&mut self, address: u8);
 
-    /// What it says now.
+    /// State now.
     fn state(&self) -> State;
 
     /// Takes an order; after the last one it sends a stop. A start, and one again where the direction changes, it sends by itself.
@@ -124,7 +124,7 @@ impl<B: Block> LimitedI2c<B> {
         Self(block)
     }
 
-    fn talk(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), BusError> {
+    fn transfer(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), BusError> {
         let length = |operation: &Operation<'_>| match operation {
             Operation::Write(bytes) => bytes.len(),
             Operation::Read(bytes) => bytes.len(),
@@ -184,7 +184,7 @@ impl<B> ErrorType for LimitedI2c<B> {
 
 impl<B: Block> I2c for LimitedI2c<B> {
     fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), BusError> {
-        let done = self.talk(address, operations);
+        let done = self.transfer(address, operations);
         if done == Err(BusError::Late) {
             self.0.set_up();
         }

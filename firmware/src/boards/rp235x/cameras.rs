@@ -3,8 +3,8 @@
 //! ```text
 //! state machine 0, 2   rows of the left and the right camera -> queue of 8 words
 //! state machine 1, 3   start and end of their frames -> flags 0, 1 and 2, 3
-//! DMA channel 0, 2     a row out of the queue to its place; interrupt; starts the next one:
-//! DMA channel 1, 3     the address of the next place out of a table that wraps -> channel 0, 2
+//! DMA channel 0, 2     a row out of the queue to its slot; interrupt; starts the next one:
+//! DMA channel 1, 3     the address of the next slot out of a table that wraps -> channel 0, 2
 //! PIO0_IRQ_1, DMA_IRQ_1   both the same, of one priority: rows.rs says what it means
 //! ```
 //! Everything is decided in `rows.rs`; here registers are read and written. Not yet run on hardware.
@@ -17,7 +17,7 @@
 //! be disabled before, and what chains to it).
 
 use super::program::{self, Program, Wire};
-use super::rows::{BORDER, FRAME_ROWS, PLACE_WORDS, RING_ROWS, RowCounter, Seen};
+use super::rows::{BORDER, FRAME_ROWS, RING_ROWS, RowCounter, SLOT_WORDS, Seen};
 use super::time_us;
 use crate::capture::{RowRing, Signal};
 use core::cell::{RefCell, UnsafeCell};
@@ -55,11 +55,11 @@ struct Shared<T>(UnsafeCell<T>);
 // SAFETY: it is only ever reached through pointers, by this file and the DMA.
 unsafe impl<T> Sync for Shared<T> {}
 
-type Ring = [[u32; PLACE_WORDS]; RING_ROWS];
-/// Addresses of the places of a ring. Aligned to its own size, as a table that wraps has to be.
+type Ring = [[u32; SLOT_WORDS]; RING_ROWS];
+/// Addresses of the slots of a ring. Aligned to its own size, as a table that wraps has to be.
 type Table = [u32; RING_ROWS];
 
-static RINGS: [Shared<Ring>; 2] = [const { Shared(UnsafeCell::new([[0; PLACE_WORDS]; RING_ROWS])) }; 2];
+static RINGS: [Shared<Ring>; 2] = [const { Shared(UnsafeCell::new([[0; SLOT_WORDS]; RING_ROWS])) }; 2];
 static TABLES: [Shared<Table>; 2] = [const { Shared(UnsafeCell::new([0; RING_ROWS])) }; 2];
 const _: () = assert!(align_of::<Shared<Table>>() == size_of::<Table>());
 
@@ -83,10 +83,10 @@ impl Channel {
         if eye == Eye::Left { left } else { right }
     }
 
-    const fn place(self, place: u32) -> *mut [u32; PLACE_WORDS] {
+    const fn slot(self, slot: u32) -> *mut [u32; SLOT_WORDS] {
         let [left, right] = &RINGS;
         let ring = if self.number == 0 { left } else { right };
-        ring.0.get().cast::<[u32; PLACE_WORDS]>().wrapping_add(place as usize % RING_ROWS)
+        ring.0.get().cast::<[u32; SLOT_WORDS]>().wrapping_add(slot as usize % RING_ROWS)
     }
 
     const fn table(self) -> *mut u32 {
@@ -96,15 +96,15 @@ impl Channel {
     }
 
     fn write_table(self) {
-        for place in 0..RING_ROWS {
+        for slot in 0..RING_ROWS {
             // SAFETY: inside the table, which the DMA does not read yet.
-            unsafe { self.table().add(place).write(self.place(place as u32).addr() as u32) };
+            unsafe { self.table().add(slot).write(self.slot(slot as u32).addr() as u32) };
         }
         fence(Ordering::SeqCst);
     }
 
     /// Place in the table that is read next.
-    fn next_place(self) -> u32 {
+    fn next_slot(self) -> u32 {
         let address = DMA.ch(self.number + 1).read_addr().read();
         address.wrapping_sub(self.table().addr() as u32) / 4 % RING_ROWS as u32
     }
@@ -114,11 +114,11 @@ impl Channel {
         let is_idle =
             PIO0.sm(self.number).addr().read().addr() >= ORIGIN.load(Ordering::Relaxed) + program::ROWS.wrap_target;
         let is_empty = PIO0.fstat().read().rxempty() & 1 << self.number != 0;
-        is_idle && is_empty && DMA.ch(self.number).trans_count().read().count() == PLACE_WORDS as u32
+        is_idle && is_empty && DMA.ch(self.number).trans_count().read().count() == SLOT_WORDS as u32
     }
 
-    /// Rows go to this place and the next ones from now on, whatever was going on.
-    fn restart(self, place: u32) {
+    /// Rows go to this slot and the next ones from now on, whatever was going on.
+    fn restart(self, slot: u32) {
         let (rows, addresses) = (DMA.ch(self.number), DMA.ch(self.number + 1));
         let running = 1 << self.number;
         PIO0.ctrl().modify(|w| w.set_sm_enable(w.sm_enable() & !running));
@@ -138,9 +138,9 @@ impl Channel {
         DMA.ints(1).write_value(u32::from(running)); // of a row that is complete, and counted
 
         rows.read_addr().write_value(PIO0.rxf(self.number).as_ptr().addr() as u32);
-        rows.trans_count().write(|w| w.set_count(PLACE_WORDS as u32));
+        rows.trans_count().write(|w| w.set_count(SLOT_WORDS as u32));
         rows.al1_ctrl().write_value(self.rows_control().0);
-        addresses.read_addr().write_value(self.table().wrapping_add(place as usize % RING_ROWS).addr() as u32);
+        addresses.read_addr().write_value(self.table().wrapping_add(slot as usize % RING_ROWS).addr() as u32);
         addresses.write_addr().write_value(rows.al2_write_addr_trig().as_ptr().addr() as u32);
         addresses.trans_count().write(|w| w.set_count(1));
         addresses.ctrl_trig().write_value(self.addresses_control()); // and both run
@@ -190,7 +190,7 @@ impl Channel {
             is_started: flags & 0b01 << self.number != 0,
             is_ended,
             is_overrun: PIO0.fdebug().read().rxstall() & 1 << self.number != 0,
-            next_place: self.next_place(),
+            next_slot: self.next_slot(),
             is_begun: is_ended && !self.is_at_rest(),
             time_us: time_us(),
         })
@@ -199,9 +199,9 @@ impl Channel {
     fn serve(self, counter: &mut RowCounter) {
         let Some(seen) = self.look() else { return };
         // SAFETY: a word of the ring, of a row that is complete; the DMA is elsewhere, or the row is not used.
-        let length_word = |place| unsafe { (&raw const (*self.place(place))[PLACE_WORDS - 1]).read_volatile() };
-        if let Some(place) = counter.take(FRAME_ROWS as u32, &seen, length_word) {
-            self.restart(place);
+        let length_word = |slot| unsafe { (&raw const (*self.slot(slot))[SLOT_WORDS - 1]).read_volatile() };
+        if let Some(slot) = counter.take(FRAME_ROWS as u32, &seen, length_word) {
+            self.restart(slot);
         }
     }
 }
@@ -334,15 +334,15 @@ impl RowRing for CameraRing {
     }
 
     fn written(&self) -> u32 {
-        let next_place = || Channel::of(self.eye).next_place();
-        COUNTERS.lock(|counters| of(self.eye, &mut counters.borrow_mut()).written(next_place()))
+        let next_slot = || Channel::of(self.eye).next_slot();
+        COUNTERS.lock(|counters| of(self.eye, &mut counters.borrow_mut()).written(next_slot()))
     }
 
     fn copy(&self, row: u32, into: &mut [u8]) {
-        let pixels = Channel::of(self.eye).place(row).cast::<u8>().wrapping_add(BORDER as usize);
-        let count = into.len().min(4 * (PLACE_WORDS - 1) - BORDER as usize);
+        let pixels = Channel::of(self.eye).slot(row).cast::<u8>().wrapping_add(BORDER as usize);
+        let count = into.len().min(4 * (SLOT_WORDS - 1) - BORDER as usize);
         fence(Ordering::SeqCst);
-        // SAFETY: inside one place of the ring. The DMA may be writing there; the capture asks `written` afterwards and then does not use it.
+        // SAFETY: inside one slot of the ring. The DMA may be writing there; the capture asks `written` afterwards and then does not use it.
         unsafe { ptr::copy_nonoverlapping(pixels, into.as_mut_ptr(), count) };
         fence(Ordering::SeqCst);
     }

@@ -11,7 +11,7 @@
 //!                behind the row: a word with the count, as `!count`; idle
 //! frames  wait for FVLD high: flag "start";  wait for FVLD low: flag "end"
 //! ```
-//! A row that is shorter or longer than it should be puts the word with the count in another place or another count in it, so that the row is
+//! A row that is shorter or longer than it should be puts the word with the count in another slot or another count in it, so that the row is
 //! known to be bad however late anybody looks at it ([`nibbles`]). LVLD is looked at where the pixels are: at the falling edge of PCLKO.
 //!
 //! # Bounds

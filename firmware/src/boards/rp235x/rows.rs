@@ -4,14 +4,14 @@
 //! be set to the start of a row again.
 //!
 //! ```text
-//! memory   a ring of rows, each of its pixels and a word with its length (program.rs); a row has a place, its number modulo the ring
-//! data     DMA channel: one row from the PIO's queue to its place, then an interrupt and `next`
-//! next     DMA channel: the address of the next place, out of a table that wraps -> data
-//! rows done = those whose place is before the one that `next` has loaded last
+//! memory   a ring of rows, each of its pixels and a word with its length (program.rs); a row has a slot, its number modulo the ring
+//! data     DMA channel: one row from the PIO's queue to its slot, then an interrupt and `next`
+//! next     DMA channel: the address of the next slot, out of a table that wraps -> data
+//! rows done = those whose slot is before the one that `next` has loaded last
 //!
-//! start of a frame   the number of its first row that is kept, told when the border above it is complete
-//! rows               of each: does the word behind it say the right length?  those of the border are only told if not; the last row that
-//!                    is kept is told when the border below it is complete
+//! start of a frame   the number of its first row that is kept, reported when the border above it is complete
+//! rows               of each: does the word behind it say the right length?  those of the border are only reported if not; the last row that
+//!                    is kept is reported when the border below it is complete
 //! end of a frame     a row that has begun is a short line; then the DMA goes to the start of a row: that takes effect long before the
 //!                    next start, while the sensor sends nothing
 //! both, or a queue that is full   signals are lost, and it says so
@@ -38,7 +38,7 @@ pub const FRAME_ROWS: usize = 244;
 pub const DIMS: Dims =
     Dims { width: ROW_BYTES as u16 - 2 * BORDER as u16, height: FRAME_ROWS as u16 - 2 * BORDER as u16 };
 /// Words of a row with that of its length.
-pub const PLACE_WORDS: usize = ROW_BYTES / 4 + 1;
+pub const SLOT_WORDS: usize = ROW_BYTES / 4 + 1;
 /// Signals that are kept: those of all rows of the ring and of the frames that they are of. More would be of rows that are overwritten.
 const SIGNALS: usize = RING_ROWS + 8;
 
@@ -52,7 +52,7 @@ pub struct Seen {
     /// The PIO's queue was full: bits are lost.
     pub is_overrun: bool,
     /// Place in the table that `next` reads next time.
-    pub next_place: u32,
+    pub next_slot: u32,
     /// Something of the row that is being written has come, in memory or in the PIO's queue.
     pub is_begun: bool,
     /// When, microseconds.
@@ -66,9 +66,9 @@ pub struct RowCounter {
     row: u32,
     /// Rows of this frame so far.
     of_frame: u32,
-    /// Start of a frame that is not told yet.
+    /// Start of a frame that is not reported yet.
     started_us: Option<u64>,
-    /// Said already, of this frame.
+    /// Reported already, of this frame.
     is_overrun: bool,
     signals: Deque<Signal, SIGNALS>,
 }
@@ -82,18 +82,18 @@ impl RowCounter {
 
     /// The row that is being written now: so many are complete.
     #[must_use]
-    pub const fn written(&self, next_place: u32) -> u32 {
-        let rows = next_place.wrapping_sub(1).wrapping_sub(self.row) % RING_ROWS as u32;
+    pub const fn written(&self, next_slot: u32) -> u32 {
+        let rows = next_slot.wrapping_sub(1).wrapping_sub(self.row) % RING_ROWS as u32;
         self.row.wrapping_add(rows)
     }
 
-    /// Takes what an interrupt has found; frames have so many rows with their border, and `length_word` is the word behind the row of a place.
-    /// `Some`: the DMA has to be set to the start of this place now, whatever it was doing.
+    /// Takes what an interrupt has found; frames have so many rows with their border, and `length_word` is the word behind the row of a slot.
+    /// `Some`: the DMA has to be set to the start of this slot now, whatever it was doing.
     pub fn take(&mut self, frame_rows: u32, seen: &Seen, length_word: impl Fn(u32) -> u32) -> Option<u32> {
         let Seen { time_us, .. } = *seen;
         if seen.is_started && seen.is_ended {
             // Which came first nobody knows any more.
-            self.row = self.written(seen.next_place);
+            self.row = self.written(seen.next_slot);
             self.lose();
             return None;
         }
@@ -103,9 +103,9 @@ impl RowCounter {
         }
         if seen.is_overrun && !self.is_overrun {
             self.is_overrun = true;
-            self.tell(Signal::Overrun { time_us });
+            self.push_after_start(Signal::Overrun { time_us });
         }
-        let written = self.written(seen.next_place);
+        let written = self.written(seen.next_slot);
         while self.row != written {
             let bytes = bytes(program::nibbles(length_word(self.row % RING_ROWS as u32)));
             self.end_row(frame_rows, bytes, time_us);
@@ -114,9 +114,9 @@ impl RowCounter {
             return None;
         }
         if seen.is_begun {
-            self.tell(Signal::Rows { end: self.row, bytes: 1, time_us });
+            self.push_after_start(Signal::Rows { end: self.row, bytes: 1, time_us });
         }
-        self.tell_start();
+        self.push_start();
         self.is_overrun = false;
         Some(self.row % RING_ROWS as u32)
     }
@@ -126,29 +126,29 @@ impl RowCounter {
         self.signals.pop_front()
     }
 
-    /// A row that is as it should be is told if it is kept; the last of these when the border below it is complete as well, so that a frame
+    /// A row that is as it should be is reported if it is kept; the last of these when the border below it is complete as well, so that a frame
     /// with a row too few is never whole.
     fn end_row(&mut self, frame_rows: u32, bytes: u32, time_us: u64) {
         self.row = self.row.wrapping_add(1);
-        let place = self.of_frame;
-        self.of_frame = place.saturating_add(1);
+        let index = self.of_frame;
+        self.of_frame = index.saturating_add(1);
         let (is_good, first, last) = (bytes == ROW_BYTES as u32, BORDER, frame_rows - BORDER - 1);
-        if !is_good || place >= frame_rows || (first..last).contains(&place) {
-            self.tell(Signal::Rows { end: self.row, bytes, time_us });
+        if !is_good || index >= frame_rows || (first..last).contains(&index) {
+            self.push_after_start(Signal::Rows { end: self.row, bytes, time_us });
         } else if self.of_frame == first {
-            self.tell_start();
+            self.push_start();
         } else if self.of_frame == frame_rows {
-            self.tell(Signal::Rows { end: self.row.wrapping_sub(BORDER), bytes, time_us });
+            self.push_after_start(Signal::Rows { end: self.row.wrapping_sub(BORDER), bytes, time_us });
         }
     }
 
-    /// Whatever is told of a frame comes after its start.
-    fn tell(&mut self, signal: Signal) {
-        self.tell_start();
+    /// Whatever is reported of a frame comes after its start.
+    fn push_after_start(&mut self, signal: Signal) {
+        self.push_start();
         self.push(signal);
     }
 
-    fn tell_start(&mut self) {
+    fn push_start(&mut self) {
         if let Some(time_us) = self.started_us.take() {
             self.push(Signal::FrameStart { time_us, row: self.row });
         }

@@ -50,7 +50,7 @@ impl Watchdog for FrameWatchdog {
 /// Why the board was reset. Before the watchdog is started: starting it forgets.
 #[must_use]
 pub fn reset_cause() -> Reset {
-    let words = ending::last_words();
+    let words = ending::last_note();
     let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());
     let is_ours = WATCHDOG.scratch0().read() == OURS;
     WATCHDOG.scratch0().write_value(0);

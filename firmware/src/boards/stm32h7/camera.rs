@@ -5,10 +5,10 @@
 //! binned rows, all limits below still hold.
 
 use crate::camera::{
-    Binning, Chip, Config, ExposureControl, FrameStart, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig,
-    Trigger,
+    Binning, Chip, Config, ExposureControl, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig, Trigger,
 };
 use crate::capture::{Limits, RingLayout};
+use crate::ports::FrameStart;
 use core::cell::RefCell;
 use embassy_stm32::i2c::{self, I2c, Instance, SclPin, SdaPin};
 use embassy_stm32::mode::Blocking;

@@ -88,39 +88,16 @@ impl CameraPins {
             Peri<'static, impl PixClkPin<Camera>>,
         ),
     ) -> Self {
-        let place = (vsync.port(), vsync.pin());
-        let functions = [
-            d0.af_num(),
-            d1.af_num(),
-            d2.af_num(),
-            d3.af_num(),
-            d4.af_num(),
-            d5.af_num(),
-            d6.af_num(),
-            d7.af_num(),
-            vsync.af_num(),
-            hsync.af_num(),
-            clock.af_num(),
-        ];
-        let pins = [
-            Flex::new(d0),
-            Flex::new(d1),
-            Flex::new(d2),
-            Flex::new(d3),
-            Flex::new(d4),
-            Flex::new(d5),
-            Flex::new(d6),
-            Flex::new(d7),
-            Flex::new(vsync),
-            Flex::new(hsync),
-            Flex::new(clock),
-        ];
-        for (mut pin, function) in pins.into_iter().zip(functions) {
+        let vsync_pin = (vsync.port(), vsync.pin());
+        macro_rules! pins {
+            ($($pin:ident)*) => { [$(($pin.af_num(), Flex::new($pin))),*] };
+        }
+        for (function, mut pin) in pins!(d0 d1 d2 d3 d4 d5 d6 d7 vsync hsync clock) {
             // No sensor: no frame, no row, no pixel, instead of noise that keeps the interrupts busy.
             pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
-        Self { vsync: place }
+        Self { vsync: vsync_pin }
     }
 }
 
@@ -178,7 +155,7 @@ impl Stream for DcmiStream {
     }
 
     fn written(&self) -> u32 {
-        let written = |state: &State| state.bands.written(place(self.layout));
+        let written = |state: &State| state.bands.written(offset(self.layout));
         STATE.lock(|state| state.borrow().as_ref().map_or(0, written))
     }
 
@@ -213,7 +190,7 @@ fn vsync_interrupt(line: usize) -> interrupt {
 }
 
 /// The byte of the ring that the DMA writes next.
-fn place(layout: RingLayout) -> u32 {
+fn offset(layout: RingLayout) -> u32 {
     let left = u32::from(pac::DMA1.st(STREAM).ndtr().read().ndt()) * 4;
     layout.bytes().saturating_sub(left) % layout.bytes()
 }
@@ -287,11 +264,11 @@ fn serve() {
         let dma = pac::DMA1.isr(STREAM / 4).read();
         let is_lost = events.ovr_ris() || dma.teif(STREAM % 4) || dma.dmeif(STREAM % 4);
         empty_buffer();
-        let place = place(layout);
+        let offset = offset(layout);
         let is_settled = pac::DCMI.sr().read().hsync(); // still between two rows after the look
         let (row_ended, frame_ended) = (events.line_ris() && is_settled, events.vsync_ris());
         let events = Events { has_started, row_ended, frame_ended, is_lost };
-        if bands.serve(events, place, now_us) == Dma::Restart {
+        if bands.serve(events, offset, now_us) == Dma::Restart {
             start_anew(layout);
         }
     });

@@ -14,6 +14,19 @@
 //! **Not yet run on hardware.** Register values are those of RM0433 (STM32H742, 743, 753) and RM0399 (STM32H745, 747, 755, 757), sections
 //! named where they are used; what `embassy-stm32` does is left to it.
 
+use crate::ports::Peripherals;
+use crate::rig_store::RigStore;
+
+/// What a board with one of these chips gives to `live`.
+pub type Board<P> = Peripherals<
+    clocks::MicrosecondClock,
+    ports::HostPort,
+    ports::AutopilotPort,
+    P,
+    RigStore<rig::RigFlash>,
+    reset::IndependentDog,
+>;
+
 pub mod camera;
 pub mod clocks;
 pub mod dcmi;

@@ -99,12 +99,12 @@ async fn receive_uart(mut uart: BufferedUartRx<'static>) -> ! {
 /// The line by UART: somebody listens as soon as something has come.
 #[derive(Debug)]
 pub struct UartLine {
-    is_heard: bool,
+    has_received: bool,
 }
 
 impl Line for UartLine {
     fn listener(&self) -> Listener {
-        if self.is_heard { Listener::Somebody } else { Listener::Perhaps }
+        if self.has_received { Listener::Somebody } else { Listener::Perhaps }
     }
 
     fn room(&self) -> usize {
@@ -117,7 +117,7 @@ impl Line for UartLine {
 
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         let count = FROM_UART.try_read(bytes).unwrap_or(0);
-        self.is_heard |= count > 0;
+        self.has_received |= count > 0;
         count
     }
 }
@@ -139,7 +139,7 @@ pub fn host_port<T: Instance>(
     let (sender, receiver) = uart.split();
     spawner.spawn(send_uart(sender, &TO_UART).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
-    let line = UartLine { is_heard: false };
+    let line = UartLine { has_received: false };
     Some(HostLines(usb_port::port(now_us), HostLine::new(line, now_us, PATIENCE_US)))
 }
 

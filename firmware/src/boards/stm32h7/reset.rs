@@ -18,7 +18,7 @@ const WATCHDOG_US: u32 = 5_000_000;
 pub fn cause() -> Option<Reset> {
     let flags = RCC.rsr().read();
     RCC.rsr().modify(|flags| flags.set_rmvf(true));
-    let note = ending::last_words();
+    let note = ending::last_note();
     let cause = if flags.porrstf() {
         ResetCause::PowerOn
     } else if flags.borrstf() {

@@ -1,7 +1,8 @@
 //! Curves of costs over disparity.
 
-use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Rooms, range};
 use super::{Compared, Kernels};
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{LANES, STRIP, Strip, portable};
 
 /// Lengths of cost curves: whole blocks, and such that are none.
@@ -15,18 +16,18 @@ const MOST: usize = 34;
 /// Curves that sum what `count` slices of pixels give, with slices that are too short or longer than need be among them. `given` runs a
 /// kernel on the slices; the first of both runs is that of the kernel.
 fn summed_curves(
-    compared: &mut Compared,
     rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
     counts: core::ops::RangeInclusive<usize>,
     beyond: usize,
     mut run: impl FnMut(&[&[u8]], u32, &mut [u16], &mut [u16]),
 ) {
-    let mut random = Random::new();
     for length in curve_lengths() {
         for count in counts.clone() {
             let contents = Contents::ALL[random.below(6)];
             for room in &mut rooms.rows {
-                contents.fill(&mut random, &mut room.contents);
+                contents.fill(random, &mut room.contents);
             }
             for distance in 0..ALIGNMENTS {
                 let needed = length + beyond;
@@ -40,27 +41,26 @@ fn summed_curves(
                         2 => needed + 1 + random.below(20),
                         _ => needed,
                     };
-                    let place = place(ROW, long, (distance + i) % ALIGNMENTS, random.below(2) == 0);
+                    let range = range(ROW, long, (distance + i) % ALIGNMENTS, random.below(2) == 0);
                     if let Some(start) = starts.get_mut(i).filter(|_| i < 3) {
-                        *start = place.start;
+                        *start = range.start;
                     }
-                    *other = &rooms.rows[i % 3].contents[place];
+                    *other = &rooms.rows[i % 3].contents[range];
                 }
                 let curve = &mut rooms.curve.contents;
                 curve.fill_with(|| random.entry());
                 let mut expected = *curve;
-                let place = place(CURVE, length, distance / 2, distance % 2 == 0);
-                starts[3] = place.start;
-                run(&others[..count], random.next(), &mut curve[place.clone()], &mut expected[place]);
+                let range = range(CURVE, length, distance / 2, distance % 2 == 0);
+                starts[3] = range.start;
+                run(&others[..count], random.next(), &mut curve[range.clone()], &mut expected[range]);
                 compared.note(*curve == expected, length, (count, 0), starts);
             }
         }
     }
 }
 
-pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("sad_curve");
-    summed_curves(&mut compared, rooms, 0..=10, STRIP - 1, |others, seed, ours, theirs| {
+pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    summed_curves(rooms, random, compared, 0..=10, STRIP - 1, |others, seed, ours, theirs| {
         let mut random = Random(seed | 1);
         let mut strips = [Strip { reference: [0; STRIP], other: &[] }; MOST];
         for (strip, &other) in strips.iter_mut().zip(others) {
@@ -71,13 +71,11 @@ pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         (kernels.sad_curve)(strips, ours);
         portable::sad_curve(strips, theirs);
     });
-    compared
 }
 
-pub(super) fn hamming_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("hamming_curve");
+pub(super) fn hamming_curves(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     // Three more than the most that are allowed: no reason to give other bits.
-    summed_curves(&mut compared, rooms, 0..=MOST, 0, |others, seed, ours, theirs| {
+    summed_curves(rooms, random, compared, 0..=MOST, 0, |others, seed, ours, theirs| {
         let mut random = Random(seed | 1);
         let mut points: [(u8, &[u8]); MOST] = [(0, &[]); MOST];
         let extreme = seed & 0x100 != 0;
@@ -89,19 +87,17 @@ pub(super) fn hamming_curves(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         (kernels.hamming_curve)(points, ours);
         portable::hamming_curve(points, theirs);
     });
-    compared
 }
 
 /// Entries of the longest curve that is combined with others.
 const COMBINED: usize = 72;
 
 pub(super) fn combined_curves(
-    name: &'static str,
     kernel: impl Fn([&[u16]; 3], &mut [u16]),
     definition: impl Fn([&[u16]; 3], &mut [u16]),
-) -> Compared {
-    let mut compared = Compared::new(name);
-    let mut random = Random::new();
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for length in 0..=70 {
         for round in 0..64_usize {
             let mut inputs = [[0; COMBINED]; 3];
@@ -124,12 +120,9 @@ pub(super) fn combined_curves(
             compared.note(out == expected, length, (3, 0), starts);
         }
     }
-    compared
 }
 
-pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("lowest");
-    let mut random = Random::new();
+pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in 0..=70 {
         for round in 0..64 {
             let mut curve = [u16::MAX; COMBINED];
@@ -144,5 +137,4 @@ pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms) -> Compared {
             compared.note((kernels.lowest)(curve) == portable::lowest(curve), length, (1, 0), [2 * start, 0, 0, 0]);
         }
     }
-    compared
 }

@@ -1,15 +1,14 @@
 //! Steps and crossings of edges, and census of one pixel.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, Rooms, range};
 use super::{Compared, Kernels};
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::portable;
 
-pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
+pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     const FAR: [usize; 5] = [usize::MAX / 20, usize::MAX / 2, usize::MAX / 2 + 1, usize::MAX - 1, usize::MAX];
-    let mut compared = Compared::new("largest_step");
-    let mut random = Random::new();
     for contents in Contents::ALL {
-        contents.fill(&mut random, &mut rooms.image.contents);
+        contents.fill(random, &mut rooms.image.contents);
         for stride in (0..=5).chain([8, 63, 255, 319, 320, 321, 322, 640]).chain(FAR) {
             for count in (0..=20).chain([500, 0xfffe, 0xffff, 0x1_0000, usize::MAX]) {
                 if stride == 0 && count > 500 && (contents != Contents::Random || count > 0x1_0000) {
@@ -20,9 +19,9 @@ pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 {
                     let length = length.min(IMAGE - ALIGNMENTS);
                     for distance in 0..ALIGNMENTS {
-                        let place = place(IMAGE, length, distance, count % 2 == 0);
-                        let starts = [place.start, 0, 0, 0];
-                        let pixels = &rooms.image.contents[place];
+                        let range = range(IMAGE, length, distance, count % 2 == 0);
+                        let starts = [range.start, 0, 0, 0];
+                        let pixels = &rooms.image.contents[range];
                         let ours = (kernels.largest_step)(pixels, stride, count);
                         let equal = ours == portable::largest_step(pixels, stride, count);
                         compared.note(equal, length, (count, stride), starts);
@@ -34,15 +33,15 @@ pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             }
         }
     }
-    compared
 }
 
 pub(super) fn crossings<T: PartialEq>(
-    name: &'static str,
     kernel: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
     definition: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
     rooms: &mut Rooms,
-) -> Compared {
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     const FAR: [usize; 12] = [
         usize::MAX,
         usize::MAX - 1,
@@ -57,19 +56,17 @@ pub(super) fn crossings<T: PartialEq>(
         usize::MAX / 7,
         usize::MAX / 7 + 1,
     ];
-    let mut compared = Compared::new(name);
-    let mut random = Random::new();
     let mut compare = |image: &[u8; IMAGE], length: usize, first: usize, stride: usize, distance: usize, at_back| {
-        let place = place(IMAGE, length, distance, at_back);
-        let start = place.start;
-        let pixels = &image[place];
+        let range = range(IMAGE, length, distance, at_back);
+        let start = range.start;
+        let pixels = &image[range];
         for sign in [1, -1] {
             let equal = kernel(pixels, first, stride, sign) == definition(pixels, first, stride, sign);
             compared.note(equal, length, (first, stride), [start, 0, 0, 0]);
         }
     };
     for contents in Contents::ALL {
-        contents.fill(&mut random, &mut rooms.image.contents);
+        contents.fill(random, &mut rooms.image.contents);
         let image = &rooms.image.contents;
         for length in 0..=24 {
             for first in (0..length + 2).chain(FAR) {
@@ -87,5 +84,4 @@ pub(super) fn crossings<T: PartialEq>(
             compare(image, length, first, stride, round % ALIGNMENTS, round % 8 < 4);
         }
     }
-    compared
 }

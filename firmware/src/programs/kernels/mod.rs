@@ -26,100 +26,66 @@ mod rooms;
 mod rows;
 mod support;
 
-pub use rooms::{Fence, Rooms};
+pub use rooms::Rooms;
 
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
     self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable,
 };
 use rooms::ALIGNMENTS;
 
-/// The kernels of one machine.
-#[derive(Clone, Copy, Debug)]
-#[expect(missing_docs, clippy::type_complexity, reason = "each is described where it is defined")]
-pub struct Kernels {
-    pub gradient_row: fn(&[u8], &[u8], &[u8], &mut [u8]),
-    pub census_row: fn([&[u8]; 3], &mut [u8]),
-    pub reverse_row: fn(&mut [u8]),
-    pub sad_curve: fn(&[Strip<'_>], &mut [u16]),
-    pub hamming_curve: fn(&[(u8, &[u8])], &mut [u16]),
-    pub sum_curve: fn(&[u16], &[u16], &mut [u16]),
-    pub lower_curve: fn(&[u16], &[u16], &mut [u16]),
-    pub lower_sum_curve: fn(&[u16], &[u16], &[u16], &mut [u16]),
-    pub lowest: fn(&[u16]) -> u16,
-    pub largest_step: fn(&[u8], usize, usize) -> LargestStep,
-    pub census_code: fn(&[u8], usize, usize) -> Option<u8>,
-    pub crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
-    pub crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
-    pub bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
-    pub bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
-    pub weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
-    pub rank_row: fn([&[u8]; 3], &mut [u8]),
-    pub rank_columns: fn(&[u8], &mut [RankColumn]),
-    pub rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
-    pub path_step: fn(&[u8], u8, &mut [u8]) -> u8,
-    pub sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
-    pub lowest_byte: fn(&[u8]) -> u8,
-    pub place_of_byte: fn(&[u8], u8) -> Option<usize>,
+/// [`Kernels`] with those of the core.
+macro_rules! kernels {
+    ($($name:ident: $kernel:ty,)*) => {
+        /// The kernels of one machine.
+        #[derive(Clone, Copy, Debug)]
+        #[expect(missing_docs, reason = "each is described where it is defined")]
+        pub struct Kernels {
+            $(pub $name: $kernel,)*
+        }
+
+        impl Kernels {
+            /// Their names, in the order of the fields.
+            pub const NAMES: [&str; [$(stringify!($name)),*].len()] = [$(stringify!($name)),*];
+            /// Number of kernels.
+            pub const COUNT: usize = Self::NAMES.len();
+
+            /// Those that the core uses on this machine.
+            pub const CHOSEN: Self = Self { $($name: kernel::$name,)* };
+
+            /// The definitions.
+            pub const PORTABLE: Self = Self { $($name: portable::$name,)* };
+        }
+    };
+}
+
+kernels! {
+    gradient_row: fn(&[u8], &[u8], &[u8], &mut [u8]),
+    census_row: fn([&[u8]; 3], &mut [u8]),
+    reverse_row: fn(&mut [u8]),
+    sad_curve: fn(&[Strip<'_>], &mut [u16]),
+    hamming_curve: fn(&[(u8, &[u8])], &mut [u16]),
+    sum_curve: fn(&[u16], &[u16], &mut [u16]),
+    lower_curve: fn(&[u16], &[u16], &mut [u16]),
+    lower_sum_curve: fn(&[u16], &[u16], &[u16], &mut [u16]),
+    lowest: fn(&[u16]) -> u16,
+    largest_step: fn(&[u8], usize, usize) -> LargestStep,
+    census_code: fn(&[u8], usize, usize) -> Option<u8>,
+    crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
+    bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
+    weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
+    rank_row: fn([&[u8]; 3], &mut [u8]),
+    rank_columns: fn(&[u8], &mut [RankColumn]),
+    rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
+    path_step: fn(&[u8], u8, &mut [u8]) -> u8,
+    sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
+    lowest_byte: fn(&[u8]) -> u8,
+    place_of_byte: fn(&[u8], u8) -> Option<usize>,
 }
 
 impl Kernels {
-    /// Number of kernels.
-    pub const COUNT: usize = 23;
-
-    /// Those that the core uses on this machine.
-    pub const CHOSEN: Self = Self {
-        gradient_row: kernel::gradient_row,
-        census_row: kernel::census_row,
-        reverse_row: kernel::reverse_row,
-        sad_curve: kernel::sad_curve,
-        hamming_curve: kernel::hamming_curve,
-        sum_curve: kernel::sum_curve,
-        lower_curve: kernel::lower_curve,
-        lower_sum_curve: kernel::lower_sum_curve,
-        lowest: kernel::lowest,
-        largest_step: kernel::largest_step,
-        census_code: kernel::census_code,
-        crossing_of_rows: kernel::crossing_of_rows,
-        crossing_of_columns: kernel::crossing_of_columns,
-        bilinear_runs: kernel::bilinear_runs,
-        bilinear_cells: kernel::bilinear_cells,
-        weigh_knots: kernel::weigh_knots,
-        rank_row: kernel::rank_row,
-        rank_columns: kernel::rank_columns,
-        rank_costs: kernel::rank_costs,
-        path_step: kernel::path_step,
-        sum_paths: kernel::sum_paths,
-        lowest_byte: kernel::lowest_byte,
-        place_of_byte: kernel::place_of_byte,
-    };
-
-    /// The definitions.
-    pub const PORTABLE: Self = Self {
-        gradient_row: portable::gradient_row,
-        census_row: portable::census_row,
-        reverse_row: portable::reverse_row,
-        sad_curve: portable::sad_curve,
-        hamming_curve: portable::hamming_curve,
-        sum_curve: portable::sum_curve,
-        lower_curve: portable::lower_curve,
-        lower_sum_curve: portable::lower_sum_curve,
-        lowest: portable::lowest,
-        largest_step: portable::largest_step,
-        census_code: portable::census_code,
-        crossing_of_rows: portable::crossing_of_rows,
-        crossing_of_columns: portable::crossing_of_columns,
-        bilinear_runs: portable::bilinear_runs,
-        bilinear_cells: portable::bilinear_cells,
-        weigh_knots: portable::weigh_knots,
-        rank_row: portable::rank_row,
-        rank_columns: portable::rank_columns,
-        rank_costs: portable::rank_costs,
-        path_step: portable::path_step,
-        sum_paths: portable::sum_paths,
-        lowest_byte: portable::lowest_byte,
-        place_of_byte: portable::place_of_byte,
-    };
-
     /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
     pub const WRONG: Self = Self {
         gradient_row: |above, row, below, out| {
@@ -255,10 +221,6 @@ pub struct Compared {
 }
 
 impl Compared {
-    const fn new(kernel: &'static str) -> Self {
-        Self { kernel, comparisons: 0, first: None }
-    }
-
     fn note(&mut self, equal: bool, length: usize, (count, stride): (usize, usize), starts: [usize; 4]) {
         self.comparisons += 1;
         if !equal && self.first.is_none() {
@@ -269,49 +231,48 @@ impl Compared {
 }
 
 /// Compares every kernel, and says whether all are equal to the portable ones.
-pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)) -> bool {
-    let compare: [fn(&Kernels, &mut Rooms) -> Compared; Kernels::COUNT] = [
-        |kernels, rooms| {
+pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compared)) -> bool {
+    type Suite = fn(&Kernels, &mut Rooms, &mut Random, &mut Compared);
+    let suites: [Suite; Kernels::COUNT] = [
+        |kernels, rooms, random, compared| {
             let ours = |[a, r, b]: [&[u8]; 3], out: &mut [u8]| (kernels.gradient_row)(a, r, b, out);
-            rows::rows("gradient_row", ours, |[a, r, b], out| portable::gradient_row(a, r, b, out), rooms)
+            rows::rows(ours, |[a, r, b], out| portable::gradient_row(a, r, b, out), rooms, random, compared);
         },
-        |kernels, rooms| rows::rows("census_row", kernels.census_row, portable::census_row, rooms),
+        |kernels, rooms, random, compared| {
+            rows::rows(kernels.census_row, portable::census_row, rooms, random, compared);
+        },
         rows::reversed_rows,
         curves::sad_curves,
         curves::hamming_curves,
-        |kernels, _| {
+        |kernels, _, random, compared| {
             let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.sum_curve)(a, b, out);
-            curves::combined_curves("sum_curve", ours, |[a, b, _], out| portable::sum_curve(a, b, out))
+            curves::combined_curves(ours, |[a, b, _], out| portable::sum_curve(a, b, out), random, compared);
         },
-        |kernels, _| {
+        |kernels, _, random, compared| {
             let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_curve)(a, b, out);
-            curves::combined_curves("lower_curve", ours, |[a, b, _], out| portable::lower_curve(a, b, out))
+            curves::combined_curves(ours, |[a, b, _], out| portable::lower_curve(a, b, out), random, compared);
         },
-        |kernels, _| {
+        |kernels, _, random, compared| {
             let ours = |[a, b, c]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_sum_curve)(a, b, c, out);
-            curves::combined_curves("lower_sum_curve", ours, |[a, b, c], out| portable::lower_sum_curve(a, b, c, out))
+            curves::combined_curves(ours, |[a, b, c], out| portable::lower_sum_curve(a, b, c, out), random, compared);
         },
         curves::lowest_entries,
         edges::largest_steps,
-        |kernels, rooms| {
+        |kernels, rooms, random, compared| {
             let ours = |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
-            edges::crossings(
-                "census_code",
-                ours,
-                |pixels, first, stride, _| portable::census_code(pixels, first, stride),
-                rooms,
-            )
+            let theirs = |pixels: &[u8], first, stride, _| portable::census_code(pixels, first, stride);
+            edges::crossings(ours, theirs, rooms, random, compared);
         },
-        |kernels, rooms| {
-            edges::crossings("crossing_of_rows", kernels.crossing_of_rows, portable::crossing_of_rows, rooms)
+        |kernels, rooms, random, compared| {
+            edges::crossings(kernels.crossing_of_rows, portable::crossing_of_rows, rooms, random, compared);
         },
-        |kernels, rooms| {
-            edges::crossings("crossing_of_columns", kernels.crossing_of_columns, portable::crossing_of_columns, rooms)
+        |kernels, rooms, random, compared| {
+            edges::crossings(kernels.crossing_of_columns, portable::crossing_of_columns, rooms, random, compared);
         },
         pixels::bilinear_runs,
         pixels::bilinear_cells,
-        |kernels, _| pixels::weighed_knots(kernels),
-        |kernels, rooms| rows::rows("rank_row", kernels.rank_row, portable::rank_row, rooms),
+        pixels::weighed_knots,
+        |kernels, rooms, random, compared| rows::rows(kernels.rank_row, portable::rank_row, rooms, random, compared),
         support::rank_columns,
         support::rank_costs,
         support::path_steps,
@@ -320,10 +281,11 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut tell: impl FnMut(&Compared)
         support::places_of_bytes,
     ];
     let mut all_equal = true;
-    for compare in compare {
-        let compared = compare(kernels, rooms);
+    for (name, suite) in Kernels::NAMES.into_iter().zip(suites) {
+        let mut compared = Compared { kernel: name, comparisons: 0, first: None };
+        suite(kernels, rooms, &mut Random::new(), &mut compared);
         all_equal &= compared.first.is_none();
-        tell(&compared);
+        report(&compared);
     }
     all_equal
 }

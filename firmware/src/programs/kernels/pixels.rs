@@ -1,7 +1,8 @@
 //! Grey levels between pixels.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, UNTOUCHED, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, UNTOUCHED, range};
 use super::{Compared, Kernels};
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
 /// Most runs of one list here.
@@ -32,12 +33,10 @@ fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run
     run
 }
 
-pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("bilinear_runs");
-    let mut random = Random::new();
+pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for round in 0..12_000_usize {
         if round % 40 == 0 {
-            Contents::ALL[round / 40 % 6].fill(&mut random, &mut rooms.image.contents);
+            Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
         }
         let at_back = round % 2 == 0;
         let width = match round % 5 {
@@ -52,7 +51,7 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         for run in &mut runs[..count] {
             let length = if round % 7 == 0 { random.below(90) } else { 1 + random.below(18) };
             if width >= 2 {
-                *run = inside(&mut random, width, length, bytes);
+                *run = inside(random, width, length, bytes);
             }
             total += length;
         }
@@ -72,8 +71,8 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             }
         }
         let length = if round % 11 == 0 { random.below(total + 3) } else { total }.min(ROW - ALIGNMENTS);
-        let rows = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
-        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let rows = range(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = range(ROW, length, random.below(ALIGNMENTS), at_back);
         let starts = [rows.start, to.start, 0, 0];
         let (rows, runs) = (&rooms.image.contents[rows], &runs[..count]);
         let out = &mut rooms.out.contents;
@@ -83,7 +82,6 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         portable::bilinear_runs(rows, width, runs, &mut expected[to]);
         compared.note(*out == expected, runs[0].length as usize, (count, width), starts);
     }
-    compared
 }
 
 /// Most knots of one row here.
@@ -91,12 +89,10 @@ const KNOTS: usize = 8;
 /// What is far outside, or next to the end of numbers.
 const ANYWHERE: [i32; 8] = [0, 1, -1, 1 << 16, -(1 << 20), 1 << 29, i32::MAX, i32::MIN];
 
-pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("bilinear_cells");
-    let mut random = Random::new();
+pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for round in 0..8_000_usize {
         if round % 40 == 0 {
-            Contents::ALL[round / 40 % 6].fill(&mut random, &mut rooms.image.contents);
+            Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
         }
         let at_back = round % 2 == 0;
         let width = [1 + random.below(60), 255, 256, 257, 320][round % 5];
@@ -122,8 +118,8 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         let count = random.below(KNOTS + 1);
         let cells = count.saturating_sub(3) * CELL;
         let length = if round % 4 == 0 { random.below(cells + 20) } else { cells };
-        let held = place(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
-        let to = place(ROW, length, random.below(ALIGNMENTS), at_back);
+        let held = range(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
+        let to = range(ROW, length, random.below(ALIGNMENTS), at_back);
         let starts = [held.start, to.start, 0, 0];
         let rows = if round % 50 == 0 { 0 } else { rows as u32 };
         let ring = Ring { bytes: &rooms.image.contents[held], width, rows, first };
@@ -134,12 +130,9 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
         portable::bilinear_cells(ring, &knots[..count], &mut expected[to]);
         compared.note(*out == expected, length, (count, width), starts);
     }
-    compared
 }
 
-pub(super) fn weighed_knots(kernels: &Kernels) -> Compared {
-    let mut compared = Compared::new("weigh_knots");
-    let mut random = Random::new();
+pub(super) fn weighed_knots(kernels: &Kernels, _: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for round in 0..2_000_usize {
         let mut number = || match round % 3 {
             0 => ANYWHERE[random.below(8)],
@@ -156,5 +149,4 @@ pub(super) fn weighed_knots(kernels: &Kernels) -> Compared {
         portable::weigh_knots(rows, weights, &mut expected[..counts[4]]);
         compared.note(found == expected, counts[4], (counts[0], 0), [0; 4]);
     }
-    compared
 }

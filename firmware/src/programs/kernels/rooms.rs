@@ -1,27 +1,13 @@
 //! Memory for what kernels read and write, and what is put there.
 //!
-//! In: a length, a distance. Out: a place next to a fence at every alignment; pixels of every kind, the same in every run.
+//! In: a length, a distance. Out: a range next to a fence at every alignment; pixels of every kind, the same in every run.
 
+use crate::fence::Fence;
+use crate::programs::random::Random;
 use core::ops::Range;
 
-/// Bytes that no kernel may touch: the first half of a page.
-#[derive(Debug)]
-#[repr(C)]
-pub struct Fence([u8; Self::BYTES]);
-
-impl Fence {
-    /// A power of two, as memory protection units want it.
-    pub const BYTES: usize = PAGE / 2;
-    const NEW: Self = Self([0xc3; Self::BYTES]);
-
-    #[cfg(test)]
-    pub(super) fn is_untouched(&self) -> bool {
-        self.0 == Self::NEW.0
-    }
-}
-
-/// Rooms end where a page does: QEMU looks at the end of an unaligned word only when it lies in another page than the start.
-const PAGE: usize = 1024;
+/// Rooms end where a page does.
+const PAGE: usize = Fence::PAGE;
 
 /// Memory for one slice, and the fence before it. The one behind is that of the next room.
 #[derive(Debug)]
@@ -90,36 +76,6 @@ impl Rooms {
     }
 }
 
-/// Numbers without a pattern, the same in every run (xorshift, Marsaglia 2003).
-pub(super) struct Random(pub(super) u32);
-
-impl Random {
-    pub(super) const fn new() -> Self {
-        Self(0x9e37_79b9)
-    }
-
-    pub(super) fn next(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-
-    pub(super) fn below(&mut self, end: usize) -> usize {
-        (self.next() >> 8) as usize % end
-    }
-
-    /// Any entry of a curve, often an extreme one.
-    pub(super) fn entry(&mut self) -> u16 {
-        match self.below(8) {
-            0 => u16::MAX,
-            1 => 0,
-            2 => 0x8000,
-            _ => self.next() as u16,
-        }
-    }
-}
-
 /// What pixels look like.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Contents {
@@ -160,7 +116,7 @@ impl Contents {
 }
 
 /// Where a slice lies in its room of `room` entries: so far from the front, or from the back.
-pub(super) fn place(room: usize, length: usize, distance: usize, at_back: bool) -> Range<usize> {
+pub(super) fn range(room: usize, length: usize, distance: usize, at_back: bool) -> Range<usize> {
     let start = if at_back { room - length - distance } else { distance };
     start..start + length
 }
@@ -176,9 +132,9 @@ mod tests {
         let fences = rooms.fences().map(|fence| (&raw const *fence).addr());
         assert!(fences.iter().all(|fence| fence % PAGE == 0));
         let [a, b, c] = &rooms.rows;
-        let places = [&a.contents[..], &b.contents, &c.contents, &rooms.out.contents].map(ends);
-        for (place, fences) in places.iter().zip(fences.windows(2)) {
-            assert_eq!(*place, (fences[0] + Fence::BYTES, fences[1]));
+        let ranges = [&a.contents[..], &b.contents, &c.contents, &rooms.out.contents].map(ends);
+        for (range, fences) in ranges.iter().zip(fences.windows(2)) {
+            assert_eq!(*range, (fences[0] + Fence::BYTES, fences[1]));
         }
         assert_eq!(ends(&rooms.image.contents), (fences[5] + Fence::BYTES, fences[6]));
         assert_eq!(rooms.curve.contents.as_ptr_range().end.addr(), fences[5]);

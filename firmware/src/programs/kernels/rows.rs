@@ -1,26 +1,26 @@
 //! Kernels that give a row.
 
-use super::rooms::{ALIGNMENTS, Contents, ROW, Random, Rooms, UNTOUCHED, place};
+use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range};
 use super::{Compared, Kernels};
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::portable;
 
 /// A kernel that computes a row from three, at every width; then with rows that are not equally long.
 pub(super) fn rows(
-    name: &'static str,
     kernel: impl Fn([&[u8]; 3], &mut [u8]),
     definition: impl Fn([&[u8]; 3], &mut [u8]),
     rooms: &mut Rooms,
-) -> Compared {
-    let mut compared = Compared::new(name);
-    let mut random = Random::new();
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     let mut expected = [0; ROW];
     let mut compare = |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
-        let mut places = [const { 0..0 }; 4];
-        for ((place, length), distance) in places.iter_mut().zip(lengths).zip(distances) {
-            *place = super::rooms::place(ROW, length, distance, at_back);
+        let mut ranges = [const { 0..0 }; 4];
+        for ((range, length), distance) in ranges.iter_mut().zip(lengths).zip(distances) {
+            *range = super::rooms::range(ROW, length, distance, at_back);
         }
-        let starts = [0, 1, 2, 3].map(|i: usize| places[i].start);
-        let [a, r, b, to] = places;
+        let starts = [0, 1, 2, 3].map(|i: usize| ranges[i].start);
+        let [a, r, b, to] = ranges;
         let [above, row, below] = &rooms.rows;
         let inputs = [&above.contents[a], &row.contents[r], &below.contents[b]];
         let out = &mut rooms.out.contents;
@@ -33,7 +33,7 @@ pub(super) fn rows(
     for width in (1..=80).chain([320]) {
         for contents in Contents::ALL {
             for room in &mut rooms.rows {
-                contents.fill(&mut random, &mut room.contents);
+                contents.fill(random, &mut room.contents);
             }
             for at_back in [false, true] {
                 // Every combination once; with other contents all alignments of each slice, in twenty combinations.
@@ -56,24 +56,20 @@ pub(super) fn rows(
         }
         compare(rooms, lengths, [0; 4].map(|_: usize| random.below(ALIGNMENTS)), round % 8 < 4);
     }
-    compared
 }
 
-pub(super) fn reversed_rows(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("reverse_row");
-    let mut random = Random::new();
+pub(super) fn reversed_rows(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in (0..=80).chain([320]) {
         for distance in 0..ALIGNMENTS {
             for at_back in [false, true] {
-                let place = place(ROW, length, distance, at_back);
+                let range = range(ROW, length, distance, at_back);
                 let out = &mut rooms.out.contents;
-                Contents::Random.fill(&mut random, out);
+                Contents::Random.fill(random, out);
                 let mut expected = *out;
-                (kernels.reverse_row)(&mut out[place.clone()]);
-                portable::reverse_row(&mut expected[place.clone()]);
-                compared.note(*out == expected, length, (1, 0), [place.start, 0, 0, 0]);
+                (kernels.reverse_row)(&mut out[range.clone()]);
+                portable::reverse_row(&mut expected[range.clone()]);
+                compared.note(*out == expected, length, (1, 0), [range.start, 0, 0, 0]);
             }
         }
     }
-    compared
 }

@@ -1,7 +1,8 @@
 //! Kernels of support points.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Random, Rooms, place};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range};
 use super::{Compared, Kernels};
+use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{RANK_ROWS, STRIP, portable};
 
 /// Lengths of curves of bytes: all short ones, and some up to the longest.
@@ -9,50 +10,45 @@ fn lengths() -> impl Iterator<Item = usize> {
     (0..=256_usize).filter(|length| *length <= 70 || length % 31 == 0 || *length == 256)
 }
 
-pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("rank_columns");
-    let mut random = Random::new();
+pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for width in (0..=80_usize).chain([128]) {
         for round in 0..20_usize {
             let rows = &mut rooms.image.contents;
-            Contents::ALL[random.below(6)].fill(&mut random, rows);
+            Contents::ALL[random.below(6)].fill(random, rows);
             let needed = RANK_ROWS * width;
             let long = match random.below(8) {
                 0 => random.below(needed + 1),
                 1 => needed + random.below(20),
                 _ => needed,
             };
-            let at_rows = place(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
+            let at_rows = range(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
             // Columns begin at whole words in the core.
             let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
-            let at_columns = place(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
+            let at_columns = range(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
             let starts = [at_rows.start, at_columns.start, 0, 0];
             let rows = &rows[at_rows];
             let out = &mut rooms.out.contents;
-            Contents::Random.fill(&mut random, out);
+            Contents::Random.fill(random, out);
             let mut expected = *out;
             (kernels.rank_columns)(rows, out[at_columns.clone()].as_chunks_mut().0);
             portable::rank_columns(rows, expected[at_columns].as_chunks_mut().0);
             compared.note(*out == expected, width, (RANK_ROWS, 0), starts);
         }
     }
-    compared
 }
 
-pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("rank_costs");
-    let mut random = Random::new();
+pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in lengths() {
         for round in 0..40_usize {
             let contents = Contents::ALL[random.below(6)];
             let ranks = &mut rooms.image.contents;
-            contents.fill(&mut random, ranks);
+            contents.fill(random, ranks);
             // As often ranks as bytes that are none.
             if round % 2 == 0 {
                 ranks.iter_mut().for_each(|byte| *byte %= 5);
             }
             let mut window = [[0; RANK_ROWS]; STRIP];
-            Contents::ALL[random.below(6)].fill(&mut random, window.as_flattened_mut());
+            Contents::ALL[random.below(6)].fill(random, window.as_flattened_mut());
             let needed = length + STRIP - 1;
             let long = match random.below(8) {
                 0 => random.below(needed + 1),
@@ -61,24 +57,21 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             };
             // Columns begin at whole words in the core.
             let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
-            let at_columns = place(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
-            let at_costs = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
+            let at_columns = range(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
+            let at_costs = range(ROW, length, round % ALIGNMENTS, round % 8 < 4);
             let starts = [at_columns.start, at_costs.start, 0, 0];
             let columns = ranks[at_columns].as_chunks().0;
             let out = &mut rooms.out.contents;
-            Contents::Random.fill(&mut random, out);
+            Contents::Random.fill(random, out);
             let mut expected = *out;
             (kernels.rank_costs)(&window, columns, &mut out[at_costs.clone()]);
             portable::rank_costs(&window, columns, &mut expected[at_costs]);
             compared.note(*out == expected, length, (RANK_ROWS, 0), starts);
         }
     }
-    compared
 }
 
-pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("path_step");
-    let mut random = Random::new();
+pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in lengths() {
         for round in 0..32_usize {
             let [costs, path, _] = &mut rooms.rows;
@@ -87,9 +80,9 @@ pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
                 lengths[random.below(2)] = random.below(length + 1);
             }
             let [at_costs, at_path] =
-                [0, 1].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
+                [0, 1].map(|k: usize| range(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
             for room in [&mut *costs, path] {
-                Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
+                Contents::ALL[random.below(6)].fill(random, &mut room.contents);
             }
             let starts = [at_costs.start, at_path.start, 0, 0];
             let of_path = portable::lowest_byte(&path.contents[at_path.clone()]);
@@ -101,25 +94,22 @@ pub(super) fn path_steps(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             compared.note(ours == theirs && expected == path.contents, length, (1, 0), starts);
         }
     }
-    compared
 }
 
-pub(super) fn sums_of_paths(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared::new("sum_paths");
-    let mut random = Random::new();
+pub(super) fn sums_of_paths(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in lengths() {
         for round in 0..32_usize {
             let mut lengths = [length; 3];
             if round % 8 == 0 {
                 lengths[random.below(3)] = random.below(length + 1);
             }
-            let places = [0, 1, 2].map(|k: usize| place(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
-            let starts = [0, 1, 2, 2].map(|k: usize| places[k].start);
+            let ranges = [0, 1, 2].map(|k: usize| range(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
+            let starts = [0, 1, 2, 2].map(|k: usize| ranges[k].start);
             for room in &mut rooms.rows {
-                Contents::ALL[random.below(6)].fill(&mut random, &mut room.contents);
+                Contents::ALL[random.below(6)].fill(random, &mut room.contents);
             }
             let [a, b, sums] = &mut rooms.rows;
-            let [at_a, at_b, at_sums] = places;
+            let [at_a, at_b, at_sums] = ranges;
             let (a, b) = (&a.contents[at_a], &b.contents[at_b]);
             let mut expected = sums.contents;
             let theirs = portable::sum_paths(a, b, &mut expected[at_sums.clone()]);
@@ -127,40 +117,36 @@ pub(super) fn sums_of_paths(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
             compared.note(ours == theirs && expected == sums.contents, length, (1, 0), starts);
         }
     }
-    compared
 }
 
 /// A kernel that looks at bytes alone, at every length; they are handed to `same`, which compares it with the definition.
-fn look(name: &'static str, rooms: &mut Rooms, same: impl Fn(&[u8], &mut Random) -> bool) -> Compared {
-    let mut compared = Compared::new(name);
-    let mut random = Random::new();
+fn look(rooms: &mut Rooms, random: &mut Random, compared: &mut Compared, same: impl Fn(&[u8], &mut Random) -> bool) {
     let room = &mut rooms.rows[0].contents;
     for length in 0..=70 {
         for round in 0..64_usize {
             match round {
                 0..8 => room.fill(u8::MAX),
                 8..16 => room.iter_mut().for_each(|byte| *byte = 254 + (random.next() & 1) as u8),
-                _ => Contents::ALL[random.below(6)].fill(&mut random, room),
+                _ => Contents::ALL[random.below(6)].fill(random, room),
             }
-            let place = place(ROW, length, round % ALIGNMENTS, round % 8 < 4);
+            let range = range(ROW, length, round % ALIGNMENTS, round % 8 < 4);
             if round < 16 && length > 0 {
-                room[place.start + random.below(length)] = 3;
+                room[range.start + random.below(length)] = 3;
             }
-            let start = place.start;
-            compared.note(same(&room[place], &mut random), length, (1, 0), [start, 0, 0, 0]);
+            let start = range.start;
+            compared.note(same(&room[range], random), length, (1, 0), [start, 0, 0, 0]);
         }
     }
-    compared
 }
 
-pub(super) fn lowest_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    look("lowest_byte", rooms, |bytes, _| (kernels.lowest_byte)(bytes) == portable::lowest_byte(bytes))
+pub(super) fn lowest_bytes(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    look(rooms, random, compared, |bytes, _| (kernels.lowest_byte)(bytes) == portable::lowest_byte(bytes));
 }
 
-pub(super) fn places_of_bytes(kernels: &Kernels, rooms: &mut Rooms) -> Compared {
-    look("place_of_byte", rooms, |bytes, random| {
+pub(super) fn places_of_bytes(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    look(rooms, random, compared, |bytes, random| {
         let lowest = portable::lowest_byte(bytes);
         let bound = if random.below(3) == 0 { random.next() as u8 } else { lowest };
         (kernels.place_of_byte)(bytes, bound) == portable::place_of_byte(bytes, bound)
-    })
+    });
 }

@@ -9,7 +9,7 @@ use v7 as version;
 #[cfg(armv8m)]
 use v8 as version;
 
-use crate::programs::kernels::{Fence, Rooms};
+use crate::fence::Fence;
 use cortex_m::peripheral::MPU;
 
 /// Forbids the memory below the stack. What a bootloader has left is forgotten.
@@ -31,24 +31,23 @@ pub(crate) fn guard() {
     take_effect();
 }
 
-/// Are there regions for all fences?
-pub(crate) fn has_fences() -> bool {
-    regions() as usize >= version::FIRST_FENCE as usize + Rooms::FENCES
-}
-
 /// How many the processor has.
 fn regions() -> u32 {
     // SAFETY: a read of a register that does not change.
     unsafe { (*MPU::PTR)._type.read() >> 8 & 0xff }
 }
 
-/// Forbids the fences.
-pub(crate) fn forbid_fences(fences: &[&Fence]) {
-    const { assert!(Fence::BYTES.is_power_of_two() && align_of::<Rooms>().is_multiple_of(Fence::BYTES)) };
+/// Forbids the fences, each at a multiple of its size; `false` where the processor has fewer regions.
+pub fn forbid_fences(fences: &[&Fence]) -> bool {
+    const { assert!(Fence::BYTES.is_power_of_two()) };
+    if (regions() as usize) < version::FIRST_FENCE as usize + fences.len() {
+        return false;
+    }
     for (region, &fence) in (version::FIRST_FENCE..).zip(fences) {
         version::forbid(region, (&raw const *fence).addr(), Fence::BYTES);
     }
     take_effect();
+    true
 }
 
 fn take_effect() {

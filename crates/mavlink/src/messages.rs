@@ -1,6 +1,6 @@
 //! The three messages, field for field in the order of the wire.
 
-use super::frame::{Fields, Mavlink};
+use crate::frame::{Fields, Mavlink};
 
 /// A distance that is not known.
 pub const UNKNOWN_CM: u16 = u16::MAX;

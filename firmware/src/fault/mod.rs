@@ -1,13 +1,18 @@
 //! What must not happen ends in a report and an exit code, never in a hang.
 //!
-//! The processor's part, which finds out what it was, is in [`arch`](crate::arch).
+//! The processor's handlers find out what it was, on the stack of handlers.
+
+#[cfg(target_arch = "arm")]
+mod cortex_m;
+#[cfg(target_arch = "riscv32")]
+mod riscv;
 
 use crate::ending::{end, report, report_decimal, report_number};
-use crate::exit::Exit;
 use core::panic::PanicInfo;
+use linestereo_boards::Exit;
 
 /// The end after an instruction or an address that the processor refused: what is known of it, and its registers by name.
-pub(crate) fn refused(overflow: bool, pc: Option<u32>, registers: &[(&str, u32)], address: Option<u32>) -> ! {
+fn refused(overflow: bool, pc: Option<u32>, registers: &[(&str, u32)], address: Option<u32>) -> ! {
     report(if overflow { "stack overflow:" } else { "fault:" });
     if let Some(pc) = pc {
         report_number(" pc ", pc);

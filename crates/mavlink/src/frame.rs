@@ -64,8 +64,8 @@ impl Sender {
             frame.pop();
         }
         let length = frame.len().saturating_sub(HEAD) as u8;
-        if let Some(place) = frame.get_mut(1) {
-            *place = length;
+        if let Some(byte) = frame.get_mut(1) {
+            *byte = length;
         }
         let mut digest = CRC.digest();
         digest.update(frame.get(1..).unwrap_or_default());

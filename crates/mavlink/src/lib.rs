@@ -15,6 +15,10 @@
 //!
 //! # Source
 //! MAVLink 2 serialization (mavlink.io/en/guide/serialization.html), common.xml and minimal.xml.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_debug_implementations)]
+#![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod frame;
 mod messages;

@@ -3,7 +3,7 @@
 /// Lets one message pass per interval, without bursts after a pause.
 ///
 /// ```
-/// use linestereo_wire::mavlink::Pace;
+/// use linestereo_mavlink::Pace;
 /// let mut pace = Pace::per_second(10);
 /// assert!(pace.is_due(0) && !pace.is_due(99_999) && pace.is_due(100_000));
 /// assert!(pace.is_due(5_000_000) && !pace.is_due(5_000_001)); // what was missed is not made up for

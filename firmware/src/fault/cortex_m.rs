@@ -2,12 +2,12 @@
 
 use crate::arch::guard;
 use crate::ending::{end, report, report_number};
-use crate::exit::Exit;
-use crate::{fault, stack};
+use crate::stack;
 use core::ptr;
 use cortex_m::peripheral::SCB;
 use cortex_m::register::psp;
 use cortex_m_rt::exception;
+use linestereo_boards::Exit;
 
 /// Bits of CFSR: the registers could not be saved on the stack (MSTKERR, STKERR), or the stack pointer went below its limit (STKOF, Armv8-M).
 const STACKING_ERROR: u32 = 1 << 4 | 1 << 12;
@@ -42,7 +42,7 @@ unsafe fn HardFault() -> ! {
     let pc = (saved && stack.contains(&frame) && stack.contains(&(frame + 28)))
         // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is the program counter.
         .then(|| unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() });
-    fault::refused(overflow, pc, &[(" cfsr ", cfsr), (" hfsr ", hfsr)], address)
+    super::refused(overflow, pc, &[(" cfsr ", cfsr), (" hfsr ", hfsr)], address)
 }
 
 /// An interrupt that no driver of the board has: a fault.

@@ -1,14 +1,25 @@
 //! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how many of them a serial line carries.
 
-use crate::support::Random;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
 use linestereo::{Dims, HealthFlags, Params, Rig};
-use linestereo_wire::mavlink::{
+use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace, Policy,
     Sender, StreamError, SystemStatus, UNKNOWN_CM,
 };
 use mavlink::dialects::common as theirs;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _, MessageData};
+
+/// xorshift64* (Vigna, 2016): the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32
+    }
+}
 
 /// One of our frames.
 fn ours<M: Mavlink>(sender: Sender, message: &M) -> Vec<u8> {
@@ -45,7 +56,7 @@ fn check<M: Mavlink>(sender: Sender, message: &M, expected: &theirs::MavMessage)
 }
 
 fn any_sender(random: &mut Random) -> Sender {
-    Sender { system: random.byte(), component: random.byte(), sequence: random.byte() }
+    Sender { system: random.next() as u8, component: random.next() as u8, sequence: random.next() as u8 }
 }
 
 fn their_obstacles(message: &ObstacleDistance) -> theirs::MavMessage {

@@ -1,7 +1,7 @@
 //! Every trap is the end: no interrupt is enabled, and the program asks nobody for a service. The handler has a stack of its own.
 
 use crate::arch::guard;
-use crate::{fault, stack};
+use crate::stack;
 use core::arch::global_asm;
 use riscv::register::{mcause, mepc, mtval};
 
@@ -26,7 +26,7 @@ extern "C" fn refused(stack_pointer: usize) -> ! {
     let address = (!cause.is_interrupt() && WITH_ADDRESS.contains(&cause.code())).then_some(value);
     let overflow = !(stack::bottom()..=stack::top()).contains(&stack_pointer)
         || address.is_some_and(|address| guard().contains(&address));
-    fault::refused(
+    super::refused(
         overflow,
         Some(pc as u32),
         &[(" mcause ", cause.bits() as u32)],

@@ -7,11 +7,11 @@
 //! | `Block` | the blocking distance in every sector in view | stops at once, on the spot | stops at once; backs away from what is nearer than its margin |
 //! | `Unknown` | obstacles seen before, while they are kept; nothing else | stops after 0.5 s, never holds | free as soon as nothing is kept |
 //!
-//! Rules, parameters and sources are in `docs/autopilots.md`; `crates/wire/tests/autopilots.rs` holds every cell of this table.
+//! Rules, parameters and sources are in `docs/autopilots.md`; `crates/mavlink/tests/autopilots.rs` holds every cell of this table.
 
-use super::frame::Sender;
-use super::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
-use super::pace::Pace;
+use crate::frame::Sender;
+use crate::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
+use crate::pace::Pace;
 use core::fmt;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 

@@ -1,4 +1,4 @@
-//! What two autopilots make of our messages, by small models of their rules: every cell of the table in `mavlink/stream.rs`.
+//! What two autopilots make of our messages, by small models of their rules: every cell of the table in `src/stream.rs`.
 //!
 //! PX4: `src/lib/collision_prevention/CollisionPrevention.cpp` (`_addObstacleSensorData`, `_enterData`, `_updateObstacleData`,
 //! `_checkSetpointDirectionFeasability`, `_calculateConstrainedSetpoint`); 36 bins up to 1.15, 72 since.
@@ -8,7 +8,7 @@
 use linestereo::diagnostics::Techniques;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
 use linestereo::{Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Position, Rig};
-use linestereo_wire::mavlink::{AutopilotParams, AutopilotStream, Policy};
+use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
 use mavlink::MavlinkReader;
 use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};
 

@@ -1,0 +1,98 @@
+//! A serial line and a clock.
+
+use core::cell::RefCell;
+use linestereo_firmware::ports::{ByteSink, ByteSource, Clock};
+use linestereo_wire::{Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Request, encode};
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// Both ends of a line, and a clock that its test turns. Clones are the same line.
+#[derive(Clone, Default)]
+pub(crate) struct Port(Rc<RefCell<State>>);
+
+#[derive(Default)]
+struct State {
+    to_board: VecDeque<u8>,
+    from_board: Vec<u8>,
+    /// Bytes that the board gets at once; 0 for all.
+    most: usize,
+    now_us: u32,
+    /// Passes with every look at the clock.
+    look_us: u32,
+}
+
+impl Port {
+    /// So many microseconds pass with every look at the clock.
+    pub(crate) fn with_look(look_us: u32) -> Self {
+        let port = Self::default();
+        port.0.borrow_mut().look_us = look_us;
+        port
+    }
+
+    /// With bytes to the board, at most so many at once.
+    pub(crate) fn holding(bytes: Vec<u8>, most: usize) -> Self {
+        let port = Self::with_look(1);
+        (port.0.borrow_mut().to_board, port.0.borrow_mut().most) = (bytes.into(), most);
+        port
+    }
+
+    pub(crate) fn send(&self, id: u16, request: Request) {
+        let mut buffer = [0; MAX_COMMAND];
+        self.0.borrow_mut().to_board.extend(encode(&Command { id, request }, &mut buffer).unwrap());
+    }
+
+    /// What the board wrote since the last call.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        core::mem::take(&mut self.0.borrow_mut().from_board)
+    }
+
+    /// The same as messages.
+    pub(crate) fn received(&self) -> Vec<Message> {
+        let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
+        self.bytes().into_iter().filter_map(|byte| decoder.push(byte)).collect::<Result<_, _>>().unwrap()
+    }
+
+    pub(crate) fn pass(&self, us: u32) {
+        self.0.borrow_mut().now_us += us;
+    }
+}
+
+/// Puts a command at the end of `bytes`.
+pub(crate) fn push(bytes: &mut Vec<u8>, id: u16, request: Request) {
+    bytes.push(DELIMITER);
+    bytes.extend_from_slice(encode(&Command { id, request }, &mut [0; MAX_COMMAND]).unwrap());
+}
+
+impl ByteSource for Port {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        let State { to_board, most, .. } = &mut *self.0.borrow_mut();
+        let most = if *most == 0 { usize::MAX } else { *most };
+        let count = bytes.len().min(most).min(to_board.len());
+        bytes.iter_mut().zip(to_board.drain(..count)).for_each(|(slot, byte)| *slot = byte);
+        count
+    }
+}
+
+impl ByteSink for Port {
+    fn write(&mut self, bytes: &[u8]) {
+        self.0.borrow_mut().from_board.extend_from_slice(bytes);
+    }
+}
+
+impl Clock for Port {
+    const UNIT: &'static str = "microseconds";
+
+    fn now(&self) -> u32 {
+        let mut state = self.0.borrow_mut();
+        state.now_us = state.now_us.wrapping_add(state.look_us);
+        state.now_us
+    }
+
+    fn elapsed(&self, from: u32, to: u32) -> u64 {
+        to.wrapping_sub(from).into()
+    }
+
+    fn microseconds(&self, from: u32, to: u32) -> u64 {
+        self.elapsed(from, to)
+    }
+}
