@@ -1,17 +1,17 @@
-//! Rectangles of pixels: what a detector's box covers, and what of an image is searched.
+//! Rectangles of pixels: boxes of a detector, and areas that are searched.
 
 use crate::image::Dims;
 
 /// Columns `left .. right` of the rows `top .. bottom`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Area {
-    /// First column.
+    /// First column, px.
     pub left: u16,
-    /// First row.
+    /// First row, px.
     pub top: u16,
-    /// The column after the last one.
+    /// Column after the last one, px.
     pub right: u16,
-    /// The row after the last one.
+    /// Row after the last one, px.
     pub bottom: u16,
 }
 
@@ -22,13 +22,13 @@ impl Area {
         Self { left: 0, top: 0, right: dims.width, bottom: dims.height }
     }
 
-    /// Without pixels?
+    /// True without pixels.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
 
-    /// The pixels of both.
+    /// The pixels that are in both.
     #[must_use]
     pub fn common(self, other: Self) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl Area {
         }
     }
 
-    /// The smallest area that has the pixels of both; an empty one has none.
+    /// Bounding box of the pixels of both; an empty area is ignored.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         if self.is_empty() {
@@ -56,7 +56,7 @@ impl Area {
         }
     }
 
-    /// Larger by so many pixels on every side, as far as the image reaches.
+    /// The area with `by` pixels more on every side, limited to the image.
     #[must_use]
     pub fn grown(self, by: u16, dims: Dims) -> Self {
         let grown = Self {
@@ -74,7 +74,7 @@ impl Area {
         self.right.saturating_sub(self.left) as u32 * self.bottom.saturating_sub(self.top) as u32
     }
 
-    /// Does the pixel belong to it?
+    /// True when the pixel lies in it.
     #[must_use]
     pub fn contains(self, x: i32, y: i32) -> bool {
         (i32::from(self.left)..i32::from(self.right)).contains(&x)

@@ -1,6 +1,6 @@
 //! Cost over disparity: minimum, second-best, sub-pixel position.
 //!
-//! Curves live in a `matching::Workspace` of the caller's and are written in place: none is copied, none is on the stack.
+//! Curves are stored in a `matching::Workspace` of the caller and written in place: none is copied, none is on the stack.
 //!
 //! # Source
 //! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi
@@ -9,11 +9,11 @@
 use crate::kernel::{LANES, lower_curve, lower_sum_curve, lowest, sum_curve};
 use crate::units::quotient;
 
-/// Most disparities of a search.
+/// Largest number of disparities compared.
 pub(crate) const MAX_DISPARITIES: usize = 256;
-/// Disparities on both sides of a minimum where no second-best is looked for.
+/// Disparities on both sides of a minimum that the second-best leaves out.
 const NEIGHBOURHOOD: i32 = 2;
-/// Curves of a workspace: what one segment needs at a time.
+/// Number of curves of a workspace: those of one segment.
 pub(crate) const CURVES: usize = 12;
 
 /// Cost at disparities `first .. first + len`. Whole blocks are computed; entries beyond `len` are the largest cost.
@@ -24,10 +24,10 @@ pub(crate) struct Curve {
     len: usize,
 }
 
-/// A curve's minimum.
+/// Minimum of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Minimum {
-    /// Whole disparity.
+    /// Whole disparity, px.
     pub(crate) at: i32,
     /// Its cost.
     pub(crate) cost: u16,
@@ -99,7 +99,7 @@ impl Curve {
         lower_sum_curve(a.whole(), b.whole(), c.whole(), self.blocks());
     }
 
-    /// Becomes the sum of `a` moved by `shift_a` and `b` moved by `shift_b`; entries from outside count as the largest cost.
+    /// Becomes the sum of `a` moved by `shift_a` and `b` moved by `shift_b`; entries outside of either are the largest cost.
     pub(crate) fn set_shifted_sum(&mut self, a: &Self, shift_a: i32, b: &Self, shift_b: i32) {
         (self.first, self.len) = (a.first, a.len);
         self.blocks().fill(u16::MAX);
@@ -122,13 +122,13 @@ impl Curve {
     /// The first lowest entry.
     pub(crate) fn minimum(&self) -> Minimum {
         let cost = lowest(self.whole());
-        let place = self.whole().iter().position(|&c| c == cost).unwrap_or(0);
-        Minimum { at: self.first + i32::try_from(place).unwrap_or(0), cost }
+        let index = self.whole().iter().position(|&c| c == cost).unwrap_or(0);
+        Minimum { at: self.first + i32::try_from(index).unwrap_or(0), cost }
     }
 
     /// Lowest cost outside the neighbourhood of `at`: the second-best.
     pub(crate) fn second_best(&mut self, at: i32) -> u16 {
-        // The neighbourhood is covered while the rest is looked at.
+        // The neighbourhood is replaced by the largest cost meanwhile.
         let mut covered = [u16::MAX; 2 * NEIGHBOURHOOD as usize + 1];
         self.swap_neighbourhood(at, &mut covered);
         let second_best = lowest(self.whole());
@@ -179,7 +179,8 @@ pub(crate) fn subpixel_q6(at: i32, cost: impl Fn(i32) -> Option<u16>) -> i32 {
     (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
 }
 
-/// `256 * (cost + 1) / (second_best + 1)`, at most 3 * 256: below 256 the minimum is better than the second-best. The ones make two perfect matches a tie.
+/// Uniqueness ratio `256 * (cost + 1) / (second_best + 1)`, Q8, at most 768: below 256 the minimum is better than the second-best. The ones make
+/// two perfect matches a tie.
 pub(crate) fn ratio_q8(cost: u16, second_best: u16) -> i32 {
     quotient((i32::from(cost) + 1) << 8, i32::from(second_best) + 1).min(768)
 }

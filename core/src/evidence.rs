@@ -80,12 +80,12 @@ define_evidence! {
     NextToEdge: "1 for the pixels next to an edge whose two sides are not known to be one surface",
 }
 
-/// Evidence by support points, known when all segments are matched.
+/// Evidence by support points and other segments, known when all segments are matched.
 pub(crate) const NEARBY: [Kind; 4] =
     [Kind::SupportAgreeing, Kind::SupportFarther, Kind::SupportNearer, Kind::SegmentsAgreeing];
 
 impl Evidence {
-    /// The same evidence by segments and support points nearby.
+    /// The evidence completed with that by support points and segments nearby, Q8.
     #[must_use]
     pub fn with_nearby(mut self, nearby_q8: [i16; 4]) -> Self {
         for (kind, value) in NEARBY.into_iter().zip(nearby_q8) {
@@ -94,7 +94,7 @@ impl Evidence {
         self
     }
 
-    /// The same evidence with one entry changed.
+    /// The evidence with one entry changed.
     pub(crate) fn with(mut self, kind: Kind, value_q8: i32) -> Self {
         self.set(kind, value_q8);
         self

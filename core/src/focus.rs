@@ -1,17 +1,17 @@
-//! Which part of a pair is matched: a detector says where depth is needed, and the rest of the frame costs nothing.
+//! Focus: the areas of a pair that are matched, where depth is needed; the rest of the frame costs nothing.
 //!
-//! In: areas of the left image. Out: where edges have to start in both images, which segments are matched, and the pixels that their windows may
-//! look at, so that the candidates that speak of the areas are those of a run over the whole frame.
+//! In: areas of the left image. Out: the areas in which edges start in both images, the segments that are matched, and the pixels that their
+//! windows may reach, so that the candidates for objects in the areas are those of a run over the whole frame.
 //!
 //! ```text
-//! matched   what can speak of an object in an area: a window's middle lies in it
-//! left      edges that start in the squares of selection that such windows meet, or within a scan of them: every competitor is known
-//! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: they tell the row offset
+//! matched   segments that can count for an object in an area: a window's middle lies in it
+//! left      edges that start in the squares of selection that such windows meet, or within a scan of them, so that every competitor is found
+//! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: for the row offset
 //! rows      gradients and census codes in the columns that windows reach
 //! ```
 //!
 //! # Source
-//! The chapter's first idea: other perception rules out the pixels whose depth nobody needs.
+//! The chapter's first idea: other perception excludes the pixels whose depth is not needed.
 
 use crate::area::Area;
 use crate::image::Dims;
@@ -21,30 +21,31 @@ use crate::objects::region_support::{OBJECT_REACH, supports_area};
 use crate::params::Params;
 use heapless::Vec;
 
-/// How far a right segment may begin beyond what its left one says, px.
+/// Margin around the expected position of a right segment, px.
 const VOTES: u16 = 8;
 
-/// Which part of a pair is matched ([`Plan::run_on`](crate::Plan::run_on)).
+/// Part of a pair that is matched ([`Plan::run_on`](crate::Plan::run_on)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Focus<'a> {
     /// Areas of the left image. Of more than [`Focus::MAX_AREAS`] the last ones are joined to one. `None` is the whole frame; without a pixel
     /// in any of them nothing is matched.
     pub areas: Option<&'a [Area]>,
     /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame found it
-    /// ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to find it in what is looked at, where too little may tell it.
+    /// ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to estimate it in the areas, where
+    /// segments may be too few.
     pub row_offset_q5: Option<i16>,
 }
 
 impl Focus<'_> {
     /// The whole frame.
     pub const WHOLE: Self = Self { areas: None, row_offset_q5: None };
-    /// Most areas that are told apart.
+    /// Largest number of separate areas.
     pub const MAX_AREAS: usize = 16;
 }
 
 type Areas = Vec<Area, { Focus::MAX_AREAS }>;
 
-/// Where to look: everywhere, or around these areas.
+/// Areas to search, or everywhere.
 pub(crate) struct SearchRegions {
     areas: Option<Areas>,
     dims: Dims,
@@ -66,14 +67,14 @@ impl SearchRegions {
         Self { areas, dims }
     }
 
-    /// The areas; everywhere without.
+    /// The areas; `None` for everywhere.
     pub(crate) fn areas(&self) -> Option<&[Area]> {
         self.areas.as_deref()
     }
 
-    /// Where edges of the left image start; everywhere without.
+    /// Areas in which edges of the left image start; `None` for everywhere.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        // The middle of what is matched lies within OBJECT_REACH of the area, and its competitors' middles in the same squares.
+        // Middles of matched segments lie within OBJECT_REACH of the area, and their competitors' in the same squares.
         let squares = |area: Area| {
             let Area { left, top, right, bottom } = area.grown(OBJECT_REACH, self.dims);
             let before = |at: u16| at - at.checked_rem(cell).unwrap_or(0);
@@ -83,7 +84,7 @@ impl SearchRegions {
         self.each(|area| squares(area).grown(SCAN_STEP as u16, self.dims))
     }
 
-    /// Where edges of the right image start that can be those of these left segments; everywhere without.
+    /// Areas in which edges of the right image start that can correspond to these left segments; `None` for everywhere.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
             let flat = left.iter().filter(|segment| segment.near_horizontal && supports_area(segment, area));
@@ -93,7 +94,7 @@ impl SearchRegions {
         })
     }
 
-    /// Pixels that windows of the segments in each area may look at, at these disparities; everything without.
+    /// Pixels that windows of the segments in each area may reach, at these disparities; `None` for all.
     pub(crate) fn extents(
         &self,
         left: &[Segment],
@@ -111,7 +112,7 @@ impl SearchRegions {
         })
     }
 
-    /// Is this left segment matched?
+    /// True when this left segment is matched.
     pub(crate) fn contains(&self, segment: &Segment) -> bool {
         self.areas.as_ref().is_none_or(|areas| areas.iter().any(|&area| supports_area(segment, area)))
     }
@@ -127,7 +128,7 @@ impl SearchRegions {
     }
 }
 
-/// The smallest area with all of these segments.
+/// Bounding box of segments.
 fn boxes<'a>(segments: impl Iterator<Item = &'a Segment>) -> Area {
     segments.map(Segment::area).fold(Area::default(), Area::joined)
 }

@@ -1,6 +1,6 @@
 //! Grey images as borrowed views: the only place where image geometry is validated.
 //!
-//! In: a byte slice, its dimensions and the distance between rows. Out: a view whose rows cannot fail to exist.
+//! In: a byte slice, its dimensions and the distance between rows. Out: a view all of whose rows exist.
 
 use core::fmt;
 
@@ -14,23 +14,23 @@ pub const MAX_HEIGHT: u16 = 1280;
 /// Width and height of an image in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dims {
-    /// Pixels in a row.
+    /// Width, px.
     pub width: u16,
-    /// Rows.
+    /// Height, px.
     pub height: u16,
 }
 
 /// Columns `start .. end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Span {
-    /// First column.
+    /// First column, px.
     pub start: u16,
-    /// The column after the last one; equal to `start` when there is none.
+    /// Column after the last one, px; equal to `start` when there is none.
     pub end: u16,
 }
 
 impl Span {
-    /// Is column `x` one of them?
+    /// True when column `x` is one of them.
     #[must_use]
     pub fn contains(self, x: i32) -> bool {
         (i32::from(self.start)..i32::from(self.end)).contains(&x)
@@ -42,11 +42,11 @@ impl Span {
     }
 }
 
-/// What is read of an image lies at most so many pixels from a usable one.
+/// Largest distance of pixels that are read from a usable one, px.
 pub const MARGIN: u16 = 4;
 
-/// Spans of pixels with content -> spans of pixels that are usable: everything within [`MARGIN`] of them has content. What lies outside of
-/// the image counts as content, because borders are treated everywhere. Rows of the image in order; done once, it does not change with frames.
+/// Spans of pixels with content -> spans of pixels that are usable: everything within [`MARGIN`] of them has content. Pixels outside
+/// the image count as content, because borders are handled everywhere. `spans` has the rows of the image in order; the result holds for all frames.
 ///
 /// ```
 /// use linestereo::Span;
@@ -81,16 +81,16 @@ impl fmt::Display for Dims {
     }
 }
 
-/// Why a slice is not an image of the stated geometry.
+/// Reason why a slice is not an image of the given geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewError {
     /// A side is outside [`MIN_SIDE`] ..= [`MAX_WIDTH`] / [`MAX_HEIGHT`].
     Dims(Dims),
     /// The distance between rows is smaller than a row.
     Stride {
-        /// The distance given.
+        /// Distance given, bytes.
         stride: usize,
-        /// The least possible one.
+        /// Least possible distance, bytes.
         width: u16,
     },
     /// The slice ends before the last row does.
@@ -100,7 +100,7 @@ pub enum ViewError {
         /// Bytes given.
         given: usize,
     },
-    /// There is not one span of usable pixels for each row.
+    /// The number of spans of usable pixels is not that of rows.
     Spans {
         /// Rows of the image.
         rows: u16,
@@ -168,8 +168,8 @@ impl<'a> Gray<'a> {
         Ok(Self { pixels, dims, stride, usable: &[] })
     }
 
-    /// The same view, of which only these pixels are used, a span for each row: edges are found, and disparities given, nowhere else, and
-    /// what lies more than [`MARGIN`] pixels outside of them never influences a result. See [`shrink_to_usable`].
+    /// The view restricted to these pixels, a span for each row: edges and disparities lie in them, and pixels more than [`MARGIN`] px outside never
+    /// influence a result. See [`shrink_to_usable`].
     pub fn with_usable(self, spans: &'a [Span]) -> Result<Self, ViewError> {
         if spans.len() != usize::from(self.dims.height) {
             return Err(ViewError::Spans { rows: self.dims.height, given: spans.len() });
@@ -180,13 +180,13 @@ impl<'a> Gray<'a> {
         }
     }
 
-    /// The spans of [`Gray::with_usable`]; none when every pixel is usable.
+    /// The spans of [`Gray::with_usable`]; empty when every pixel is usable.
     #[must_use]
     pub fn usable(self) -> &'a [Span] {
         self.usable
     }
 
-    /// Usable columns of a row; the nearest row's above and below the image.
+    /// Usable columns of a row; above and below the image those of the nearest row.
     pub(crate) fn usable_columns(self, y: i32) -> Span {
         let last = i32::from(self.dims.height) - 1;
         let whole = Span { start: 0, end: self.dims.width };
@@ -199,7 +199,7 @@ impl<'a> Gray<'a> {
         self.dims
     }
 
-    /// All bytes and the distance between rows, for code that walks along columns.
+    /// All bytes and the distance between rows, bytes, for access along columns.
     pub(crate) fn as_slice(self) -> (&'a [u8], usize) {
         (self.pixels, self.stride)
     }

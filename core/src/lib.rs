@@ -1,22 +1,23 @@
 //! Sparse stereo depth from line segments and support points, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
 //!
-//! Dense stereo spends its work on pixels nobody asks for and is wrong at many of them. Line segments are few, prominent and credible; a sparse
-//! grid of points, matched semi-globally, knows the surfaces between them and where a segment should look. Each segment is matched by a
-//! window and by census, which have to agree, and by the edge itself in the right image, which is evidence; everything is reported with a probability. What is not credible is not reported.
+//! Dense stereo computes every pixel, and many of its disparities are wrong. Line segments are few and prominent; a sparse grid of support
+//! points, matched semi-globally, covers the surfaces between them and limits the disparities at which segments are searched. Each segment is
+//! matched by a window and by census, which have to agree, and by the edge itself in the right image, which is evidence. Every disparity has a
+//! probability; those below a limit are not reported.
 //!
 //! ```text
 //! Params -> plan -> Plan            once: every check, every float
 //!
 //! left, right                       per pair, rectified (the package `linestereo-rig` does that): integers only, memory is the caller's
-//!   health      is the pair fit to be matched and believed?
-//!   focus       the whole frame, or around what a detector asks for
+//!   health      faults of the images and the rig, before and after matching
+//!   focus       the whole frame, or areas given by a detector
 //!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square; row offset of the pair
-//!   support     a grid of points: ranks, windows, three paths; what they say tells segments where to look
-//!   matching    per segment: window, census, halves, the edge in the right image where it must be, ownership of each side;
-//!               margin between the techniques (Eq. 13); what support points around it say, and it of them
+//!   support     a grid of points: ranks, windows, three paths; their disparities limit the search range of segments
+//!   matching    per segment: window, census, halves, the edge in the right image near that disparity, owners;
+//!               margin between the techniques (Eq. 13); evidence between segments and support points nearby
 //!   confidence  evidence -> probability of being within 1 px
-//!   report      one right position explains one left position; matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
-//! what a robot asks                 of the candidates of the last pair
+//!   report      uniqueness constraint; matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
+//! on demand                         from the candidates and support points of the last pair
 //!   objects     the depth of boxes and masks
 //!   query       the depth of one pixel
 //!   obstacles   the nearest obstacle of each direction, kept over pairs
@@ -28,11 +29,11 @@
 //! const DIMS: Dims = Dims { width: 160, height: 120 };
 //! type Memory = scratch!(DIMS, 256);
 //! let mut scratch = Memory::new(); // in a static on a board
-//! // 200 px * 0.06 m: what has a disparity of 12 px is 1 m away.
+//! // 200 px * 0.06 m / 12 px = 1 m.
 //! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
 //! let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
 //!
-//! // A wall with bars of many widths, as two cameras see it.
+//! // A wall with bars of many widths, as seen by two cameras.
 //! let grey = |x: usize, y: usize| if (x * x / 400 + y / 30) % 2 == 0 { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
 //! let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
 //! let (left, right) = (image(0), image(12));
@@ -46,7 +47,7 @@
 //!     let [top, bottom] = segment.depth.unwrap();
 //!     assert!((metres(top) - 1.0).abs() < 0.03 && (metres(bottom) - 1.0).abs() < 0.03);
 //! }
-//! // What a detector found, and a pixel.
+//! // A detected object, and a pixel.
 //! let region = Region::boxed(1, Area { left: 60, top: 30, right: 120, bottom: 90 }, DIMS)?;
 //! matched.objects(&[region], |object| assert!((metres(object.depth.unwrap()) - 1.0).abs() < 0.03));
 //! assert!((metres(matched.pixel((97, 61), None)?.depth.unwrap()) - 1.0).abs() < 0.03);
@@ -59,11 +60,11 @@
 //!
 //! # Conventions
 //! Left is the reference image; disparity is `x_left - x_right`, 0 or more in front of the rig; x grows right, y down, z forward; whole
-//! positions are pixel centres. A plain integer that carries a fraction says so: `cost_q8`, `slope_q12`, `d_q6` (1/64 px).
+//! positions are pixel centres. Names of plain integers with a fraction carry its bits: `cost_q8`, `slope_q12`, `d_q6` (1/64 px).
 //!
 //! # Same bits everywhere
-//! The result depends on the pixels, the parameters and the capacities of the lists alone: not on the machine, the profile, the stride, or
-//! what the memory held before.
+//! The result depends on the pixels, the parameters and the capacities of the lists alone: not on the machine, the profile, the stride, or the
+//! previous content of the memory.
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_debug_implementations)]
@@ -78,9 +79,9 @@ mod fnv;
 mod focus;
 pub mod health;
 pub mod image;
-#[doc(hidden)] // stand in `diagnostics`
+#[doc(hidden)] // re-exported in `diagnostics`
 pub mod kernel;
-#[doc(hidden)] // stand in `diagnostics`
+#[doc(hidden)] // re-exported in `diagnostics`
 pub mod lines;
 mod matched;
 mod matcher;
@@ -119,7 +120,7 @@ pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
 pub use support::{Support, SupportPoint, most_support_points};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
-/// Evidence, models, stages of a run and inner loops: for fitting, tests and comparisons.
+/// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons.
 pub mod diagnostics {
     pub use crate::confidence::{FITTED, Model, Models, NODES};
     pub use crate::evidence::{EVIDENCE, Evidence, Kind};

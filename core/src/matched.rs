@@ -1,8 +1,8 @@
-//! A matched pair, and what a robot asks of it.
+//! Matched pair: access to its results, and evaluation on demand.
 //!
 //! In: a plan, the pair, the memory of its run. Out: segments, points, the depth of objects and pixels.
 //!
-//! It borrows the pair and the memory: while it lives no other pair can be matched there, so every question is about this one.
+//! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
 use crate::health::PairHealth;
 use crate::image::{Dims, Gray};
@@ -23,7 +23,7 @@ pub struct Summary {
     pub(crate) counts: Counts,
     /// Rows to add to a left row for the matching right one, 1/32 px.
     pub(crate) row_offset_q5: i16,
-    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail).
+    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) health: PairHealth,
 }
@@ -35,7 +35,7 @@ impl Summary {
         &self.counts
     }
 
-    /// Health of the pair; good where nobody looked.
+    /// Health of the pair; good when it was not checked.
     #[must_use]
     pub fn health(&self) -> &PairHealth {
         &self.health
@@ -46,15 +46,15 @@ impl Summary {
         (i32::from(self.row_offset_q5) + 16) >> 5
     }
 
-    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as
-    /// [`Focus`](crate::Focus) told it.
+    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as given by
+    /// [`Focus`](crate::Focus).
     #[must_use]
     pub fn row_offset_q5(&self) -> i16 {
         self.row_offset_q5
     }
 }
 
-/// A matched pair. Of a pair that was refused nothing is known.
+/// A matched pair; without results if the pair was refused.
 #[derive(Debug)]
 pub struct Matched<'a> {
     pub(crate) plan: Plan,
@@ -76,7 +76,7 @@ impl<'a> Matched<'a> {
         &self.summary
     }
 
-    /// Health of the pair; good where nobody looked.
+    /// Health of the pair; good when it was not checked.
     #[must_use]
     pub fn health(&self) -> &PairHealth {
         &self.summary.health
@@ -94,7 +94,7 @@ impl<'a> Matched<'a> {
         self.scratch.matches
     }
 
-    /// Everything that passed the hard tests, with its evidence: what a confidence model is fitted on.
+    /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
         self.scratch.candidates
@@ -106,12 +106,12 @@ impl<'a> Matched<'a> {
         Support::new(&self.plan.params, self.plan.dims, self.scratch.support, self.summary.detail_q8)
     }
 
-    /// The support points that reach the least confidence, as they stand among [`Matched::points`].
+    /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
     pub fn support_points(&self) -> impl Iterator<Item = Point> + use<'_> {
         self.support().credible(self.plan.params.min_confidence)
     }
 
-    /// Hands every point to `each`: those of segments, most probable sides first, then support points; at most one per pixel.
+    /// Calls `each` with every point: those of segments, most probable sides first, then support points; at most one per pixel.
     ///
     /// # Cost
     /// Some 40 instructions a point.
@@ -120,7 +120,7 @@ impl<'a> Matched<'a> {
         report.list_points(&mut each);
     }
 
-    /// Hands the depth of every region to `each`, in the order given. The answers of a pair that is not fit to be believed are refusals.
+    /// Calls `each` with the depth of every region, in the order given. Without depth for a pair that is not [fit](crate::HealthFlags::is_fit).
     ///
     /// # Cost
     /// On a Cortex-M7 some 27 000 instructions for a box of a fifteenth of a QVGA image.
@@ -146,10 +146,10 @@ impl<'a> Matched<'a> {
         }
     }
 
-    /// The depth of one pixel, on a segment or not; `region` is what it belongs to, if that is known.
+    /// The depth of one pixel, on a segment or not; `region` is the one that it belongs to, if known.
     ///
     /// # Errors
-    /// Why it is not known; [`PixelRejection::UnhealthyPair`] for a pair that was refused.
+    /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that was refused.
     ///
     /// # Cost
     /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 70 000 where segments are dense.
@@ -157,7 +157,7 @@ impl<'a> Matched<'a> {
         self.query(|query| query.answer(pixel, region))
     }
 
-    /// The disparity that [`Matched::pixel`] would answer (1/64 px) and its evidence, whatever its probability: what a model is fitted on.
+    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability: the data that models are fitted on.
     pub fn pixel_evidence(
         &mut self,
         pixel: (u16, u16),
@@ -166,13 +166,13 @@ impl<'a> Matched<'a> {
         self.query(|query| query.evidence_of(pixel, region))
     }
 
-    fn query<T>(&mut self, ask: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>) -> Result<T, PixelRejection> {
+    fn query<T>(&mut self, evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>) -> Result<T, PixelRejection> {
         if self.summary.health.is_refused() {
             return Err(PixelRejection::UnhealthyPair);
         }
         let ScratchView { candidates, support, rows, work, .. } = &mut self.scratch;
         let Plan { params, dims, pixel_model, .. } = &self.plan;
-        ask(Query {
+        evaluate(Query {
             params,
             model: pixel_model,
             images: self.images,

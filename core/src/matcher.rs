@@ -1,11 +1,11 @@
-//! Pairs of one camera pair, one after the other: health before and after, the run between.
+//! Matching of consecutive pairs of one rig: health before and after, the run between.
 //!
 //! In: a plan, pairs. Out: a [`Matched`] each. State: the health monitor and the row offset of the last whole pair.
 //!
 //! ```text
-//! look at the images: a pair that is refused is not matched, and every question about it is answered by that refusal
+//! check the images; a pair that is refused is not matched: it has no matches, and objects and pixels have no depth
 //! match the whole frame, or parts of it with the row offset of the last whole pair
-//! look at the matches
+//! check the matches
 //! ```
 
 use crate::area::Area;
@@ -21,11 +21,11 @@ use crate::scratch::{RunError, ScratchView};
 /// A rectified pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a> {
-    /// The left image, to which every answer refers.
+    /// The left image, the reference of all results.
     pub left: Gray<'a>,
     /// The right image.
     pub right: Gray<'a>,
-    /// When each was captured, us of one clock, if that is known.
+    /// Times of capture, left and right, us of one clock, if known.
     pub times_us: Option<[u64; 2]>,
 }
 
@@ -36,7 +36,7 @@ pub struct Matcher {
     pub limits: HealthLimits,
     plan: Plan,
     monitor: HealthMonitor,
-    /// Of the last pair that was matched as a whole.
+    /// Row offset of the last pair that was matched as a whole, 1/32 px.
     row_offset_q5: Option<i16>,
 }
 
@@ -48,34 +48,34 @@ impl Params {
 }
 
 impl Matcher {
-    /// Nothing seen yet.
+    /// A matcher before the first pair.
     #[must_use]
     pub const fn new(plan: Plan) -> Self {
         Self { limits: HealthLimits::DEFAULT, plan, monitor: HealthMonitor::new(), row_offset_q5: None }
     }
 
-    /// How pairs are matched.
+    /// Plan of the matching.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Matches pairs of the same cameras in another way from now on: their health goes on.
+    /// Changes the plan for further pairs of the same cameras; the state of health stays.
     pub fn set_plan(&mut self, plan: Plan) {
         self.plan = plan;
     }
 
-    /// Has a whole pair said how far the rows of both images are apart?
+    /// True when the row offset of a whole pair is known.
     #[must_use]
     pub fn knows_rows(&self) -> bool {
         self.row_offset_q5.is_some()
     }
 
-    /// Matches the next pair; with `areas` these parts of the left image alone, with the row offset of the last whole pair, or, before one, as far
-    /// as they tell it.
+    /// Matches the next pair; with `areas` these parts of the left image alone, with the row offset of the last whole pair, or, before the first,
+    /// one estimated in them.
     ///
     /// # Errors
-    /// As [`Plan::run`]; such a pair leaves nothing behind.
+    /// As [`Plan::run`]; such a pair does not change the state.
     pub fn run<'a>(
         &mut self,
         pair: Pair<'a>,
@@ -108,7 +108,7 @@ impl Matcher {
         Ok(matched)
     }
 
-    /// The next pair stands alone: no health before it counts. What is known of its rows stays.
+    /// Resets the state of health; the row offset stays.
     pub fn forget_health(&mut self) {
         self.monitor = HealthMonitor::new();
     }

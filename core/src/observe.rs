@@ -1,6 +1,6 @@
-//! Watching a run from outside: for clocks, digests and pictures of what happens inside. A run that nobody watches costs nothing.
+//! Observers of a run: callbacks at the end of each stage, for timing, digests and pictures. The observer `()` costs nothing.
 //!
-//! In: what each stage gives, at the moment it ends. Out: whatever the observer makes of it; the result of the run does not depend on it.
+//! In: the result of each stage when it ends. Out: nothing; the result of the run does not depend on its observer.
 
 use crate::evidence::Evidence;
 use crate::fnv::Fnv;
@@ -12,26 +12,27 @@ use crate::support::SupportPoint;
 use crate::support::evidence::SupportEvidence;
 use core::hash::{Hash, Hasher};
 
-/// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] come once per left segment, in turns; the others once per pair.
+/// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] occur alternately, once per left segment;
+/// [`StageEvent::Health`] before and after matching; the others once per pair.
 #[derive(Clone, Copy, Debug)]
 pub enum StageEvent<'a> {
     /// Segments of the left image.
     LinesLeft(&'a [Segment]),
     /// Segments of the right image.
     LinesRight(&'a [Segment]),
-    /// The row offset of the pair (1/32 px) and the prominent ones of the left segments.
+    /// Row offset of the pair, 1/32 px, and the prominent left segments.
     Selection(i32, &'a [Segment]),
-    /// All support points, by their own evidence.
+    /// All support points, without evidence by neighbours.
     Support(&'a [SupportPoint]),
-    /// Gradients and census of the rows that the next segment needs; each was handed to [`Observer::row`].
+    /// Gradients and census of the rows that the next segment needs; [`Observer::row`] was called with each.
     Rows,
-    /// One segment matched, with the evidence of its sides as far as it is known by now, or the test that it failed.
+    /// One matched segment with the evidence of its sides, neighbours left out, or the test that it failed.
     Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
-    /// All candidates and all support points, with what they say of each other.
+    /// All candidates and all support points, with the evidence between them.
     Consistency(&'a [Candidate], &'a [SupportPoint]),
     /// The list of matches.
     Report(&'a [Match]),
-    /// The health of the pair. A run knows nothing of it: whoever runs the monitor beside it tells its observer.
+    /// Health of the pair, from [`Matcher`](crate::Matcher): a [`Plan`](crate::Plan) alone does not compute it.
     Health(&'a PairHealth),
 }
 
@@ -51,9 +52,9 @@ pub enum Stage {
     Rows,
     /// Three matchings of each segment, ownership.
     Matching,
-    /// Agreement and contradiction among hypotheses and support points.
+    /// Evidence between hypotheses and support points.
     Consistency,
-    /// Probability, exclusion, lists.
+    /// Probability, uniqueness, lists.
     Report,
     /// Checks of the images before the run, and of its matches after it.
     Health,
@@ -73,7 +74,7 @@ impl Stage {
         Self::Health,
     ];
 
-    /// In snake case, as it stands in tables.
+    /// Name in snake case, as in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -91,7 +92,7 @@ impl Stage {
 }
 
 impl StageEvent<'_> {
-    /// The stage it belongs to.
+    /// Stage of the event.
     #[must_use]
     pub const fn stage(&self) -> Stage {
         match self {
@@ -108,32 +109,32 @@ impl StageEvent<'_> {
     }
 }
 
-/// Is told of every step of a run.
+/// Callbacks of a run.
 pub trait Observer {
-    /// A step has just ended.
+    /// Called when a step has ended.
     fn on_event(&mut self, step: StageEvent<'_>);
 
-    /// A row of gradients and census codes was computed: left gradients, right gradients, right census codes, the right ones mirrored.
+    /// Called with each computed row of gradients and census codes: left gradients, right gradients, right census codes, the right ones mirrored.
     #[inline]
     fn row(&mut self, _planes: [&[u8]; 3]) {}
 
-    /// A support point was matched: its place in the grid and its evidence, neighbours left out.
+    /// Called with the index in the grid and the evidence, neighbours left out, of each support point that has a disparity.
     #[inline]
-    fn support_point(&mut self, _place: usize, _evidence: &SupportEvidence) {}
+    fn support_point(&mut self, _index: usize, _evidence: &SupportEvidence) {}
 }
 
-/// Watches nothing.
+/// No observer.
 impl Observer for () {
     #[inline]
     fn on_event(&mut self, _: StageEvent<'_>) {}
 }
 
-/// One digest per stage: tells in which stage two machines part.
+/// One digest per stage, to find the stage in which the results of two machines differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StageDigests([u32; Stage::ALL.len()]);
 
 impl StageDigests {
-    /// Nothing seen.
+    /// Digests before the first event.
     #[must_use]
     pub const fn new() -> Self {
         Self([Fnv::EMPTY.value(); Stage::ALL.len()])
@@ -147,7 +148,7 @@ impl StageDigests {
         }
     }
 
-    /// Adds a point to the digest of [`Stage::Report`]: no step has them.
+    /// Adds a point to the digest of [`Stage::Report`], which no event contains.
     pub fn add_point(&mut self, point: &Point) {
         self.add(Stage::Report, |hash| point.hash(hash));
     }
@@ -198,7 +199,7 @@ impl Observer for StageDigests {
     }
 }
 
-/// Without the length, whose width depends on the machine.
+/// Hashes items without their number, whose width depends on the machine.
 fn each<T: Hash>(items: &[T], hash: &mut Fnv) {
     for item in items {
         item.hash(hash);

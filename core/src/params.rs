@@ -1,7 +1,7 @@
-//! What a user may choose, checked once.
+//! Parameters of the method, checked once.
 //!
-//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or the name and range of the number that is
-//! wrong. After that a frame can fail only by being of another size.
+//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or the name and range of the invalid number.
+//! A run then fails only on images of another size or too little memory.
 
 use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
@@ -9,16 +9,16 @@ use crate::rig::Rig;
 use crate::units::{Confidence, Depth, Disparity};
 use core::fmt;
 
-/// How far apart the techniques may lie (Eq. 13).
+/// Largest difference between the techniques (Eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Margin {
-    /// In disparity, both ways.
+    /// In disparity, px, both ways.
     Pixels(Disparity),
-    /// In depth, around the window's depth; needs a rig.
+    /// In depth, m, around the window's depth; needs a rig.
     Metres {
-        /// Towards the cameras (x of Eq. 13).
+        /// Margin towards the cameras, m (x of Eq. 13).
         nearer: Depth,
-        /// Away from them (y of Eq. 13).
+        /// Margin away from them, m (y of Eq. 13).
         farther: Depth,
     },
 }
@@ -26,7 +26,7 @@ pub enum Margin {
 /// Parts of the method that match a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Parts {
-    /// Support points, and segments where these tell them to look.
+    /// Support points, and segments, whose search range they limit.
     #[default]
     Both,
     /// Support points alone: a third of the work, no edges.
@@ -36,12 +36,13 @@ pub enum Parts {
 /// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Params {
-    /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is: then the rig's offset makes it positive.
+    /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is, which the
+    /// rig's offset corrects.
     pub min_disparity: i16,
-    /// Disparities searched end before this, px; 8 to 256 above `min_disparity`, smaller than the width. The nearest depth is
+    /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, smaller than the width. The nearest depth is
     /// `f*B/max_disparity`.
     pub max_disparity: u16,
-    /// The rectified rig; without one nothing is given in metres.
+    /// The rectified rig; without one there are no depths.
     pub rig: Option<Rig>,
     /// Least grey step times four at which an edge is started; 4 ..= 1020.
     pub anchor_gradient: u16,
@@ -49,13 +50,13 @@ pub struct Params {
     pub edge_gradient: u16,
     /// Least extent of a segment in px; 6 ..= 32. Edges have a position every second pixel: odd extents count as the next even one.
     pub min_extent: u16,
-    /// Side of the squares of which each gives its most prominent segment, px; 8 ..= 256. Cost falls with its square.
+    /// Side of the squares in each of which the most prominent segment is matched, px; 8 ..= 256. Cost is inverse to its square.
     pub cell: u16,
-    /// How far apart window and census may lie.
+    /// Largest difference between window and census.
     pub margin: Margin,
-    /// Points and segments less probable than this are rejected; 0.1 ..= 0.99.
+    /// Least probability of points and segments; 0.1 ..= 0.99.
     pub min_confidence: Confidence,
-    /// Largest distance from the edge, px, at which pixels have a side's disparity; 1 ..= 6.
+    /// Largest distance from the edge of pixels that get a side's disparity, px; 1 ..= 6.
     pub reach: u16,
     /// Parts of the method that match pairs.
     pub parts: Parts,
@@ -134,7 +135,7 @@ pub enum ParamError {
         /// Largest allowed value.
         high: i64,
     },
-    /// A margin in metres was asked for, and there is no rig to convert it with.
+    /// A margin in metres needs a rig, and there is none.
     MarginNeedsRig,
 }
 

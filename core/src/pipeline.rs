@@ -1,4 +1,4 @@
-//! One rectified pair -> matches and points: the method, stage by stage.
+//! One rectified pair -> matches and points: the stages of a run.
 
 use crate::focus::{Focus, SearchRegions};
 use crate::image::Gray;
@@ -15,22 +15,22 @@ use crate::result::{Counts, Rejection};
 use crate::scratch::{RunError, ScratchView, mark_words};
 use crate::support::{self, Grid, Support};
 
-/// Columns between two scans for the near-horizontal edges of the right image, which are not needed one by one.
+/// Columns between two scans for the near-horizontal edges of the right image, not all of which are needed.
 const RIGHT_SCAN_STEP: i32 = 3 * lines::SCAN_STEP;
 
 impl Plan {
-    /// Matches one rectified pair, left and right, as a whole. Its health is not looked at: [`Matcher`](crate::Matcher) does both.
+    /// Matches one rectified pair, left and right, as a whole. Its health is not checked: [`Matcher`](crate::Matcher) does both.
     ///
     /// # Errors
-    /// Images of another size than planned, and a memory that is too small for it ([`Scratch`](crate::Scratch) says what is enough).
+    /// Images of another size than planned, and a memory that is too small for it (see [`Scratch`](crate::Scratch)).
     pub fn run<'a>(&self, images: [Gray<'a>; 2], scratch: ScratchView<'a>) -> Result<Matched<'a>, RunError> {
         self.run_on(images, &Focus::WHOLE, scratch, &mut ())
     }
 
-    /// [`Plan::run`] in and just around some areas of the left image, telling `observer` of every step.
+    /// [`Plan::run`] in and just around some areas of the left image; calls `observer` at every step.
     ///
-    /// The candidates there are those of a run over the whole frame, given its row offset; what is made of their neighbours (the confidence of
-    /// matches and points) knows no neighbours elsewhere, so those near the border of an area may be listed with another confidence.
+    /// The candidates there are those of a run over the whole frame, given its row offset. The confidence of matches and points also depends on
+    /// neighbours, which are missing outside of the areas: near their borders it may differ.
     ///
     /// # Cost
     /// About in proportion to the areas, each grown by some 20 px, and in the right image by the disparity range as well.
@@ -44,7 +44,7 @@ impl Plan {
         Ok(self.run_stages(images, focus, self.checked(images, scratch)?, observer))
     }
 
-    /// Every stage, in a memory that was [checked](Self::checked) for these images.
+    /// Runs every stage, in memory that was [checked](Self::checked) for these images.
     #[inline(never)]
     pub(crate) fn run_stages<'a>(
         &self,
@@ -73,7 +73,7 @@ impl Plan {
                 observer,
             );
         }
-        support::believe(m.support, Grid::new(&self.params, self.dims), summary.detail_q8, self.support_model);
+        support::rate(m.support, Grid::new(&self.params, self.dims), summary.detail_q8, self.support_model);
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
         let (mut report, matches) = Report::new(self, images, &mut m, summary.detail_q8);
@@ -82,8 +82,8 @@ impl Plan {
         Matched { plan: *self, images, scratch: m, summary }
     }
 
-    /// The matched pair of an earlier run with this plan, these images and this memory, which nothing has touched since, from its
-    /// [`Matched::summary`]: for callers that cannot keep a borrow of both, such as another language.
+    /// The matched pair of an earlier run with this plan, these images and this memory, unchanged since, from its [`Matched::summary`]: for callers
+    /// that cannot keep a borrow of both, such as another language.
     ///
     /// # Errors
     /// As [`Plan::run`].
@@ -96,7 +96,7 @@ impl Plan {
         Ok(Matched { plan: *self, images, scratch: self.checked(images, scratch)?, summary: *summary })
     }
 
-    /// The memory, if it and the images are as planned.
+    /// The memory, if it and the images have the planned sizes.
     pub(crate) fn checked<'a>(
         &self,
         images: [Gray<'a>; 2],
@@ -110,7 +110,7 @@ impl Plan {
         Ok(ScratchView { marks, ..scratch })
     }
 
-    /// Segments of both images; of the left ones, the prominent. Gives the row offset, 1/32 px.
+    /// Detects the segments of both images and keeps the prominent ones of the left. Returns the row offset, 1/32 px.
     fn find_segments(
         &self,
         [left, right]: [Gray<'_>; 2],
@@ -126,7 +126,7 @@ impl Plan {
             row_scan: Some(lines::SCAN_STEP),
             column_scan: Some(lines::SCAN_STEP),
         };
-        // Near-horizontal segments of the right image tell the row offset; nothing else is asked of its segments.
+        // Of the right image only near-horizontal segments are needed, for the row offset.
         let right_lines = LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         counts.segments_left_dropped =
@@ -158,7 +158,7 @@ impl Plan {
         row_offset_q5
     }
 
-    /// The surfaces between edges. Gives the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail).
+    /// Matches the support points. Returns the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     fn match_support(
         &self,
         images: [Gray<'_>; 2],
@@ -168,14 +168,14 @@ impl Plan {
     ) -> i16 {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset, model: self.support_model };
-        let detail_q8 = matching.run(regions.areas(), m.rows, m.support, |place, evidence| {
-            observer.support_point(place, evidence);
+        let detail_q8 = matching.run(regions.areas(), m.rows, m.support, |index, evidence| {
+            observer.support_point(index, evidence);
         });
         observer.on_event(StageEvent::Support(m.support));
         detail_q8
     }
 
-    /// Three matchings of each left segment, aggregation, ownership; then what the hypotheses and the support points say of each other.
+    /// Matches each left segment; then computes the evidence between segments and support points nearby.
     fn match_segments(
         &self,
         images: [Gray<'_>; 2],
@@ -196,7 +196,7 @@ impl Plan {
             match matched.outcome {
                 Ok(candidate) => {
                     observer.on_event(StageEvent::Segment(Ok((&candidate, &m.work.evidence))));
-                    let _ = m.candidates.push(candidate); // as many places as segments were kept
+                    let _ = m.candidates.push(candidate); // `keep_prominent` kept no more than its capacity
                 }
                 Err(reason) => {
                     observer.on_event(StageEvent::Segment(Err(reason)));

@@ -7,7 +7,7 @@ use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
 use crate::support::FITTED_SUPPORT;
 use crate::support::evidence::SUPPORT_EVIDENCE;
 
-/// Checked parameters for one image size: all that a frame does not change.
+/// Checked parameters for one image size, constant over frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     pub(crate) dims: Dims,
@@ -18,7 +18,7 @@ pub struct Plan {
 }
 
 impl Params {
-    /// Checks everything once, for images of this size.
+    /// Checks all parameters for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
         Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_model: &FITTED_SUPPORT })

@@ -1,9 +1,10 @@
-//! Weighed candidates -> the lists a user gets: matches with depth, and points, each pixel at most once.
+//! Candidates -> lists of results: matches with depth, and points, each pixel at most once.
 //!
 //! ```text
-//! every side gets its probability; of two sides that contradict each other in the right image the less probable one is rejected
-//! points:  sides, most probable first, take their pixels; a pixel is taken once
-//! matches: segments whose edge itself has one side's disparity with enough probability, most probable first
+//! rating:     probability of every side, with the evidence by neighbours
+//! uniqueness: of two sides that match the same position in the right image with different disparities the less probable one is rejected
+//! matches:    segments whose edge itself has one side's disparity with enough probability, most probable first
+//! points:     pixels beside sides, most probable side first, then support points; each pixel once
 //! ```
 
 use crate::confidence::{Model, Models};
@@ -20,17 +21,17 @@ use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use heapless::vec::VecView;
 
-/// Two sides whose disparities (sum of both ends, 1/64 px) lie further apart than this are two surfaces.
+/// Difference between two sides' disparities, summed over both ends, above which they are two surfaces, 1/64 px.
 const TWO_SURFACES_Q6: i32 = 2 * 64;
 
-/// A candidate's place in the order of the lists.
+/// Entry of an order: a sort key and the index of a candidate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ranked {
     pub(crate) probability_q16: u16,
     pub(crate) candidate: u16,
 }
 
-/// Rejects, then lists matches; makes points. `order` has an entry per candidate, `marks` a bit per pixel.
+/// Rates and rejects candidates, lists matches, generates points. `order` has an entry per candidate, `marks` a bit per pixel.
 pub(crate) struct Report<'a> {
     pub(crate) params: &'a Params,
     pub(crate) models: &'a Models,
@@ -55,7 +56,7 @@ impl Report<'_> {
         self.params.min_confidence.to_bits()
     }
 
-    /// One right position explains one left position: the less probable of two that contradict each other goes.
+    /// Uniqueness constraint: rejects sides that are not probable enough, and the less probable of two that contradict each other.
     fn apply_uniqueness(&mut self) {
         let least = self.least();
         for side in self.candidates.iter_mut().flat_map(|candidate| candidate.sides.iter_mut().flatten()) {
@@ -100,12 +101,12 @@ impl Report<'_> {
             let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else { continue };
             let Some(found) = to_match(candidate, self.params, self.models) else { continue };
             candidate.listed = Some(rank);
-            let _ = matches.push(found); // as many places as candidates
+            let _ = matches.push(found); // its capacity is that of the candidates
         }
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Hands every point to `put`: those of segments, most probable sides first, then support points.
+    /// Calls `put` with every point: those of segments, most probable sides first, then support points.
     pub(crate) fn list_points(&mut self, put: &mut impl FnMut(Point)) {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
@@ -166,7 +167,7 @@ fn take(marks: &mut [u32], dims: Dims, x: u16, y: u16) -> bool {
     free
 }
 
-/// Probability of every side: at its first pixel, and of the edge itself.
+/// Sets the probability of every side, at its first pixel, and of the edge itself.
 fn rate(candidate: &mut Candidate, models: &Models) {
     let (model, edge_model) = models.of(candidate.segment.near_horizontal);
     for side in candidate.sides.iter_mut().flatten() {
@@ -176,13 +177,13 @@ fn rate(candidate: &mut Candidate, models: &Models) {
 }
 
 impl Side {
-    /// Log-odds of its first pixel, what others say included.
+    /// Log-odds of its first pixel, neighbours included, Q8.
     fn rated_q8(&self, model: &Model) -> i32 {
         let score = model.with_nearby_q8(self.score_q8, self.nearby_q8);
         narrow(score + model.coefficient_q8(Kind::Distance)).into()
     }
 
-    /// Log-odds of the edge itself, what others say included.
+    /// Log-odds of the edge itself, neighbours included, Q8.
     fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
         narrow(edge_model.with_nearby_q8(self.edge_score_q8, self.nearby_q8)).into()
     }
@@ -215,7 +216,7 @@ fn to_match(candidate: &Candidate, params: &Params, models: &Models) -> Option<M
     Some(found)
 }
 
-/// Brings a match into the convention of [`Match`] and [`Owner`], which turns at |dx| = 4 |dy|; the matcher's own turns at |dx| = |dy|.
+/// Converts a match to the convention of [`Match`] and [`Owner`], near-horizontal for |dx| > 4 |dy|; the matcher's own limit is near |dx| = |dy|.
 fn orient(found: &mut Match, drawn_along_columns: bool) {
     let [a, b] = found.ends;
     let dx = i32::from(b.x.to_bits()) - i32::from(a.x.to_bits());
@@ -223,7 +224,7 @@ fn orient(found: &mut Match, drawn_along_columns: bool) {
     if !drawn_along_columns || dx.abs() > 4 * dy.abs() {
         return;
     }
-    // Falling to the right, what lies above lies to the right.
+    // On a segment that falls to the right, the side above is the side to the right.
     found.owner = match found.owner {
         Owner::Left if dy > 0 => Owner::Right,
         Owner::Right if dy > 0 => Owner::Left,
@@ -245,12 +246,12 @@ impl Candidate {
         }
     }
 
-    /// The side whose disparity the edge itself has most probably.
+    /// The side whose disparity is the most probable one of the edge itself.
     fn edge_side(&self) -> Option<&Side> {
         self.best(|side| side.edge_probability_q16)
     }
 
-    /// Why its segment has no match in the run that made it; `None` when it has one, in the list or beyond its capacity.
+    /// Reason why its segment has no match in the run that it comes from; `None` when it has one.
     #[must_use]
     pub fn rejection(&self) -> Option<Rejection> {
         match (self.listed, self.edge_side()) {

@@ -1,4 +1,4 @@
-//! The result of a frame: matched segments, points, and the count of everything that was rejected.
+//! Results of a pair: matched segments, points, and counts of rejections.
 
 use crate::units::{Confidence, Depth, Disparity, Position};
 
@@ -11,25 +11,25 @@ pub struct ImagePosition {
     pub y: Position,
 }
 
-/// The side or sides of a segment that carry its disparity. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
+/// The side or sides of a segment whose surface the edge belongs to. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
-    /// Smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
+    /// Side of smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
     Left,
-    /// Larger x (below, on a near-horizontal segment).
+    /// Side of larger x (below, on a near-horizontal segment).
     Right,
-    /// Both: texture inside a surface.
+    /// Both sides: texture inside a surface.
     Both,
 }
 
 /// Disparity by each of the three techniques, px, at the segment's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Techniques {
-    /// The edge in the right image with the same properties; `None` when there is none.
+    /// Disparity by the edge in the right image with the same properties; `None` when there is none.
     pub feature: Option<Disparity>,
-    /// Window shaped by the segment.
+    /// Disparity by the window shaped by the segment.
     pub window: Disparity,
-    /// Census along the segment.
+    /// Disparity by census along the segment.
     pub census: Disparity,
 }
 
@@ -38,39 +38,39 @@ pub struct Techniques {
 pub struct Match {
     /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
     pub ends: [ImagePosition; 2],
-    /// Disparity at each end.
+    /// Disparity at each end, px.
     pub disparity: [Disparity; 2],
-    /// Standard deviation of the disparity in px.
+    /// Standard deviation of the disparity, px.
     pub sigma: Disparity,
     /// Probability that the disparity along the edge is within 1 px.
     pub confidence: Confidence,
-    /// Which sides carry the disparity.
+    /// Side or sides that own the edge.
     pub owner: Owner,
-    /// Depth at each end, `None` without a rig.
+    /// Depth at each end, m; `None` without a rig.
     pub depth: Option<[Depth; 2]>,
-    /// Standard deviation of depth at each end in metres, `None` without a rig.
+    /// Standard deviation of depth at each end, m; `None` without a rig.
     pub depth_sigma: Option<[Depth; 2]>,
-    /// The three disparities that were brought together.
+    /// Disparities by the three techniques.
     pub techniques: Techniques,
 }
 
 /// One pixel of the left image with a disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Point {
-    /// Column.
+    /// Column, px.
     pub x: u16,
-    /// Row.
+    /// Row, px.
     pub y: u16,
-    /// Disparity of the surface seen at this pixel.
+    /// Disparity of the surface seen at this pixel, px.
     pub disparity: Disparity,
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
-    /// Kind and position of the hypothesis that it comes from.
+    /// Origin of the hypothesis.
     pub source: Source,
 }
 
 impl Point {
-    /// Where it is.
+    /// Position of the pixel's centre.
     #[must_use]
     pub fn position(&self) -> ImagePosition {
         let of = |whole: u16| Position::from_bits(whole << 5);
@@ -81,15 +81,15 @@ impl Point {
 /// Origin of a point: a segment or a support point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
-    /// A segment, at this position in the list of matches.
+    /// A segment, at this index of the list of matches.
     Segment(u16),
-    /// A segment of which only one side is credible: it is not in the list of matches.
+    /// A side of a segment that is not in the list of matches.
     Side,
     /// A support point.
     Support,
 }
 
-/// Why a left segment (or one piece of it) has no disparity.
+/// Reason why a left segment (or one piece of it) has no match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rejection {
     /// Another segment in the same cell has more extent and contrast.
@@ -104,18 +104,18 @@ pub enum Rejection {
     TechniquesDisagree,
     /// The two halves' disparities are too far apart to be one straight edge.
     Slant,
-    /// Neither side's own window carries the disparity.
+    /// Neither side's own window is unique at the disparity.
     NoOwner,
-    /// A more credible segment already explains the same position in the right image.
+    /// A more probable hypothesis matches the same position in the right image.
     NotUnique,
-    /// The probability is below the asked one.
+    /// The probability is below [`Params::min_confidence`](crate::Params::min_confidence).
     LowConfidence,
     /// A side's disparity is credible and its points are listed, but the edge itself may belong to the surface on the other side.
     EdgeUnclear,
 }
 
 impl Rejection {
-    /// Every reason, in the order in which a segment meets them.
+    /// Every reason, in the order of the tests.
     pub const ALL: [Self; 10] = [
         Self::LessProminent,
         Self::NearBorder,
@@ -129,7 +129,7 @@ impl Rejection {
         Self::EdgeUnclear,
     ];
 
-    /// The reason in snake case, as it stands in JSON and tables.
+    /// The reason in snake case, as in JSON and tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -152,13 +152,13 @@ impl Rejection {
 pub struct Counts {
     /// Segments detected in the left image (long ones count once per piece that is matched on its own).
     pub segments_left: u16,
-    /// Near-horizontal segments detected in the right image: they tell the row offset.
+    /// Near-horizontal segments detected in the right image, for the row offset.
     pub segments_right: u16,
     /// Left segments beyond the detector's capacity, shortest first.
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
-    /// Left segments that were sought at every disparity, because no support point told where to look.
+    /// Left segments that were searched over the whole disparity range, because support points nearby gave no narrower one.
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
@@ -166,7 +166,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Left segments lost for this reason.
+    /// Number of left segments rejected for this reason.
     #[must_use]
     pub fn rejected(&self, reason: Rejection) -> u16 {
         self.rejected.get(reason as usize).copied().unwrap_or(0)

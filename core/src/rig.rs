@@ -29,17 +29,17 @@ use core::fmt;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rig {
-    /// px, Q16.
+    /// Focal length, px, Q16.
     focal_q16: i64,
-    /// f*B in px*m, Q16.
+    /// Focal length times baseline, px*m, Q16.
     focal_baseline_q16: i64,
-    /// Disparity offset in px, Q6 (the step of [`Disparity`]).
+    /// Disparity offset, 1/64 px (the step of [`Disparity`]).
     offset_q6: i64,
-    /// Of the left image, px in Q16; `None`: the centre of the image.
+    /// Principal point of the left image, px in Q16; `None`: the centre of the image.
     principal_point_q16: Option<[i32; 2]>,
 }
 
-/// Which number of a rig is unusable.
+/// Number of a rig that is not usable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
@@ -115,7 +115,7 @@ impl Rig {
         self.principal_point_q16
     }
 
-    /// Position in space of what is seen at `at` of the left image with this disparity: x right, y down, z forward of the left camera, m,
+    /// Position in space of the point seen at `at` in the left image with this disparity: x right, y down, z forward of the left camera, m,
     /// rounded to nearest. `None` where the depth is infinite or the principal point unknown: see [`Rig::centred`].
     #[must_use]
     pub fn xyz(&self, at: ImagePosition, disparity: Disparity) -> Option<[Depth; 3]> {

@@ -1,4 +1,4 @@
-//! Working memory of a run, with its capacities and without.
+//! Working memory of a run, with its capacities as constants and without.
 
 use crate::image::Dims;
 use crate::lines::{self, Segment};
@@ -28,7 +28,7 @@ pub enum RunError {
         name: &'static str,
         /// Capacity needed.
         needed: usize,
-        /// Capacity there.
+        /// Capacity given.
         given: usize,
     },
 }
@@ -46,13 +46,13 @@ impl fmt::Display for RunError {
 
 impl core::error::Error for RunError {}
 
-/// Words of marks for images of this size: a bit per pixel.
+/// Number of 32-bit words of marks for images of this size, a bit per pixel.
 #[must_use]
 pub const fn mark_words(dims: Dims) -> usize {
     (dims.width as usize * dims.height as usize).div_ceil(32)
 }
 
-/// Segments that are matched at most in images of this size: one per square of `cell` px.
+/// Largest number of segments matched in images of this size: one per square of `cell` px.
 #[must_use]
 pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
     (dims.width as usize).div_ceil(cell as usize) * (dims.height as usize).div_ceil(cell as usize)
@@ -82,8 +82,8 @@ macro_rules! scratch {
     };
 }
 
-/// Working memory of a run, made by the caller, in a static or on the heap: [`scratch!`](crate::scratch!) names its type. What it holds before a
-/// run never influences a result.
+/// Working memory of a run, made by the caller, in a static or on the heap: [`scratch!`](crate::scratch!) names its type. Its content
+/// before a run does not influence a result.
 ///
 /// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
 /// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.
@@ -109,7 +109,7 @@ pub struct Scratch<
     work: Workspace,
 }
 
-/// Bytes that begin at a whole word, which kernels load several of at a time.
+/// Bytes aligned to 4, since kernels load several words at a time.
 #[derive(Debug)]
 #[repr(align(4))]
 struct Words<T>(T);
@@ -117,7 +117,7 @@ struct Words<T>(T);
 impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
     Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
-    /// Bytes of one.
+    /// Size, bytes.
     pub const BYTES: usize = size_of::<Self>();
 
     /// Cleared memory.
@@ -167,7 +167,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
     }
 }
 
-/// A [`Scratch`] without its capacities: what runs of every size take.
+/// A [`Scratch`] without its capacities, for runs of any size.
 #[derive(Debug)]
 pub struct ScratchView<'a> {
     pub(crate) marks: &'a mut [u32],
@@ -185,7 +185,7 @@ pub struct ScratchView<'a> {
 }
 
 impl ScratchView<'_> {
-    /// Is it large enough for images of this size?
+    /// Checks that it is large enough for images of this size.
     pub(crate) fn check(&self, dims: Dims) -> Result<(), RunError> {
         let needed = [row_bytes(dims.width), mark_words(dims), most_support_points(dims)];
         let row = self.rows.len() / (BAND_ROWS * PLANES);
@@ -196,7 +196,7 @@ impl ScratchView<'_> {
         }
     }
 
-    /// Nothing is known of a pair.
+    /// Clears all lists.
     pub(crate) fn clear(&mut self) {
         self.left.clear();
         self.right.clear();

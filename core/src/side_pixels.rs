@@ -7,10 +7,10 @@ use crate::matching::Candidate;
 use crate::matching::feature::SteepLine;
 use crate::matching::flat::FlatLine;
 
-/// The first pixels beside a near-horizontal segment lie one pixel further off: its rows, not its columns, were matched.
+/// Additional distance of the first pixels beside a near-horizontal segment, px.
 const FLAT_OFFSET: i32 = 1;
 
-/// Where pixels may have a disparity: the size of both images and their usable pixels.
+/// Valid pixels of a pair: the size of both images and their usable pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct ValidPixels<'a> {
     dims: Dims,
@@ -19,13 +19,13 @@ pub struct ValidPixels<'a> {
 }
 
 impl<'a> ValidPixels<'a> {
-    /// Of a pair of the same size.
+    /// The valid pixels of a pair of the same size.
     #[must_use]
     pub fn of(left: Gray<'a>, right: Gray<'a>) -> Self {
         Self { dims: left.dims(), left: left.usable(), right: right.usable() }
     }
 
-    /// Of pairs whose pixels are all usable.
+    /// The valid pixels of pairs whose pixels are all usable.
     #[must_use]
     pub const fn whole(dims: Dims) -> Self {
         Self { dims, left: &[], right: &[] }
@@ -35,7 +35,7 @@ impl<'a> ValidPixels<'a> {
         self.dims
     }
 
-    /// May the left pixel have this disparity? Both it and its match have to be usable.
+    /// True when the left pixel and its match at this disparity are usable.
     pub(crate) fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
         let right_q6 = (x << 6) - d_q6;
         let usable = |spans: &[Span], x: i32| {
@@ -51,8 +51,8 @@ impl<'a> ValidPixels<'a> {
 }
 
 impl Candidate {
-    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or above). Pixels outside
-    /// the image, or whose match lies outside the right image, are left out, and so are those that are not usable.
+    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or
+    /// above). Pixels that are not valid are left out.
     pub fn for_each_pixel(
         &self,
         side: usize,
@@ -72,7 +72,7 @@ impl Candidate {
                 each(column, row, d_q6);
             }
         };
-        // d along the segment, 1/64 px in Q8 steps.
+        // Change of d along the segment, 1/64 px in Q8.
         let ramp = |from: i32, to: i32| ((d1 - d0) << 8) / (to - from).max(1);
         if self.segment.near_horizontal {
             let line = FlatLine::new(&self.segment);

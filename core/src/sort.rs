@@ -3,7 +3,7 @@
 /// Sorts by `key`, smallest first; equal keys may change places, so keys should be distinct where order matters.
 ///
 /// # Cost
-/// At most `2 n log2 n` comparisons, whatever the input.
+/// At most `2 n log2 n` comparisons for any input.
 pub(crate) fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     let len = items.len();
     make_heap(items, &key);

@@ -1,4 +1,4 @@
-//! Every fixed-point quantity, with its range and step.
+//! Fixed-point quantities with their ranges and steps.
 
 use fixed::types::{I10F6, I16F16, U0F16, U11F5};
 
@@ -11,7 +11,7 @@ pub type Position = U11F5;
 /// Probability that a disparity is within 1 px of the truth: 0 ..= 0.99998, step 1/65536.
 pub type Confidence = U0F16;
 
-/// `numerator / denominator` rounded towards zero; 0 where it has no value. Callers prove that this does not occur: it replaces a panic path.
+/// `numerator / denominator` rounded towards zero; 0 where it is undefined, which callers exclude: it replaces a panic path.
 #[inline]
 pub(crate) fn quotient(numerator: i32, denominator: i32) -> i32 {
     numerator.checked_div(denominator).unwrap_or(0)
@@ -23,10 +23,10 @@ pub(crate) fn about_length(dx: i32, dy: i32) -> i32 {
     dx.max(dy) + ((3 * dx.min(dy)) >> 3)
 }
 
-/// Into 16 bits: disparities of at most 256 + 6 px fit, other numbers are limited.
+/// Saturating conversion to 16 bits; disparities up to 256 + 6 px in 1/64 px fit.
 pub(crate) fn narrow(value: i32) -> i16 {
     i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
 }
 
-/// What a disparity (plus offset) of zero or less becomes: too far to measure, and not an error.
+/// Depth of a disparity (plus offset) of zero or less: too far to measure, not an error.
 pub const INFINITE_DEPTH: Depth = Depth::MAX;

@@ -1,11 +1,11 @@
 //! Evidence -> probability that a disparity is within 1 px of the truth, and its standard deviation.
 //!
 //! ```text
-//! score       = bias + sum of coefficient * evidence                (log-odds, a line: one multiplication per entry)
-//! probability = table(score),  sigma = table(score)                 (straight between nodes half a unit apart)
+//! score       = bias + sum of coefficient * evidence                (log-odds, linear: one multiplication per entry)
+//! probability = table(score),  sigma = table(score)                 (linear between nodes half a unit apart)
 //! ```
-//! The tables replace the logistic function: their nodes are fitted on scores of scenes that the coefficients have not seen, so what is
-//! said stays honest where the line alone would be overconfident.
+//! The tables replace the logistic function: their nodes are fitted on scores of held-out scenes, which calibrates scores that the logistic
+//! function would turn into too high probabilities.
 //!
 //! # Bounds
 //! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 28 products below 2^34 each, summed in `i64`.
@@ -23,7 +23,7 @@ pub use fitted::FITTED;
 
 use crate::evidence::{EVIDENCE, Kind, NEARBY};
 
-/// Nodes of the tables: scores -8, -7.5, ... 8.
+/// Number of nodes of the tables, at scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
 
 /// The model of one kind of hypothesis, over `N` kinds of evidence.
@@ -39,15 +39,15 @@ pub struct Model<const N: usize = EVIDENCE> {
     pub sigma_q6: [u16; NODES],
 }
 
-/// Models for segments that run down the rows and for near-horizontal ones: of the pixels beside a side, and of the edge itself, which
-/// may belong to the surface on the other side.
+/// Models for near-vertical and near-horizontal segments: of the pixels beside a side, and of the edge itself, which may belong to the surface
+/// on the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Models {
-    /// A side of a segment that runs down the rows.
+    /// A side of a near-vertical segment.
     pub steep: Model,
     /// A side of a near-horizontal segment.
     pub near_horizontal: Model,
-    /// The edge of a segment that runs down the rows, given one side's disparity.
+    /// The edge of a near-vertical segment, given one side's disparity.
     pub steep_edge: Model,
     /// The edge of a near-horizontal segment, given one side's disparity.
     pub near_horizontal_edge: Model,
@@ -97,7 +97,7 @@ impl<const N: usize> Model<N> {
 }
 
 impl Model {
-    /// The log-odds with the evidence by support points added, Q8.
+    /// Log-odds with the evidence by support points and segments nearby added, Q8.
     pub(crate) fn with_nearby_q8(&self, score_q8: i16, nearby_q8: [i16; 4]) -> i32 {
         i32::from(score_q8) + self.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
     }
@@ -110,8 +110,8 @@ impl Model {
 }
 
 fn interpolate(table: &[u16; NODES], score_q8: i32) -> u16 {
-    let place = (score_q8.clamp(-8 << 8, (8 << 8) - 1) + (8 << 8)) as usize; // half a unit is 128
-    let (node, part) = (place >> 7, (place & 127) as i32);
+    let position = (score_q8.clamp(-8 << 8, (8 << 8) - 1) + (8 << 8)) as usize; // half a unit is 128
+    let (node, part) = (position >> 7, (position & 127) as i32);
     let (Some(&a), Some(&b)) = (table.get(node), table.get(node + 1)) else { return 0 };
     let (a, b) = (i32::from(a), i32::from(b));
     u16::try_from(a + (((b - a) * part) >> 7)).unwrap_or(0)

@@ -1,4 +1,4 @@
-//! One image of a pair, looked at on a coarse grid: how bright, how much of it saturated, how much there is to see, and is it the last one?
+//! Statistics of one image of a pair on a coarse grid: level, saturation, detail, and a digest to detect repeated images.
 //!
 //! # Bounds
 //! At most [`COLUMNS`] x [`ROWS`] samples of 8 bits: every sum is below 2^19; times 1000, 2^21. Pixels of at most 32 rows: times 1000, 2^26.
@@ -10,39 +10,41 @@ use crate::fnv::Fnv;
 use crate::image::Gray;
 use crate::units::quotient;
 
-/// Most samples along a row and rows with samples.
+/// Most samples along a row.
 const COLUMNS: u16 = 48;
+/// Most rows with samples.
 const ROWS: u16 = 32;
-/// Levels of a saturated pixel: so many from either end.
+/// Largest level of a black pixel.
 const BLACK: u8 = 2;
+/// Least level of a white pixel.
 const WHITE: u8 = 253;
 
-/// One camera's image in a few numbers.
+/// Statistics of one camera's image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct CameraHealth {
-    /// Mean grey level.
+    /// Mean grey level, 0 ..= 255.
     pub level: u8,
-    /// Mean grey step between neighbouring samples of a row, 1/16: what there is to see, and noise.
+    /// Mean grey step between adjacent samples of a row, 1/16 grey level: texture and noise.
     pub detail_q4: u16,
     /// Samples at 0 ..= 2 per thousand.
     pub black_permille: u16,
     /// Samples at 253 ..= 255 per thousand.
     pub white_permille: u16,
-    /// Usable pixels ([`Gray::with_usable`]) per thousand: 1000 for images that were not rectified here. The other numbers are of them.
+    /// Usable pixels ([`Gray::with_usable`]) per thousand: 1000 for images without a restriction. The other numbers refer to usable pixels.
     pub view_permille: u16,
 }
 
-/// What the grid saw.
+/// Result of one image's check.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
-    /// Between the darkest and the brightest sample.
+    /// Difference between the brightest and the darkest sample.
     pub(super) range: u8,
-    /// Of all pixels of the sampled rows: differs if one of them differs, but for one chance in 2^32.
+    /// Digest of all usable pixels of the sampled rows: equal for different ones with a probability of 2^-32.
     pub(super) digest: u32,
 }
 
-/// Looks at an image.
+/// Computes the statistics of an image.
 pub(super) fn check(image: Gray<'_>) -> CameraCheck {
     let dims = image.dims();
     let step = |side: u16, most: u16| usize::from(side.div_ceil(most));

@@ -1,9 +1,9 @@
-//! What can be wrong with a pair, as a set of flags.
+//! Faults of a pair as a set of flags.
 
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
 
-/// A set of flags; empty when nothing is wrong. Bits 19 to 23 are left for later, more there will not be.
+/// Set of flags; empty without a fault. Bits 19 to 23 are reserved, higher ones stay unused.
 ///
 /// ```
 /// use linestereo::HealthFlags;
@@ -15,31 +15,32 @@ use core::ops::{BitOr, BitOrAssign};
 pub struct HealthFlags(u32);
 
 impl HealthFlags {
-    /// Nothing is wrong.
+    /// No fault.
     pub const GOOD: Self = Self(0);
     /// The left image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
     pub const LEFT_EXPOSURE: Self = Self(1);
-    /// The right image's.
+    /// The right image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
     pub const RIGHT_EXPOSURE: Self = Self(1 << 1);
     /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the left image are black or white.
     pub const LEFT_SATURATED: Self = Self(1 << 2);
-    /// Of the right image.
+    /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the right image are black or white.
     pub const RIGHT_SATURATED: Self = Self(1 << 3);
     /// All of the left image is one grey level, without a sensor's noise.
     pub const LEFT_DEAD: Self = Self(1 << 4);
-    /// All of the right image.
+    /// All of the right image is one grey level, without a sensor's noise.
     pub const RIGHT_DEAD: Self = Self(1 << 5);
-    /// The left image is black, or shows next to nothing of what the right one shows.
+    /// The left image is black, or has almost no detail compared with the right one.
     pub const LEFT_COVERED: Self = Self(1 << 6);
-    /// The right image is black, or shows next to nothing of what the left one shows.
+    /// The right image is black, or has almost no detail compared with the left one.
     pub const RIGHT_COVERED: Self = Self(1 << 7);
-    /// The left image is the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or fewer), are the same bit for bit.
+    /// The left image repeats the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or
+    /// fewer), are the same bit for bit.
     pub const LEFT_FROZEN: Self = Self(1 << 8);
-    /// The right image is the one before, as for the left one.
+    /// The right image repeats the one before, as for the left one.
     pub const RIGHT_FROZEN: Self = Self(1 << 9);
-    /// Too little of the left rectified image has a source.
+    /// Too few pixels of the left image are usable.
     pub const LEFT_VIEW: Self = Self(1 << 10);
-    /// Too little of the right rectified image has a source.
+    /// Too few pixels of the right image are usable.
     pub const RIGHT_VIEW: Self = Self(1 << 11);
     /// One image is much brighter than the other.
     pub const EXPOSURES_DIFFER: Self = Self(1 << 12);
@@ -47,16 +48,17 @@ impl HealthFlags {
     pub const SKEW: Self = Self(1 << 13);
     /// Rows do not match: the rig is not the calibrated one any more.
     pub const ROWS_OFF: Self = Self(1 << 14);
-    /// The difference of rows is another than it used to be: the rig moves.
+    /// The difference of rows has changed against its long mean: the rig moves.
     pub const ROWS_DRIFT: Self = Self(1 << 15);
-    /// The difference of rows is not the same all over the image: a camera is turned about its axis, or the calibration is wrong.
+    /// The difference of rows varies over the image: a camera is turned about its axis, or the calibration is wrong.
     pub const ROWS_UNEVEN: Self = Self(1 << 16);
-    /// Few of the left segments find a partner.
+    /// Few of the left segments are matched.
     pub const FEW_MATCHES: Self = Self(1 << 17);
     /// Several credible matches lie beyond infinity.
     pub const BEYOND_INFINITY: Self = Self(1 << 18);
 
-    /// With one of these, what is matched may be wrong or from another time. The others (exposure, drift of rows, a smaller view) cost yield, or warn.
+    /// Flags with which matches may be wrong or outdated. The others (exposure, drift of rows, a smaller view) reduce the number of matches, or
+    /// warn.
     pub const UNFIT: Self = Self(
         Self::LEFT_DEAD.0
             | Self::RIGHT_DEAD.0
@@ -106,7 +108,7 @@ impl HealthFlags {
         Self(bits)
     }
 
-    /// Whether all flags of `other` are set.
+    /// True when all flags of `other` are set.
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -117,13 +119,13 @@ impl HealthFlags {
         Self::NAMES.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, name)| name)
     }
 
-    /// May what is matched be believed? See [`HealthFlags::UNFIT`].
+    /// True when matches may be used: no flag of [`HealthFlags::UNFIT`] is set.
     #[must_use]
     pub const fn is_fit(self) -> bool {
         self.0 & Self::UNFIT.0 == 0
     }
 
-    /// The flags of both sets.
+    /// The flags that are in both sets.
     pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }

@@ -1,13 +1,13 @@
-//! What a pair may be like before a flag is raised.
+//! Limits at which flags are raised.
 
 use core::fmt;
 
 /// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14 captured pairs, 6 of a robot's camera
-/// and three sequences of a robot (see `tests/tests/health.rs`), none of which they flag without a reason.
+/// and three sequences of a robot (see `tests/tests/health.rs`), without false flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HealthLimits {
-    /// Largest time between the captures of a pair, microseconds; beyond it the pair is refused. Turning at 90 degrees a second, 1 ms is
-    /// half a pixel of disparity in QVGA. Default 1000.
+    /// Largest time between the captures of a pair, us; beyond it the pair is refused. Turning at 90 degrees a second, 1 ms is half a pixel of
+    /// disparity in QVGA. Default 1000.
     pub skew_us: u32,
     /// Least and largest mean level of an image. Default 20 and 235.
     pub level: (u8, u8),
@@ -19,7 +19,7 @@ pub struct HealthLimits {
     pub covered_ratio: u8,
     /// A camera is covered when its mean level is below this, and the other's is four times as high. Default 12.
     pub covered_level: u8,
-    /// Pairs for which an image may stay the same, bit for bit. Default 0: a sensor's noise never repeats.
+    /// Number of pairs for which an image may stay the same, bit for bit. Default 0: a sensor's noise never repeats.
     pub frozen_pairs: u8,
     /// Least share of usable pixels of a rectified image, per thousand. Default 500.
     pub view_permille: u16,
@@ -30,17 +30,17 @@ pub struct HealthLimits {
     pub row_offset_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
-    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not believed. Default 51.
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 51.
     pub row_spread_q8: u16,
-    /// Least matches that measure a difference of rows; fewer say nothing. Default 6.
+    /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
-    /// Pairs over which the difference of rows is smoothed, and its long mean. Default 8 and 256; at most 1024.
+    /// Number of pairs over which the difference of rows is smoothed, and of its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),
-    /// Least share of the compared left segments that find a partner, per thousand, where at least 24 are compared. Default 50.
+    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 50.
     pub matched_permille: u16,
-    /// Least disparity that a point of the world can have, 1/64 px: minus the rig's offset, minus an allowance. Default -64 (-1 px).
+    /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
-    /// Pairs in a row without a fault until its flag is cleared. Default 3.
+    /// Number of consecutive pairs without a fault until its flag is cleared. Default 3.
     pub clear_after: u8,
 }
 
@@ -66,7 +66,7 @@ impl HealthLimits {
         clear_after: 3,
     };
 
-    /// Microseconds between the captures of a pair, or why it must not be matched. Asked before anything else is done with the pair.
+    /// Time between the captures of a pair, us, or an error if it is beyond the limit. To be called before the pair is used.
     ///
     /// ```
     /// use linestereo::HealthLimits;
@@ -90,9 +90,9 @@ impl Default for HealthLimits {
 /// Two images that were captured too far apart to be a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skewed {
-    /// Microseconds between the captures.
+    /// Time between the captures, us.
     pub skew_us: u32,
-    /// Allowed ones.
+    /// Largest allowed time, us.
     pub limit_us: u32,
 }
 

@@ -1,21 +1,21 @@
-//! By how much do the rows of the two images miss each other? The matches themselves say it.
+//! Difference of rows between the two images, measured at matches.
 //!
-//! In: the pair and its matches. Out: the vertical difference right - left, its spread, and how many matches said so.
+//! In: the pair and its matches. Out: the vertical difference right - left, its spread, and the number of matches measured.
 //!
 //! ```text
 //! for each credible match that runs along the columns (|dx| >= 2 |dy|), most credible first:
 //!     at 8 columns x: rows around the edge of the left image at x, of the right image at x - disparity(x); mean over the columns
 //!     gradients down the rows of both means; normalised correlation of the left one with the right one moved by -5 .. 5 px
-//!     one clear peak of at least 0.83; the place in the right image compared with the left one moved by -1 and 1 px as well, so that what
-//!     stands beside the edge does not pull to one side: equal images differ by 0 exactly
-//!     the vertex of the means of both ways is a sample
+//!     one clear peak of at least 0.83; the right gradients there correlated with the left ones moved by -1 and 1 px as well, so that texture
+//!     beside the edge gives no bias: equal images differ by 0 exactly
+//!     the vertex of the means of both correlations is a sample
 //! median of the samples; mean of those near it; spread = median distance from the median
 //! ```
-//! An edge along the columns is placed by the texture beside it, so its disparity owes nothing to its row; what is left is the row. The
-//! search for a match moves windows by whole rows only: it leaves the difference where it is.
+//! The disparity of an edge along the columns follows from the texture beside it and does not depend on its row, so the remaining difference is
+//! that of rows. Matching moves windows by whole rows only, which does not change the difference.
 //!
-//! Stripes one below the other give several peaks if their period is below 10 px and say nothing; from larger periods the difference
-//! within 5 px is told. A pair without edges along the columns says nothing.
+//! Horizontal stripes with a period below 10 px give several peaks and no sample; with larger periods the difference within 5 px is measured. A
+//! pair without edges along the columns gives no measurement.
 //!
 //! # Bounds
 //! Levels Q6: 16 320; gradients (with weights 1 2 -2 -1 over 3) the same; 7 of them squared: 1.9e9. Correlation by Cauchy and Schwarz.
@@ -26,8 +26,8 @@
 //! pair; the largest error against known offsets was 0.062 px then, and is 0.078 px now.
 //!
 //! # Source
-//! Normalised correlation with a sub-pixel vertex is a classic. A parabola's vertex is drawn to whole pixels (a shift of 0.3 px reads as
-//! 0.275), a Gaussian's away from them (0.316), both measured on 14 captured pairs moved by a windowed sinc; what is used lies between.
+//! Normalised correlation with a sub-pixel vertex is standard. A parabola's vertex is biased towards whole pixels (a shift of 0.3 px is measured
+//! as 0.275), a Gaussian's away from them (0.316), both on 14 captured pairs moved by a windowed sinc; the function used lies between.
 
 use crate::image::Gray;
 use crate::result::Match;
@@ -35,46 +35,53 @@ use crate::sort::sort_by_key;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Most samples heard.
+/// Most samples of a pair.
 const MOST: usize = 24;
-/// Gradients compared on each side of the edge.
+/// Number of gradients compared on each side of the edge.
 const HALF: i32 = 3;
 /// Largest vertical difference compared, px; the peak lies inside.
 const REACH: i32 = 5;
-/// Least extent along the columns, and most columns looked at.
+/// Least extent along the columns, px, and least number of columns evaluated.
 const MIN_COLUMNS: i32 = 5;
+/// Most columns evaluated.
 const MAX_COLUMNS: i32 = 8;
-/// Gradients: of a window, of three windows of the left image, of every window of the right one.
+/// Number of gradients of a window.
 const TAPS: usize = 2 * HALF as usize + 1;
+/// Number of gradients of three windows of the left image.
 const LEFT_TAPS: usize = TAPS + 2;
+/// Number of shifts compared.
 const SHIFTS: usize = 2 * REACH as usize + 1;
+/// Number of gradients of all windows of the right image.
 const RIGHT_TAPS: usize = TAPS + SHIFTS - 1;
-/// Rows of the profiles: a gradient takes two more at each end.
+/// Rows of the left profile: a gradient takes two more at each end.
 const LEFT_ROWS: usize = LEFT_TAPS + 4;
+/// Rows of the right profile.
 const RIGHT_ROWS: usize = RIGHT_TAPS + 4;
-/// Rows from the edge to the first of the profiles.
+/// Rows from the first of the left profile to the edge.
 const LEFT_FIRST: i32 = HALF + 3;
+/// Rows from the first of the right profile to the edge.
 const RIGHT_FIRST: i32 = HALF + 2 + REACH;
 /// Least root of the sum of squared gradients: three of 8 grey levels a row.
 const MIN_ROOT: u32 = 887;
-/// Least correlation of a peak, and the largest share of it that another peak may have.
+/// Least correlation of a peak, Q12: 0.83.
 const MIN_PEAK_Q12: i32 = 3400;
+/// Largest ratio of another peak to it, Q8.
 const MAX_SECOND_PEAK_Q8: i32 = 200;
-/// Witnesses nearer to the median than this, or than three times the spread, are averaged; 1/256 px.
+/// Largest distance from the median of samples that are averaged, 1/256 px, or three times the spread.
 const NEAR_Q8: i16 = 32;
 
-/// What the matches of one pair say of its rows.
+/// Difference of rows of one pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Rows {
     /// Row in the right image minus row in the left image, 1/256 px: positive when the right image is too low.
     pub offset_q8: i16,
     /// Median distance of a sample from the median, 1/256 px.
     pub spread_q8: u16,
-    /// Matches that said so.
+    /// Number of matches measured.
     pub samples: u8,
 }
 
-/// Asks the matches; `None` when none of them can say.
+/// Measures the difference of rows; `None` without a match that allows it.
 pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Option<Rows> {
     let mut offsets: Vec<i16, MOST> = Vec::new();
     for found in matches {
@@ -138,14 +145,14 @@ impl Edge {
         })
     }
 
-    /// Nearest row and disparity at a column.
+    /// Nearest row and disparity, 1/64 px, at a column.
     fn at(&self, x: i32) -> (i32, i32) {
         let along = (x << 5) - self.x0;
         let line = |start: i32, slope_q12: i32| start + ((along * slope_q12 + 2048) >> 12);
         ((line(self.y0, self.slope_q12) + 16) >> 5, line(self.d_q6, self.d_slope_q12))
     }
 
-    /// The vertical difference that this edge shows, 1/256 px.
+    /// Vertical difference at this edge, 1/256 px.
     fn offset_q8(&self, left: Gray<'_>, right: Gray<'_>) -> Option<i16> {
         let (left, right) = self.profiles(left, right)?;
         let (left, right): ([i32; LEFT_TAPS], [i32; RIGHT_TAPS]) = (gradients(&left), gradients(&right));
@@ -155,18 +162,18 @@ impl Edge {
         }
         let mut scores = [0; SHIFTS];
         for (score, from) in scores.iter_mut().zip(0..) {
-            *score = centre.likeness_q12(&Window::at(&right, from)?);
+            *score = centre.correlation_q12(&Window::at(&right, from)?);
         }
-        let (place, [low, peak, high]) = only_peak(&scores)?;
+        let (shift, [low, peak, high]) = only_peak(&scores)?;
         // The right image one row lower is the left one a row higher.
-        let found = Window::at(&right, usize::try_from(place + REACH).ok()?)?;
-        let back = |from: usize| Some(Window::at(&left, from)?.likeness_q12(&found));
+        let found = Window::at(&right, usize::try_from(shift + REACH).ok()?)?;
+        let back = |from: usize| Some(Window::at(&left, from)?.correlation_q12(&found));
         let (low, high) = ((low + back(2)?) >> 1, (high + back(0)?) >> 1);
-        // Moved back it may fit better: then this is no vertex.
+        // The mean with the reverse correlation may be higher beside the peak: then there is no vertex.
         if peak <= low || peak <= high {
             return None;
         }
-        i16::try_from((place << 8) + vertex_q8(low, peak, high)).ok()
+        i16::try_from((shift << 8) + vertex_q8(low, peak, high)).ok()
     }
 
     /// Mean levels (Q6) of the rows around the edge, in both images.
@@ -179,13 +186,13 @@ impl Edge {
         while x <= last {
             let (y, d_q6) = self.at(x);
             let u_q6 = (x << 6) - d_q6;
-            // What a rectified image shows beside its usable pixels is no picture.
+            // Pixels of a rectified image that are not usable have no content.
             let is_usable = |image: Gray<'_>, x: i32, reach: i32| {
                 image.usable().is_empty()
                     || [y - reach, y + reach].into_iter().all(|y| image.usable_columns(y).contains(x))
             };
-            let is_seen = is_usable(left, x, LEFT_FIRST) && is_usable(right, u_q6 >> 6, RIGHT_FIRST);
-            if is_seen && y >= RIGHT_FIRST && y + RIGHT_FIRST < height && u_q6 >= 0 {
+            let is_valid = is_usable(left, x, LEFT_FIRST) && is_usable(right, u_q6 >> 6, RIGHT_FIRST);
+            if is_valid && y >= RIGHT_FIRST && y + RIGHT_FIRST < height && u_q6 >= 0 {
                 add_column(left, (x << 6, y - LEFT_FIRST), &mut sums)?;
                 add_column(right, (u_q6, y - RIGHT_FIRST), &mut right_sums)?;
                 columns += 1;
@@ -218,7 +225,7 @@ fn add_column(image: Gray<'_>, (x_q6, y): (i32, i32), sums: &mut [i32]) -> Optio
     Some(())
 }
 
-/// Smoothed gradients, a level a row.
+/// Smoothed gradients, Q6 grey levels per row.
 fn gradients<const N: usize>(levels: &[i32]) -> [i32; N] {
     let mut out = [0; N];
     for (gradient, from) in out.iter_mut().zip(0..) {
@@ -229,7 +236,7 @@ fn gradients<const N: usize>(levels: &[i32]) -> [i32; N] {
     out
 }
 
-/// Neighbouring gradients with the root of the sum of their squares.
+/// Consecutive gradients with the root of the sum of their squares.
 struct Window<'a> {
     gradients: &'a [i32],
     root: u32,
@@ -243,7 +250,7 @@ impl<'a> Window<'a> {
     }
 
     /// Normalised correlation, Q12.
-    fn likeness_q12(&self, other: &Self) -> i32 {
+    fn correlation_q12(&self, other: &Self) -> i32 {
         let product: i32 = self.gradients.iter().zip(other.gradients).map(|(a, b)| a * b).sum();
         quotient(product, ((self.root * other.root) >> 12).max(1) as i32)
     }
@@ -252,26 +259,26 @@ impl<'a> Window<'a> {
 /// The shift of the only high peak of the correlation, and the scores there and beside it.
 fn only_peak(scores: &[i32; SHIFTS]) -> Option<(i32, [i32; 3])> {
     let at = |shift: i32| usize::try_from(shift + REACH).ok().and_then(|i| scores.get(i)).copied();
-    let (mut peak, mut place) = (0, 0);
+    let (mut peak, mut best) = (0, 0);
     for (&score, shift) in scores.iter().zip(-REACH..=REACH) {
         if score > peak {
-            (peak, place) = (score, shift);
+            (peak, best) = (score, shift);
         }
     }
-    // One at the end of the range says nothing: the true one may lie beyond.
-    let (low, high) = (at(place - 1)?, at(place + 1)?);
+    // A peak at the end of the range is rejected: the true one may lie beyond.
+    let (low, high) = (at(best - 1)?, at(best + 1)?);
     let is_second_peak = |shift: i32| {
         let score = at(shift).unwrap_or(i32::MIN);
         let is_top = at(shift - 1) <= Some(score) && at(shift + 1) <= Some(score);
-        is_top && (shift - place).abs() >= 2 && score << 8 > peak * MAX_SECOND_PEAK_Q8
+        is_top && (shift - best).abs() >= 2 && score << 8 > peak * MAX_SECOND_PEAK_Q8
     };
     let is_clear = peak >= MIN_PEAK_Q12 && !(-REACH..=REACH).any(is_second_peak);
-    is_clear.then_some((place, [low, peak, high]))
+    is_clear.then_some((best, [low, peak, high]))
 }
 
-/// Where the vertex through three scores lies, 1/256 px from the middle one, which is the highest.
+/// Position of the vertex through three scores relative to the middle one, the highest, 1/256 px.
 fn vertex_q8(low: i32, peak: i32, high: i32) -> i32 {
-    // How far the neighbours lie below the peak, as a share of it, with a third of its square: see Source.
+    // Difference to the peak as a share of it, plus a third of its square: see Source.
     let fall = |score: i32| {
         let share = quotient((peak - score) << 12, peak).min(4096);
         share + quotient(share * share, 3 << 12)

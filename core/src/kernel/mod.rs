@@ -1,11 +1,11 @@
 //! The inner loops, as free functions over slices.
 //!
-//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a particular core must equal it bit for bit
-//! for every input, and stands here only because it was measured to pay. The target chooses, when it is compiled for:
+//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a particular core equals it bit for bit for every
+//! input, and exists only where it is measurably faster. The version follows from the target:
 //!
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
-//! thumbv8m.main (Cortex-M33 and above)    dsp       where it is compiled for such a processor, as .cargo/config.toml does
+//! thumbv8m.main (Cortex-M33 and above)    dsp       where target-cpu has the DSP extension, as in .cargo/config.toml
 //! x86_64                                  sse2      sad_curve, rank_costs, path_step; the others are portable
 //! any other, such as RISC-V               portable
 //! ```

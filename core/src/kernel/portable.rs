@@ -1,20 +1,20 @@
-//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and what is done with them; edges;
-//! pixels between pixels.
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and operations on them; ranks and paths; edges;
+//! bilinear interpolation.
 //!
 //! # Bounds
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
-//! callers add at most two curves: fits `u16`, at which sums of anything else wrap. Hamming distances are at most 8 per point, and at
-//! most 31 points are summed per curve before widening: 248 fits `u8`, at which more would wrap.
+//! callers add at most two curves: fits `u16`; larger inputs wrap. Hamming distances are at most 8 per point, and at
+//! most 31 points are summed per curve before widening: 248 fits `u8`; more points wrap.
 
 /// Value of a zero gradient.
 pub const FLAT: u8 = 32;
-/// Disparities that one step of a curve advances.
+/// Disparities of a block of a curve.
 pub const LANES: usize = 16;
-/// Pixels of a strip.
+/// Number of pixels of a strip.
 pub const STRIP: usize = 8;
 
-/// Eight neighbouring pixels of one image and the row of the other in which they are sought: at disparity index i, reference pixel k
-/// meets `other[i + k]`.
+/// Eight adjacent pixels of one image and the row of the other in which they are searched: at disparity index i, reference pixel k is compared
+/// with `other[i + k]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip<'a> {
     /// Pixels of the reference image.
@@ -24,7 +24,7 @@ pub struct Strip<'a> {
 }
 
 /// A quarter of Sobel x of the middle of three rows, clipped to +-31 and shifted by [`FLAT`]: 1 ..= 63. A brightness offset between the
-/// cameras cancels. The first and last pixel are flat, and so is what `out` is longer than the row.
+/// cameras cancels. The first and last pixel are flat, and so are entries of `out` beyond the row.
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     out.fill(FLAT);
@@ -40,7 +40,7 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
 }
 
 /// Census of the middle one of three rows, each two below the one before: one bit per neighbour at distance 2 (eight directions), set
-/// where the neighbour is darker. The first and last two pixels are 0, and so is what `out` is longer than the row.
+/// where the neighbour is darker. The first and last two pixels are 0, and so are entries of `out` beyond the row.
 pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(0);
     let [top, row, bottom] = rows;
@@ -52,7 +52,7 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
-/// The same of one pixel, two columns right of and two rows below `first`; rows are `stride` bytes apart.
+/// Census of one pixel, two columns right of and two rows below `first`; rows are `stride` bytes apart.
 #[must_use]
 pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
     let row = |k: usize| pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<5>();
@@ -68,17 +68,17 @@ pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8;
     code
 }
 
-/// Rank of a pixel whose neighbours are not known: half of the largest.
+/// Rank of a pixel without neighbours: half of the largest.
 pub const RANK_FLAT: u8 = 2;
-/// Rows of a window of ranks.
+/// Number of rows of a window of ranks.
 pub const RANK_ROWS: usize = 4;
-/// P1 of a path: cost of a change by one disparity.
+/// P1 of a path: cost of a change of disparity by 1 px.
 pub const STEP_PENALTY: u8 = 3;
-/// P2 of a path: cost of a change by more.
+/// P2 of a path: cost of a larger change of disparity.
 pub const JUMP_PENALTY: u8 = 10;
 
-/// Rank of the middle one of three rows, each two below the one before: how many of the four neighbours at distance 2 (left, right, above,
-/// below) are darker, 0 ..= 4. The first and last two pixels are [`RANK_FLAT`], and so is what `out` is longer than the row.
+/// Rank of the middle one of three rows, each two below the one before: number of the four neighbours at distance 2 (left, right,
+/// above, below) that are darker, 0 ..= 4. The first and last two pixels are [`RANK_FLAT`], and so are entries of `out` beyond the row.
 pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(RANK_FLAT);
     let [above, row, below] = rows;
@@ -98,7 +98,7 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
 /// Ranks of [`RANK_ROWS`] rows at one column.
 pub type RankColumn = [u8; RANK_ROWS];
 
-/// [`RANK_ROWS`] rows of ranks, one behind the other and as long as `columns`, as columns. [`RANK_FLAT`] where there are too few ranks.
+/// Transposes [`RANK_ROWS`] rows of ranks, consecutive and as long as `columns`, to columns. [`RANK_FLAT`] where there are too few ranks.
 pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
     let width = columns.len();
     let mut rows = rows.chunks(width.max(1));
@@ -110,8 +110,8 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
     let (even, odd) = (0x00ff_00ff_u32, 0xff00_ff00_u32);
     let pair = |x: u32, y: u32| (x & even | (y & even) << 8, (x & odd) >> 8 | y & odd);
     let rows = [a, b, c, d].map(|row| row.as_chunks().0);
-    let [ours, theirs] = [[rows[0], rows[1]], [rows[2], rows[3]]].map(|[a, b]| a.iter().zip(b));
-    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(ours.zip(theirs)) {
+    let [upper, lower] = [[rows[0], rows[1]], [rows[2], rows[3]]].map(|[a, b]| a.iter().zip(b));
+    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(upper.zip(lower)) {
         let [a, b, c, d] = [a, b, c, d].map(|&word| u32::from_le_bytes(word));
         let ((ab02, ab13), (cd02, cd13)) = (pair(a, b), pair(c, d));
         let halves = |low: u32, high: u32| (low & 0xffff | high << 16, low >> 16 | high & 0xffff_0000);
@@ -123,27 +123,27 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
     }
 }
 
-/// Cost of a window of ranks along the columns among which it is sought: entry i is half the sum of absolute differences to `columns[i..i + 8]`,
-/// whose lower eight bits count, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
+/// Cost of a window of ranks along the columns in which it is searched: entry i is half the sum, modulo 256, of absolute differences to
+/// `columns[i..i + 8]`, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
 pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
     for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
         let ranks = window.as_flattened().iter().zip(columns.as_flattened());
-        let sum = ranks.fold(0_u8, |sum, (&ours, &theirs)| sum.wrapping_add(ours.abs_diff(theirs)));
+        let sum = ranks.fold(0_u8, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)));
         *cost = ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8;
     }
 }
 
-/// Takes a path of semi-global matching one point on, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
-/// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; as far as the shorter of both goes. Costs contain P2. Gives
-/// the lowest of the new ones. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
+/// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
+/// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2.
+/// Returns the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
 ///
-/// Worked out as `costs[d] - max(gain[d], gain[d - 1] - P1, gain[d + 1] - P1)` with `gain = lowest + P2 - path`, none of them below 0.
+/// Computed as `costs[d] - max(gain[d], gain[d - 1] - P1, gain[d + 1] - P1)` with `gain = lowest + P2 - path`, none of them below 0.
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     let reach = lowest.saturating_add(JUMP_PENALTY);
     let length = path.len().min(costs.len());
     let Some(path) = path.get_mut(..length) else { return u8::MAX };
     let mut lows = [u8::MAX; LANES];
-    // The last entry of the block before, as it was.
+    // The last entry of the previous block, before its update.
     let mut before = u8::MAX;
     for (start, costs) in (0..).step_by(LANES).zip(costs.chunks(LANES)) {
         let Some(rest) = path.get_mut(start..) else { break };
@@ -165,7 +165,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     lowest_byte(&lows)
 }
 
-/// Adds two curves to a third, saturating, as far as the shortest goes; gives the lowest sum.
+/// Adds two curves to a third, saturating, over the length of the shortest; returns the lowest sum.
 pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
     let mut lowest = u8::MAX;
     for (sum, (&a, &b)) in sums.iter_mut().zip(a.iter().zip(b)) {
@@ -175,13 +175,13 @@ pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
     lowest
 }
 
-/// Sixteen neighbouring bytes.
+/// Sixteen consecutive bytes.
 #[inline(always)]
 fn lanes(bytes: &[u8; LANES + 2], first: usize) -> [u8; LANES] {
     bytes.get(first..).and_then(|bytes| bytes.first_chunk()).copied().unwrap_or([u8::MAX; LANES])
 }
 
-/// The lowest byte; [`u8::MAX`] of none.
+/// The lowest byte; [`u8::MAX`] without bytes.
 #[must_use]
 pub fn lowest_byte(costs: &[u8]) -> u8 {
     costs.iter().fold(u8::MAX, |lowest, &cost| lowest.min(cost))
@@ -194,7 +194,7 @@ pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
 }
 
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every
-/// strip's `other` holds `curve.len() + STRIP - 1` pixels, a shorter one counts nothing).
+/// strip's `other` holds `curve.len() + STRIP - 1` pixels, strips with fewer are left out).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     let needed = curve.len() + STRIP - 1;
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
@@ -242,21 +242,21 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     }
 }
 
-/// Entry by entry sum, saturating, as far as the shortest curve goes.
+/// Entry by entry sum, saturating, over the length of the shortest curve.
 pub fn sum_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = a.saturating_add(b);
     }
 }
 
-/// Entry by entry minimum, as far as the shortest curve goes.
+/// Entry by entry minimum, over the length of the shortest curve.
 pub fn lower_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = a.min(b);
     }
 }
 
-/// Entry by entry minimum of `a` and `b`, plus `c`, saturating, as far as the shortest curve goes.
+/// Entry by entry minimum of `a` and `b`, plus `c`, saturating, over the length of the shortest curve.
 pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
     for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
         *out = a.min(b).saturating_add(c);
@@ -268,22 +268,22 @@ pub fn reverse_row(row: &mut [u8]) {
     row.reverse();
 }
 
-/// The lowest entry; the largest value where there is none.
+/// The lowest entry; [`u16::MAX`] without entries.
 #[must_use]
 pub fn lowest(curve: &[u16]) -> u16 {
     curve.iter().fold(u16::MAX, |lowest, &cost| lowest.min(cost))
 }
 
-/// The largest difference between two pixels that follow each other in a sequence; the first of equals.
+/// The largest difference between two consecutive pixels of a sequence; the first of equals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LargestStep {
-    /// Position of the first of the two in the sequence.
+    /// Index of the first of the two in the sequence.
     pub place: i32,
     /// The second minus the first.
     pub step: i32,
 }
 
-/// Over the sequence of `count` pixels, `stride` apart; a slice that ends before them counts as far as it goes.
+/// The largest step of a sequence of `count` pixels, `stride` bytes apart; a shorter slice ends the sequence.
 #[must_use]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     let mut best = LargestStep { place: 0, step: 0 };
@@ -301,14 +301,14 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     best
 }
 
-/// An edge seen in two neighbouring rows (columns), summed: gradients across it at the strongest of three places.
+/// Gradients of an edge in two adjacent rows (columns), summed, at the strongest of three positions across it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
-    /// -1, 0 or 1: which of the three.
+    /// Position of the strongest gradient, px: -1, 0 or 1.
     pub shift: i32,
-    /// Gradient before the strongest place, there and after it, of the wanted sign: four times grey levels per pixel.
+    /// Gradients before the strongest position, there and after it, times `sign`: four times grey levels per pixel.
     pub gradients: [i32; 3],
-    /// Gradient along the edge, `[1 2 1]` across it: the same unit.
+    /// Gradient along the edge, weighted `[1 2 1]` across it, in the same unit.
     pub along: i32,
 }
 
@@ -334,7 +334,7 @@ pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32
     Some(crossing(|u| byte(u, 0), |u| byte(u, 1), sign))
 }
 
-/// From seven pixels of two rows; the middle one has number 3.
+/// The crossing of two rows of seven pixels; the middle one has index 3.
 #[inline(always)]
 pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
     let sum = |u: usize| i32::from(first(u)) + i32::from(second(u));
@@ -354,23 +354,23 @@ pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8
     Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
 }
 
-/// Pixels that follow each other between two rows: their columns by a polynomial of the second degree, their rows on a straight line.
+/// Consecutive pixels between two rows: their columns by a polynomial of the second degree, their rows on a straight line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Run {
-    /// Where the upper row starts.
+    /// Index at which the upper row starts.
     pub top: u32,
-    /// Where the lower row starts.
+    /// Index at which the lower row starts.
     pub bottom: u32,
     /// Column of the first pixel, px in Q16; the fraction counts down to 1/128.
     pub x_q16: i32,
-    /// From the first pixel to the second, px in Q16.
+    /// Step from the first pixel to the second, px in Q16.
     pub dx_q16: i32,
-    /// What each step is longer than the one before, px in Q16.
+    /// Change from each step to the next, px in Q16.
     pub ddx_q16: i32,
-    /// How far the first pixel lies below the upper row, px in Q14: 0 ..= 16 384, as it is for all pixels.
+    /// Distance of the first pixel below the upper row, px in Q14: 0 ..= 16 384, as for all pixels.
     pub fy_q14: i32,
-    /// From pixel to pixel, px in Q14.
+    /// Step of that distance from pixel to pixel, px in Q14.
     pub dfy_q14: i32,
     /// Number of pixels.
     pub length: u32,
@@ -379,31 +379,31 @@ pub struct Run {
 /// Rows of pixels in a ring: row `first` lies at the start, those before it at the end.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring<'a> {
-    /// The rows, and what may be read behind the last one: see [`columns`].
+    /// The rows, and the bytes that may be read behind the last one: see [`columns`].
     pub bytes: &'a [u8],
-    /// Pixels from row to row.
+    /// Width of a row, px.
     pub width: usize,
     /// Number of rows.
     pub rows: u32,
-    /// The row at the start.
+    /// Row at the start.
     pub first: i32,
 }
 
 impl Ring<'_> {
-    /// Where a row and the next one start. A row that is not held is the one at the start.
+    /// Indices at which a row and the next one start. For a row that is not held, those of the row at the start.
     fn starts(&self, row: i32) -> [u32; 2] {
-        let place = row.wrapping_sub(self.first);
-        let place = (if place < 0 { place.wrapping_add(self.rows as i32) } else { place }) as u32;
-        let place = if place < self.rows { place } else { 0 };
-        let next = place.wrapping_add(1);
-        [place, if next == self.rows { 0 } else { next }].map(|place| place.wrapping_mul(self.width as u32))
+        let index = row.wrapping_sub(self.first);
+        let index = (if index < 0 { index.wrapping_add(self.rows as i32) } else { index }) as u32;
+        let index = if index < self.rows { index } else { 0 };
+        let next = index.wrapping_add(1);
+        [index, if next == self.rows { 0 } else { next }].map(|index| index.wrapping_mul(self.width as u32))
     }
 }
 
-/// Pixels between two knots.
+/// Distance between two knots, px.
 pub const CELL: usize = 16;
 
-/// Where a pixel lies in rows of pixels.
+/// Position in rows of pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Knot {
@@ -413,8 +413,8 @@ pub struct Knot {
     pub y: i32,
 }
 
-/// Sums of four knots each: of their products with the weights (Q30, 1 in sum) the upper halves, which are one instruction on most cores.
-/// Each is rounded down, by half of 2^-14 px on average. As many as the shortest slice has.
+/// Weighted sums of four knots each, weights in Q30 with a sum of 1, by the upper halves of products, one instruction on most cores. Each
+/// product is rounded down, by half of 2^-14 px on average. As many sums as the shortest slice has knots.
 pub fn weigh_knots(rows: [&[Knot]; 4], weights: [i32; 4], out: &mut [Knot]) {
     let [a, b, c, d] = rows;
     let sum = |four: [i32; 4]| {
@@ -436,23 +436,23 @@ pub const X_ROUNDING: i32 = 1 << 8;
 pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
     // At most 255 * 2^7: fits `i16`. The sum is at most 255 * 2^21 + 2^20.
     let across = |[a, b]: [u8; 2]| i32::from(a) * (128 - fx_q7) + i32::from(b) * fx_q7;
-    // Two weights in one word: other fractions than those above give what one addition to the word gives.
+    // Two weights in one word, as in `dsp::pixels`, so that other fractions give the same bits as well.
     let weights = fy_q14.wrapping_mul(0xffff).wrapping_add(1 << 14);
     let (upper, lower) = (i32::from(weights as i16), i32::from((weights >> 16) as i16));
     let sum = (across(top) * upper).wrapping_add(across(bottom) * lower).wrapping_add(1 << 20);
     (sum as u32 >> 21) as u8
 }
 
-/// Columns that can be asked for in rows of this width: the next power of two, at least 256. What lies behind a row is read, but never
-/// further.
+/// Number of columns that may be read in rows of this width: the next power of two, at least 256. Pixels behind a row may be read, but none
+/// beyond that.
 #[must_use]
 pub const fn columns(width: usize) -> usize {
     if width < 256 { 256 } else { width.next_power_of_two() }
 }
 
-/// [`bilinear`] at [`CELL`] pixels between the inner two of each four knots that follow each other: columns by the parabola whose second
-/// difference is the mean of those at both knots, rows on a straight line. Columns outside of 0 .. [`columns`] are held inside; what lies
-/// behind the end of the ring is 0. What `out` is longer than the cells stays.
+/// [`bilinear`] at [`CELL`] pixels between the inner two of each four consecutive knots: columns by the parabola whose second difference is the
+/// mean of those at both knots, rows on a straight line. Columns are clamped to 0 .. [`columns`]; pixels behind the end of the ring are 0.
+/// Entries of `out` beyond the cells stay.
 pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     let last = i32::try_from(columns(ring.width.min(1 << 15)) - 1).unwrap_or(0);
     let fours = knots.windows(4).filter_map(|four| four.first_chunk::<4>());
@@ -460,14 +460,14 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
         let bend = before.x.wrapping_sub(from.x).wrapping_sub(to.x).wrapping_add(behind.x);
         let ddx_q16 = bend >> 9;
         let (mut x_q16, mut y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
-        // The first step is as much shorter than the mean one as the sum of what the steps grow.
+        // First step: the mean one minus the mean growth of the steps.
         let mut dx_q16 = to.x.wrapping_sub(from.x).wrapping_sub(ddx_q16.wrapping_mul(120)) >> 4;
         let dy_q14 = ((to.y >> 2) - y_q14) >> 4;
         for out in out {
             let column = (x_q16 >> 16).max(0).min(last) as usize;
             let pixel = |start: u32, k: usize| {
-                let place = (start as usize).checked_add(column + k);
-                place.and_then(|place| ring.bytes.get(place)).copied().unwrap_or(0)
+                let index = (start as usize).checked_add(column + k);
+                index.and_then(|index| ring.bytes.get(index)).copied().unwrap_or(0)
             };
             let [top, bottom] = ring.starts(y_q14 >> 14).map(|start| [pixel(start, 0), pixel(start, 1)]);
             *out = bilinear(top, bottom, x_q16 >> 9 & 127, y_q14 & 0x3fff);
@@ -478,8 +478,8 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     }
 }
 
-/// [`bilinear`] at each pixel of one run after the other, between rows of `width` pixels that lie anywhere in `rows`. Columns outside of
-/// 0 .. [`columns`] are held inside; what lies behind the end of `rows` is 0. What `out` is longer than the runs stays.
+/// [`bilinear`] at each pixel of consecutive runs, between rows of `width` pixels that lie anywhere in `rows`. Columns are clamped to
+/// 0 .. [`columns`]; pixels behind the end of `rows` are 0. Entries of `out` beyond the runs stay.
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
     let last = i32::try_from(columns(width.min(1 << 15)) - 1).unwrap_or(0);
     let mut left = out;
@@ -491,8 +491,8 @@ pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
         for out in out {
             let column = (x_q16 >> 16).max(0).min(last) as usize;
             let pixel = |start: u32, k: usize| {
-                let place = (start as usize).checked_add(column + k);
-                place.and_then(|place| rows.get(place)).copied().unwrap_or(0)
+                let index = (start as usize).checked_add(column + k);
+                index.and_then(|index| rows.get(index)).copied().unwrap_or(0)
             };
             let two = |start: u32| [pixel(start, 0), pixel(start, 1)];
             *out = bilinear(two(top), two(bottom), x_q16 >> 9 & 127, fy_q14);

@@ -11,7 +11,7 @@ use core::arch::x86_64::{
     _mm_set1_epi8, _mm_setzero_si128, _mm_slli_si128, _mm_srli_si128, _mm_storeu_si128, _mm_sub_epi8, _mm_subs_epu8,
 };
 
-/// Disparities whose sums are held in registers.
+/// Number of disparities whose sums are held in registers.
 const BLOCK: usize = 8;
 
 /// Adds the sum of absolute differences of all strips to each entry of `curve`: see [`portable::sad_curve`](super::portable::sad_curve).
@@ -51,7 +51,7 @@ fn add_pair(pair: [Option<&Strip<'_>>; 2], start: usize, needed: usize, sums: &m
     let [(others_a, reference_a), (others_b, reference_b)] = pair.map(|strip| {
         let strip = strip.filter(|strip| strip.other.len() >= needed);
         let others = strip.and_then(|s| s.other.get(start..)).and_then(|o| o.first_chunk::<REACH>());
-        // A strip that is missing or too short counts nothing: zeros against zeros.
+        // A strip that is missing or too short adds 0: zeros against zeros.
         others.zip(strip).map_or((&[0; REACH], 0), |(o, s)| (o, i64::from_le_bytes(s.reference)))
     });
     let reference = _mm_set_epi64x(reference_b, reference_a);
@@ -97,7 +97,7 @@ fn path_step_sse2(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     let all = |byte: u8| _mm_set1_epi8(byte.cast_signed());
     let (step, reach) = (all(STEP_PENALTY), all(lowest.saturating_add(JUMP_PENALTY)));
     let mut lows = all(u8::MAX);
-    // The last entry of the block before, as it was.
+    // The last entry of the previous block, before its update.
     let mut before = u8::MAX;
     for (start, costs) in (0..).step_by(LANES).zip(costs.chunks(LANES)) {
         let Some(rest) = path.get_mut(start..) else { break };
@@ -116,7 +116,7 @@ fn path_step_sse2(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     bytes(lows).into_iter().fold(u8::MAX, u8::min)
 }
 
-/// Sixteen bytes, the largest one where there are less.
+/// Sixteen bytes, 255 where there are fewer.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn load(bytes: &[u8]) -> __m128i {
@@ -177,10 +177,10 @@ mod tests {
                     .map(|row| Strip { reference: core::array::from_fn(|_| random() & 127), other: row })
                     .collect();
                 let start: Vec<u16> = (0..len).map(|_| u16::from(random())).collect();
-                let (mut ours, mut theirs) = (start.clone(), start);
-                sad_curve(&strips, &mut ours);
-                portable::sad_curve(&strips, &mut theirs);
-                assert_eq!(ours, theirs, "{count} strips, {len} disparities");
+                let (mut found, mut expected) = (start.clone(), start);
+                sad_curve(&strips, &mut found);
+                portable::sad_curve(&strips, &mut expected);
+                assert_eq!(found, expected, "{count} strips, {len} disparities");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Edge drawing: anchors on a sparse grid of rows (columns), then the gradient's ridge is followed from each, both ways.
+//! Edge drawing: anchors on every sixth row (column), from each of which the gradient's ridge is followed both ways.
 //!
 //! In: a grey image. Out: chains of one sub-pixel position per row ([`Direction::Down`]) or per column ([`Direction::Along`]).
 //!
@@ -14,16 +14,16 @@ use crate::image::{Gray, Span};
 use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
 use crate::units::quotient;
 
-/// Rows (columns) from one position of a chain to the next: neighbouring ones say nearly the same.
+/// Rows (columns) from one position of a chain to the next; those of adjacent rows are nearly redundant.
 pub(crate) const STEP: i32 = 2;
 /// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
 pub(crate) const SCAN_STEP: i32 = 6;
-/// A scan starts at most one edge, the strongest, per stretch of this many pixels: what bounds the work on texture and noise.
+/// Pixels of a stretch. A scan starts at most one edge, the strongest, in each, which bounds the work on texture and noise.
 const STRETCH: i32 = 16;
-/// Pixels next to the border that hold no edge: the ridge test reads that far.
+/// Pixels next to the border that hold no edge: reach of the ridge test.
 const BORDER: i32 = 4;
 
-/// Which way an edge runs.
+/// Direction of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// One position per step of rows.
@@ -32,7 +32,7 @@ pub(crate) enum Direction {
     Along,
 }
 
-/// An image seen along one direction, with its marks: the state of the drawing. `t` counts rows (columns, unless `DOWN`) along the edge,
+/// An image and its marks in one direction: the state of the drawing. `t` counts rows (columns, unless `DOWN`) along the edge,
 /// `u` pixels across it.
 pub(crate) struct Edges<'a, const DOWN: bool> {
     pixels: &'a [u8],
@@ -41,33 +41,34 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     breadth: i32,
     anchor: i32,
     edge: i32,
-    /// Usable columns of each row; none when all are.
+    /// Usable columns of each row; empty when all are.
     usable: &'a [Span],
-    /// Where edges start; everywhere without.
+    /// Areas in which edges start; everywhere without.
     areas: Option<&'a [Area]>,
     /// A bit per position: a row of bits for each step.
     marks: &'a mut [u32],
 }
 
-/// Where the ridge is on one row.
+/// Position of the ridge on one row (column).
 struct Ridge {
-    /// The pixel.
+    /// Whole pixel.
     u: i32,
+    /// Sub-pixel position, 1/32 px.
     position_q5: i32,
-    /// Across the edge, of the edge's sign.
+    /// Gradient across the edge, positive for the edge's sign.
     gradient: i32,
-    /// Along the edge.
+    /// Gradient along the edge.
     along: i32,
 }
 
 impl Ridge {
-    /// An edge runs at right angles to its gradient: so much across per step, 1/32 px.
+    /// Shift across per step of an edge at right angles to the gradient, 1/32 px.
     fn lean_q5(&self, sign: i32) -> i32 {
         quotient((-self.along * sign * STEP) << 5, self.gradient)
     }
 }
 
-/// The strongest edge of a stretch.
+/// Strongest edge of a stretch: its pixel and sign.
 #[derive(Clone, Copy)]
 struct Anchor {
     u: i32,
@@ -85,16 +86,16 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, usable, areas, marks }
     }
 
-    /// Draws every edge and hands each chain to `emit`.
+    /// Draws every edge and calls `emit` with each chain.
     #[inline(never)]
     pub(crate) fn for_each_chain(&mut self, scan: i32, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
-            let mut wanted = self.wanted_stretches(t);
-            while from < self.breadth - BORDER && wanted != 0 {
+            let mut stretches = self.stretches_in_areas(t);
+            while from < self.breadth - BORDER && stretches != 0 {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
-                if wanted & 1 != 0
+                if stretches & 1 != 0
                     && let Some((first, last)) = self.usable_part(t, from, to)
                     && let Some(anchor) = self.strongest(t, first, last)
                 {
@@ -109,26 +110,26 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
                     }
                 }
                 from = to;
-                wanted >>= 1;
+                stretches >>= 1;
             }
             t += scan;
         }
     }
 
-    /// A bit for each stretch of a row that has pixels of the areas.
-    fn wanted_stretches(&self, t: i32) -> u128 {
+    /// A bit for each stretch of a row: set where it has pixels of the areas.
+    fn stretches_in_areas(&self, t: i32) -> u128 {
         let Some(areas) = self.areas else { return u128::MAX };
-        areas.iter().fold(0, |wanted, area| {
+        areas.iter().fold(0, |stretches, area| {
             let Area { left, top, right, bottom } = *area;
             let ((t0, t1), (u0, u1)) =
                 if DOWN { ((top, bottom), (left, right)) } else { ((left, right), (top, bottom)) };
             if !(i32::from(t0)..i32::from(t1)).contains(&t) || u0 >= u1 {
-                return wanted;
+                return stretches;
             }
             // Stretches below 80: images are at most 1280 px wide.
             let stretch = |u: u16| ((i32::from(u) - BORDER).max(0) / STRETCH).clamp(0, 126) as u32;
             let (first, last) = (stretch(u0), stretch(u1 - 1));
-            wanted | (((2_u128 << (last - first)) - 1) << first)
+            stretches | (((2_u128 << (last - first)) - 1) << first)
         })
     }
 
@@ -152,19 +153,19 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         self.usable.get(y as usize).is_none_or(|span| span.contains(x))
     }
 
-    /// The pixel with the largest grey step between its neighbours, if it is one at which an edge may start.
+    /// The pixel with the largest grey step between its neighbours, if that reaches the anchor threshold.
     #[inline]
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
         let pixels = self.pixels.get(self.index(t, from - 1)..)?;
-        // An edge shows in the difference across every second pixel, whichever it lies at.
+        // An edge at any pixel changes the differences between every second one.
         let stride = if DOWN { 2 } else { 2 * self.stride };
         let largest = largest_step(pixels, stride, usize::try_from((to - from + 1) / 2 + 1).ok()?);
         let size = largest.step.abs();
         (size * 4 >= self.anchor).then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
     }
 
-    /// The anchor before `t` from which a search over the whole image would have drawn this edge: followed to its start, the first scan on
-    /// which the edge is the strongest of its stretch. Nothing is marked.
+    /// The anchor before `t` from which a search over the whole image would have drawn this edge: the first scan, of those that the edge passes
+    /// from its start on, on which it is the strongest of its stretch. Nothing is marked.
     fn first_anchor(&mut self, t: i32, scan: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
         let sign = anchor.sign;
         let start = self.ridge::<false>(t, anchor.u, sign)?;
@@ -193,7 +194,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         self.strongest(t, first, last).filter(|anchor| (anchor.u - u).abs() <= 1)
     }
 
-    /// Follows the ridge from an anchor in both ways; they end up at `t / STEP`.
+    /// Follows the ridge from an anchor both ways; positions are stored at index `t / STEP`.
     fn draw<'r>(&mut self, t: i32, anchor: Anchor, room: &'r mut Room<'_>) -> Option<Chain<'r>> {
         let sign = anchor.sign;
         let start = self.ridge::<true>(t, anchor.u, sign)?;
@@ -260,8 +261,8 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
 }
 
 fn keep(room: &mut Room<'_>, t: i32, ridge: &Ridge) {
-    if let Ok(place) = usize::try_from(t / STEP)
-        && let (Some(position), Some(strength)) = (room.positions.get_mut(place), room.strengths.get_mut(place))
+    if let Ok(index) = usize::try_from(t / STEP)
+        && let (Some(position), Some(strength)) = (room.positions.get_mut(index), room.strengths.get_mut(index))
     {
         *position = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
         *strength = u8::try_from(ridge.gradient >> 1).unwrap_or(u8::MAX);

@@ -16,9 +16,9 @@
 
 use crate::units::quotient;
 
-/// Positions of a seed.
+/// Number of positions of a seed.
 const SEED: i32 = 4;
-/// Most positions of a run: what keeps the sums in 32 bits.
+/// Most positions of a run: keeps the sums in 32 bits.
 const MAX_RUN: i32 = 64;
 /// Largest distance of a position from the line, 1/32 px.
 const TOLERANCE_Q5: i32 = 22;

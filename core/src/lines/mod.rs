@@ -13,13 +13,13 @@
 //! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
 //!
 //! # Bounds
-//! A position is drawn at most once per direction, so time is bounded by a few looks at each second row (column) of pixels whatever the
-//! image shows; memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
+//! A position is drawn at most once per direction, so time is bounded by a few tests per pixel of each second row (column) for any image;
+//! memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
 //!
 //! # Source
 //! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011 (incremental least squares along a chain);
-//! Suarez et al.: "ELSED", 2022. We differ: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1,
-//! and each direction keeps one position per step, which makes a chain an array.
+//! Suarez et al.: "ELSED", 2022. Differences: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1, and
+//! each direction keeps one position per step, which makes a chain an array.
 
 mod edges;
 mod fit;
@@ -35,20 +35,21 @@ pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
 use heapless::vec::VecView;
 
-/// Longest piece of a segment that runs down the rows, in rows: what one window covers.
+/// Longest piece of a near-vertical segment, rows: the height of one window.
 pub(crate) const MAX_ROWS: i32 = 32;
-/// Longest piece of a near-horizontal segment, in columns.
+/// Longest piece of a near-horizontal segment, columns.
 pub(crate) const MAX_COLUMNS: i32 = 24;
 
-/// Largest slopes of the two directions: 1.05 and its inverse. They part at 46.4 degrees and not at 45, which is common: no edge near there
-/// should depend on noise to be drawn once.
+/// Largest slope of edges down the rows, px per px, Q12: 1.05. The two directions meet at 46.4 degrees and not at 45, a common angle at which noise
+/// would decide whether an edge is drawn once, twice or not at all.
 const DOWN_SLOPE_Q12: i32 = 4301;
+/// Largest slope of edges along the columns, px per px, Q12: 1 / 1.05.
 const ALONG_SLOPE_Q12: i32 = 3901;
 
-/// Most segments of a list: their positions in it take twelve bits where prominence is compared.
+/// Most segments of a list: indices take twelve bits where prominence is compared.
 pub const MAX_SEGMENTS: usize = 4096;
 
-/// Positions of the longest chain.
+/// Number of positions of the longest chain.
 pub(crate) const MAX_POSITIONS: usize = if MAX_WIDTH > MAX_HEIGHT { MAX_WIDTH } else { MAX_HEIGHT } as usize / 2;
 
 /// A straight edge, as detected.
@@ -60,7 +61,7 @@ pub struct Segment {
     pub rising: bool,
     /// Mean grey step across the edge along the segment, 0 ..= 255.
     pub contrast: u8,
-    /// True when it runs more along the columns than down the rows: its line says little about disparity.
+    /// True when it runs more along the columns than down the rows: its position determines its disparity poorly.
     pub near_horizontal: bool,
 }
 
@@ -71,7 +72,7 @@ impl Segment {
         (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
     }
 
-    /// The smallest area with every pixel it touches.
+    /// Bounding box, px.
     pub(crate) fn area(&self) -> Area {
         let (x0, y0, x1, y1) = self.ends_q5();
         let [left, top] = [x0.min(x1), y0.min(y1)].map(|q5| u16::try_from(q5 >> 5).unwrap_or(0));
@@ -110,17 +111,18 @@ pub struct LineParams {
 /// Working memory of the detector.
 #[derive(Debug)]
 pub struct LineScratch<'a> {
-    /// [`mark_words`](crate::mark_words) of the image.
+    /// A bit per pixel: [`mark_words`](crate::mark_words) of the image.
     pub marks: &'a mut [u32],
     /// One position per two rows or columns, along the longer side.
     pub chain: &'a mut [u16],
-    /// As many: how strong the edge is there.
+    /// As many: strength of the edge at each position.
     pub strengths: &'a mut [u8],
 }
 
-/// Lists the segments of `image` in the order in which they are drawn; returns how many did not fit (the shortest are dropped).
+/// Lists the segments of `image` in the order in which they are drawn; returns the number of those that did not fit (the
+/// shortest are dropped).
 ///
-/// With `areas`, only those edges are drawn that have an anchor in one of them, each as far as it goes.
+/// With `areas`, only edges with an anchor in one of them are drawn, in full length.
 pub fn detect(
     image: Gray<'_>,
     areas: Option<&[Area]>,
@@ -132,7 +134,7 @@ pub fn detect(
     let mut list = KeepLongest { out, dropped: 0 };
     let mut runs = |chain: Chain<'_>, direction: Direction| {
         fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
-            // Steeper than that, the other direction draws it with more positions.
+            // Steeper ones are drawn by the other direction, with more positions.
             let largest_q12 = if direction == Direction::Down { DOWN_SLOPE_Q12 } else { ALONG_SLOPE_Q12 };
             if run.slope_q12.abs() <= STEP * largest_q12 {
                 cut(&run, chain, direction, &mut list);
@@ -161,9 +163,9 @@ pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
 }
 
 /// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; of larger squares
-/// while more than `most` remain. Returns how many were removed. `marks` is scratch.
+/// while more than `most` remain. Returns the number removed. `marks` is scratch.
 ///
-/// Few, prominent and evenly spread: matching cost is bounded by the area, not by what the image shows.
+/// The cost of matching is bounded by the area of the image, not by its content.
 pub(crate) fn keep_prominent(
     list: &mut VecView<Segment>,
     (cell, most): (i32, usize),
@@ -184,7 +186,7 @@ pub(crate) fn keep_prominent(
 fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) {
     marks.fill(0);
     let per_row = quotient(width, cell) + 1;
-    let place = |s: &Segment| {
+    let square = |s: &Segment| {
         let (x0, y0, x1, y1) = s.ends_q5();
         usize::try_from(quotient((y0 + y1) >> 6, cell) * per_row + quotient((x0 + x1) >> 6, cell)).unwrap_or(0)
     };
@@ -194,24 +196,24 @@ fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks
         prominence.min(0xf_ffff) << 12 | (4095 - i.min(4095)) as u32
     };
     for (i, segment) in list.iter().enumerate() {
-        if let Some(best) = marks.get_mut(place(segment)) {
+        if let Some(best) = marks.get_mut(square(segment)) {
             *best = (*best).max(rank(segment, i));
         }
     }
     let mut i = 0;
     list.retain(|s| {
-        let keep = marks.get(place(s)).is_none_or(|&best| best == rank(s, i));
+        let keep = marks.get(square(s)).is_none_or(|&best| best == rank(s, i));
         i += 1;
         keep
     });
 }
 
-/// A chain of one position per step of rows (columns): where it starts and what it saw.
+/// Positions of an edge, one per step of rows (columns) from `first` on.
 #[derive(Clone, Copy)]
 pub(crate) struct Chain<'a> {
     pub(crate) first: i32,
     pub(crate) positions: &'a [u16],
-    /// Grey steps across the edge.
+    /// Grey step across the edge at each position.
     pub(crate) strengths: &'a [u8],
     pub(crate) rising: bool,
 }
@@ -261,8 +263,7 @@ fn position(q5: i32) -> Position {
     Position::from_bits(u16::try_from(q5.max(0)).unwrap_or(u16::MAX))
 }
 
-/// A bounded list that gives up its shortest entries. Once full it is a heap with the shortest first: an entry costs
-/// `log2` of the length, whatever comes.
+/// A bounded list that drops its shortest entries. Once full it is a heap with the shortest first: an entry costs `log2` of the length.
 struct KeepLongest<'a> {
     out: &'a mut VecView<Segment>,
     dropped: u16,

@@ -1,4 +1,4 @@
-//! Aggregation: do the techniques agree, and what do two sides say together?
+//! Aggregation of disparities: agreement between techniques, and the common line of two sides.
 //!
 //! In: disparities by different techniques or from different sides. Out: accepted or not; one line of disparity with its slant.
 //!
@@ -11,12 +11,11 @@ use crate::rig::Rig;
 use crate::units::narrow;
 use crate::units::{Disparity, quotient};
 
-/// Largest difference between two sides' disparities that is still one slanted surface, 1/64 px.
+/// Largest difference between two sides' disparities that is one slanted surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 112;
 
-/// Two sides that agree see one surface from both sides of the edge: its disparity at the edge is their mean, and its change across the
-/// edge follows from their difference. `own_q6` is what each side's window says by itself, their centres `apart` px from each other;
-/// `line_q6` the disparity along the edge by both.
+/// Joins two sides that agree into one surface: both get the disparity `line_q6` at the ends of the edge, 1/64 px, and the slant across the edge
+/// that follows from the difference of `own_q6`, the disparities by each side's own window, whose centres lie `apart` px from each other.
 pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
     let [Some(left), Some(right)] = sides else { return };
     let [own_left, own_right] = own_q6;
@@ -42,7 +41,7 @@ impl Agreement {
         Self { margin: params.margin, rig: params.rig }
     }
 
-    /// Does `other` lie within the margin around `d` (Eq. 13)? In 1/64 px.
+    /// True when `other` lies within the margin around `d` (Eq. 13), both in 1/64 px.
     pub(crate) fn holds(&self, d_q6: i32, other_q6: i32) -> bool {
         match (self.margin, self.rig) {
             (Margin::Metres { nearer, farther }, Some(rig)) => {

@@ -2,7 +2,7 @@
 //!
 //! In: the two images. Out: padded rows of both, computed once per frame, held for [`BAND_ROWS`] rows.
 //!
-//! Rows of the right image are stored mirrored, so that for a fixed left pixel the candidates at rising disparity lie at rising addresses.
+//! Rows of the right image are stored mirrored, so that for a fixed left pixel rising disparities lie at rising addresses.
 //!
 //! # Cost
 //! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
@@ -15,12 +15,12 @@ use crate::lines::Segment;
 use crate::row_memory::{BAND_ROWS, PAD, PLANES, row_bytes};
 use crate::units::quotient;
 
-/// Rows from one row of the band to the next.
+/// Distance between rows of the band, px.
 pub(crate) const ROW_STEP: i32 = 2;
-/// Rows that a window reaches above and below a near-horizontal segment; other windows end with their segment.
+/// Reach of windows above and below a near-horizontal segment, px; other windows end with their segment.
 const WINDOW_REACH: i32 = 6;
 
-/// Columns that a window reaches beside its segment (10), and two that end its rows.
+/// Reach of windows beside their segment, 10 px, and two columns whose values at the end of a row are not valid.
 const WINDOW_COLUMNS: i32 = 12;
 
 /// One quantity of both images.
@@ -33,21 +33,21 @@ struct Planes<'a> {
 pub(crate) struct Band<'a> {
     images: [Gray<'a>; 2],
     gradient: Planes<'a>,
-    /// Of the right image, mirrored; of the left one only the points asked for are computed.
+    /// Codes of the right image, mirrored; left codes are computed for single points.
     census: &'a mut [u8],
     width: usize,
     height: i32,
     stride: usize,
-    /// Rows before it were not computed.
+    /// First row computed.
     first_row: i32,
     next_row: i32,
     /// Row of the right image that matches row 0 of the left one.
     row_offset: i32,
-    /// What windows reach; everything without.
+    /// Pixels that windows reach; all without.
     extents: Option<&'a [WindowExtent]>,
 }
 
-/// Pixels of rows that windows may look at.
+/// Rows and columns that windows may reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WindowExtent {
     /// Rows of the left image.
@@ -57,7 +57,7 @@ pub(crate) struct WindowExtent {
 }
 
 impl WindowExtent {
-    /// By windows of segments that lie in an area, at disparities from `min` to before `max`.
+    /// The extent of windows of segments in an area, at disparities `min .. max`.
     pub(crate) fn around(area: Area, (min, max): (i32, i32), dims: Dims) -> Self {
         let span = |from: i32, to: i32, size: u16| {
             let inside = |at: i32| u16::try_from(at.max(0)).unwrap_or(u16::MAX).min(size);
@@ -73,8 +73,7 @@ impl WindowExtent {
 }
 
 impl<'a> Band<'a> {
-    /// A band over `rows`, which holds three planes of [`BAND_ROWS`] padded rows. Where it is said what windows may reach, nothing else is
-    /// computed.
+    /// A band in `rows`, memory of three planes of [`BAND_ROWS`] padded rows. With `extents`, only the pixels in them are computed.
     pub(crate) fn new(
         [left, right]: [Gray<'a>; 2],
         row_offset: i32,
@@ -109,18 +108,18 @@ impl<'a> Band<'a> {
         (start.into(), end.into())
     }
 
-    /// Are there pixels of the right image that are not usable?
+    /// True when not all pixels of the right image are usable.
     pub(crate) fn is_restricted(&self) -> bool {
         let [_, right] = self.images;
         !right.usable().is_empty()
     }
 
-    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before. `watch` is handed each row that
-    /// was computed: left gradients, right gradients, right census codes, the right ones mirrored.
+    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before. Calls `watch` with each computed
+    /// row: left gradients, right gradients, right census codes, the right ones mirrored.
     pub(crate) fn advance_for(&mut self, segment: &Segment, watch: impl FnMut([&[u8]; PLANES])) {
         let (_, y0, _, y1) = segment.ends_q5();
         let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
-        // Where segments are sought in parts of the image, there are rows between them that none looks at.
+        // Where parts of the image are matched, rows between them are not needed.
         let first = (segment.top() - WINDOW_REACH) / ROW_STEP * ROW_STEP;
         if first > self.next_row {
             (self.first_row, self.next_row) = (first, first);
@@ -128,7 +127,7 @@ impl<'a> Band<'a> {
         self.advance(((y0.max(y1) + 31) >> 5) + reach, watch);
     }
 
-    /// Computes rows up to and including `last`; rows before `last + 1 - BAND_ROWS` are forgotten.
+    /// Computes rows up to and including `last`; overwrites rows that are [`BAND_ROWS`] rows of the band older.
     fn advance(&mut self, last: i32, mut watch: impl FnMut([&[u8]; PLANES])) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
@@ -136,15 +135,15 @@ impl<'a> Band<'a> {
             let [left, right] = self.images;
             let start = self.start(y);
             let [left_columns, right_columns] = self.columns(y);
-            let place = |columns: Span| start + usize::from(columns.start)..start + usize::from(columns.end);
+            let indices = |columns: Span| start + usize::from(columns.start)..start + usize::from(columns.end);
             let ends = |columns: Span| columns.start.into()..columns.end.into();
-            if let Some(out) = self.gradient.left.get_mut(place(left_columns)) {
+            if let Some(out) = self.gradient.left.get_mut(indices(left_columns)) {
                 gradients(left, y, ends(left_columns), out);
             }
             // Mirrored, the last column comes first.
             let width = self.width as u16;
             let Span { start: first, end } = right_columns;
-            let mirrored = place(Span { start: width.saturating_sub(end), end: width.saturating_sub(first) });
+            let mirrored = indices(Span { start: width.saturating_sub(end), end: width.saturating_sub(first) });
             if let Some(out) = self.gradient.right_mirrored.get_mut(mirrored.clone()) {
                 gradients(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
@@ -155,7 +154,7 @@ impl<'a> Band<'a> {
             }
             let Planes { left, right_mirrored } = &self.gradient;
             if let (Some(left), Some(right), Some(census)) =
-                (left.get(place(left_columns)), right_mirrored.get(mirrored.clone()), self.census.get(mirrored))
+                (left.get(indices(left_columns)), right_mirrored.get(mirrored.clone()), self.census.get(mirrored))
             {
                 watch([left, right, census]);
             }
@@ -169,7 +168,7 @@ impl<'a> Band<'a> {
         of_row.reduce(|[a, b], [c, d]| [join(a, c), join(b, d)]).unwrap_or_default()
     }
 
-    /// Where column 0 of a row lies in a plane.
+    /// Index of a row's column 0 in a plane.
     fn start(&self, y: i32) -> usize {
         ((y.max(0) / ROW_STEP) as usize % BAND_ROWS) * self.stride + PAD
     }
@@ -179,7 +178,7 @@ impl<'a> Band<'a> {
         plane.get(start..start + stride)
     }
 
-    /// Eight gradients at `x..x + 8` of row `y` of the reference image, and the row they are sought in from disparity `first` on.
+    /// Eight gradients at `x..x + 8` of row `y` of the left image, and the right row in which they are searched from disparity `first` on.
     pub(crate) fn strip(&self, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
         let [strip] = self.strips([x], y, first)?;
         Some(strip)
@@ -190,10 +189,10 @@ impl<'a> Band<'a> {
         let (reference, other) = self.rows(&self.gradient, y)?;
         let mut strips = [const { Strip { reference: [0; STRIP], other: &[] } }; N];
         for (strip, x) in strips.iter_mut().zip(columns) {
-            let (at, sought) = self.places(x, STRIP as i32, first)?;
+            let (at, target) = self.indices(x, STRIP as i32, first)?;
             let mut pixels = *reference.get(at..)?.first_chunk::<STRIP>()?;
             pixels.reverse();
-            *strip = Strip { reference: pixels, other: other.get(sought..)? };
+            *strip = Strip { reference: pixels, other: other.get(target..)? };
         }
         Some(strips)
     }
@@ -204,11 +203,11 @@ impl<'a> Band<'a> {
             return None;
         }
         let other = Self::row(self.census, self.stride, y)?;
-        let (_, sought) = self.places(x, 1, first)?;
+        let (_, target) = self.indices(x, 1, first)?;
         let [left, _] = self.images;
         let has_code = x >= 2 && x + 2 < self.width as i32 && left.usable_columns(y).contains(x);
         let code = if has_code { self.left_code(x, y) } else { 0 };
-        Some((code, other.get(sought..)?))
+        Some((code, other.get(target..)?))
     }
 
     fn left_code(&self, x: i32, y: i32) -> u8 {
@@ -218,7 +217,7 @@ impl<'a> Band<'a> {
             let first = (y as usize - 2).wrapping_mul(stride).wrapping_add(x as usize - 2);
             return census_code(pixels, first, stride).unwrap_or(0);
         }
-        // Next to the border the nearest row counts.
+        // Rows outside the image repeat the nearest one.
         let mut patch = [0; 25];
         for (five, y) in patch.as_chunks_mut::<5>().0.iter_mut().zip(y - 2..) {
             let row = clamped_row(left, y).get(x as usize - 2..).and_then(|row| row.first_chunk());
@@ -240,9 +239,8 @@ impl<'a> Band<'a> {
         Some((left, right))
     }
 
-    /// Where `length` pixels from column `x` on lie in the left row, and where the first candidate lies in the mirrored right one. The
-    /// reference is read backwards, so that candidates at rising disparity lie at rising addresses.
-    fn places(&self, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
+    /// Index of the `length` pixels from column `x` on in the left row, and of those at disparity `first` in the mirrored right one.
+    fn indices(&self, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
         let mirrored = PAD as i32 + self.width as i32 - length - x;
         Some((usize::try_from(PAD as i32 + x).ok()?, usize::try_from(mirrored + first).ok()?))
     }
@@ -257,7 +255,7 @@ fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
     image.row(y.max(0).min(last) as usize).unwrap_or(&[])
 }
 
-/// Every so many rows of the band between two rows, so that there are at most as many as asked for.
+/// Evenly spaced rows of the band between two rows, with an upper limit on their number.
 #[derive(Clone, Copy)]
 pub(crate) struct SampledRows {
     next: i32,
@@ -272,7 +270,7 @@ impl SampledRows {
         Self { next: on_band(first + ROW_STEP - 1), last, step: ROW_STEP * quotient(there + most - 1, most).max(1) }
     }
 
-    /// Their mean, in half rows.
+    /// Mean row, in half rows.
     pub(crate) fn centre_q1(self) -> i32 {
         2 * self.next + self.step * (self.count() - 1).max(0)
     }

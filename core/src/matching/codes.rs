@@ -1,9 +1,9 @@
 //! Gradients and census codes of a part of a row.
 //!
-//! In: an image, a row and columns of it. Out: a byte each. A row beyond the border is the nearest one; a column there is flat, and so is what
-//! is not usable.
+//! In: an image, a row and columns of it. Out: a byte per column. Rows outside the image repeat the nearest one; columns outside are flat, and so
+//! are pixels that are not usable.
 //!
-//! The first and last column (two, of census) inside the image are as good as a border: whoever needs a pixel asks for two more on both sides.
+//! The first and last column computed (two, of census) are treated like the image's border: request two more columns on both sides than needed.
 
 use crate::image::{Gray, Span};
 use crate::kernel::{FLAT, census_row, gradient_row};
@@ -32,18 +32,18 @@ fn fill(
     if from >= to {
         return out.fill(FLAT);
     }
-    let place = |x: i32| usize::try_from(x - columns.start).unwrap_or(usize::MAX);
+    let index = |x: i32| usize::try_from(x - columns.start).unwrap_or(usize::MAX);
     let [_, y, _] = rows;
     let last = i32::from(dims.height) - 1;
     let rows = rows.map(|y| {
         let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
         row.get(from as usize..to as usize).unwrap_or(&[])
     });
-    if let Some(inner) = out.get_mut(place(from)..place(to)) {
+    if let Some(inner) = out.get_mut(index(from)..index(to)) {
         kernel(rows, inner);
     }
     let Span { start, end } = image.usable_columns(y);
-    let [start, end] = [start, end].map(|x| place(i32::from(x).max(from).min(to)));
+    let [start, end] = [start, end].map(|x| index(i32::from(x).max(from).min(to)));
     if let Some(before) = out.get_mut(..start) {
         before.fill(FLAT);
     }
@@ -68,7 +68,7 @@ mod tests {
             let mut out = [0xaa; 10];
             gradients(image, 1, first..first + 10, &mut out);
             for (&found, x) in out.iter().zip(first..) {
-                // Beside the ends of what is inside, a step of 12 grey levels a pixel.
+                // Steps of 12 grey levels a pixel, but for the first and last column computed inside.
                 let inside = (first.max(0) + 1..(first + 10).min(20) - 1).contains(&x);
                 assert_eq!(found, if inside { FLAT + 24 } else { FLAT }, "column {x} of {first}..");
             }

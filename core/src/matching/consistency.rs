@@ -1,16 +1,16 @@
 //! Agreement and contradiction among the hypotheses of segments.
 //!
-//! In: every hypothesis's place and disparity. Out: evidence of agreement for each; the pairs that want the same place in the right image with
-//! different disparities, of which at most one is right.
+//! In: position and disparity of every hypothesis. Out: evidence of agreement for each; the pairs that match the same position in the right
+//! image with different disparities, of which at most one is right.
 //!
 //! ```text
 //! agreement = log2(1 + sum of weight * nearness over the neighbours that agree)
 //! ```
-//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much. It counts
-//! most for what is too thin for support points: both edges of a pole, piece by piece.
+//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much. This
+//! evidence matters most for objects too thin for support points: both edges of a pole, piece by piece.
 //!
 //! # Bounds
-//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at hand.
+//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at distance 0.
 //!
 //! # Cost
 //! Quadratic in the hypotheses of [`TOPS_REACH`] rows.
@@ -21,39 +21,41 @@ use crate::lines::MAX_ROWS;
 use crate::units::about_length;
 use crate::units::narrow;
 
-/// Distance at which a neighbour counts nothing, px.
+/// Distance from which a neighbour has no weight, px.
 const REACH: i32 = 40;
 /// Rows between the tops of two segments beyond which their hypotheses are out of [`REACH`]: half of the taller one on top.
 const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
-/// Agreement of a neighbour at hand with full weight.
+/// Agreement of a neighbour at distance 0 with full weight.
 const FULL: i32 = (256 * REACH) >> 5;
-/// Distance of a hypothesis's centre from its edge, px.
+/// Distance of the centre of a side's window from its edge, px.
 const OFF_EDGE: i32 = 4;
-/// Largest difference of rows and of right columns at which two hypotheses explain the same place, px.
+/// Largest difference of rows at which two hypotheses match the same position, px.
 const SAME_ROWS: i32 = 6;
+/// Largest difference of right columns at which two hypotheses match the same position, 1/64 px.
 const SAME_COLUMNS_Q6: i32 = 2 << 6;
-/// Least difference of disparity that makes them contradict each other.
+/// Difference of disparity above which they contradict each other, 1/64 px.
 const OTHER_SURFACE_Q6: i32 = 2 << 6;
 
-/// A candidate reduced to what its neighbours need to know: its middle, and what each side says.
+/// A candidate reduced to its middle, px, and the hypotheses of its sides, as its neighbours use it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbour {
     pub(crate) x: i16,
     pub(crate) y: i16,
-    /// First row of the segment.
+    /// First row of the segment, px.
     top: i16,
     near_horizontal: bool,
     pub(crate) hypotheses: [SideHypothesis; 2],
 }
 
-/// What a side says, and what is said of it.
+/// Disparity and weight of a side's hypothesis, and its support by neighbours.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SideHypothesis {
+    /// Disparity at the middle, 1/64 px.
     pub(crate) d_q6: i16,
-    /// 0 = no hypothesis.
+    /// Weight as a neighbour, Q8; 0 = no hypothesis.
     pub(crate) weight_q8: u16,
-    /// Sum of weight times nearness of the neighbours that agree, in 1/320 of one at hand with full weight; when a surface is sought, its weight,
-    /// which falls to the border of a box.
+    /// Support by the neighbours that agree: sum of weight times nearness, 320 for one at distance 0 with full weight. In a region (`objects`): the
+    /// weight by which the surface is selected, which falls to the border of a box.
     pub(crate) support: u16,
 }
 
@@ -74,13 +76,13 @@ impl Neighbour {
         }
     }
 
-    /// Of a support point.
+    /// A neighbour with the hypothesis of a support point.
     pub(crate) fn of_point(x: i32, y: i32, d_q6: i16, weight_q8: u16) -> Self {
         let hypotheses = [SideHypothesis { d_q6, weight_q8, ..SideHypothesis::EMPTY }, SideHypothesis::EMPTY];
         Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, hypotheses }
     }
 
-    /// Lets the hypotheses of two segments speak of each other.
+    /// Adds the mutual support of the hypotheses of two segments.
     fn weigh(&mut self, other: &mut Self) {
         let dx = i32::from(other.x - self.x);
         if dx.abs() >= REACH {
@@ -91,13 +93,13 @@ impl Neighbour {
             return;
         }
         for own in &mut self.hypotheses {
-            for theirs in &mut other.hypotheses {
-                own.weigh(theirs, distance);
+            for others in &mut other.hypotheses {
+                own.weigh(others, distance);
             }
         }
     }
 
-    /// Column in the right image that one side's hypothesis wants, 1/64 px.
+    /// Column in the right image that one side's hypothesis matches, 1/64 px.
     fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
         let off = if self.near_horizontal {
             0
@@ -126,29 +128,29 @@ impl SideHypothesis {
             return;
         }
         let nearness = (REACH - distance) as u32; // of REACH
-        let word = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
-        self.support = self.support.saturating_add(word(other.weight_q8));
-        other.support = other.support.saturating_add(word(self.weight_q8));
+        let support = |weight_q8: u16| ((u32::from(weight_q8) * nearness) >> 5) as u16;
+        self.support = self.support.saturating_add(support(other.weight_q8));
+        other.support = other.support.saturating_add(support(self.weight_q8));
     }
 }
 
 /// Fills `neighbours`, one per candidate (candidates in the order of their tops), and sets every side's agreement with other segments.
 pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut [Neighbour]) {
-    for (candidate, place) in candidates.iter().zip(neighbours.iter_mut()) {
-        *place = Neighbour::new(candidate);
+    for (candidate, neighbour) in candidates.iter().zip(neighbours.iter_mut()) {
+        *neighbour = Neighbour::new(candidate);
     }
     let neighbours = neighbours.get_mut(..candidates.len()).unwrap_or(&mut []);
     for i in 0..neighbours.len() {
-        let Some((place, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+        let Some((first, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
         for neighbour in after {
-            if i32::from(neighbour.top - place.top) > TOPS_REACH {
+            if i32::from(neighbour.top - first.top) > TOPS_REACH {
                 break;
             }
-            place.weigh(neighbour);
+            first.weigh(neighbour);
         }
     }
-    for (candidate, place) in candidates.iter_mut().zip(neighbours.iter_mut()) {
-        for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut place.hypotheses) {
+    for (candidate, neighbour) in candidates.iter_mut().zip(neighbours.iter_mut()) {
+        for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut neighbour.hypotheses) {
             if let Some(side) = side {
                 let [.., segments] = &mut side.nearby_q8;
                 *segments = narrow(log2_mean_q8(hypothesis.support.into(), FULL));
@@ -161,7 +163,7 @@ pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut 
 /// Rows between the tops of two segments beyond which their hypotheses cannot contradict each other.
 const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;
 
-/// Calls `found` with the hypotheses `(candidate, side)` of every two of the first `count` that want the same part of the right image with
+/// Calls `found` with the hypotheses `(candidate, side)` of every two of the first `count` that match the same position in the right image with
 /// different disparities: at most one of them is right.
 pub(crate) fn for_each_contradiction(
     neighbours: &[Neighbour],
@@ -169,17 +171,17 @@ pub(crate) fn for_each_contradiction(
     mut found: impl FnMut((usize, usize), (usize, usize)),
 ) {
     let neighbours = neighbours.get(..count).unwrap_or(&[]);
-    for (i, place) in neighbours.iter().enumerate() {
+    for (i, neighbour) in neighbours.iter().enumerate() {
         for (other, j) in neighbours.get(i + 1..).unwrap_or(&[]).iter().zip(i + 1..) {
-            if i32::from(other.top - place.top) > CONTRADICTION_REACH {
+            if i32::from(other.top - neighbour.top) > CONTRADICTION_REACH {
                 break;
             }
-            if i32::from(other.y - place.y).abs() > SAME_ROWS {
+            if i32::from(other.y - neighbour.y).abs() > SAME_ROWS {
                 continue;
             }
             for side in 0..2 {
                 for other_side in 0..2 {
-                    if contradict((place, side), (other, other_side)) {
+                    if contradict((neighbour, side), (other, other_side)) {
                         found((i, side), (j, other_side));
                     }
                 }

@@ -1,7 +1,7 @@
-//! Feature matching, directed: is there an edge with the same properties in the right image where it must be?
+//! Directed feature matching: the edge with the same properties in the right image, at the disparity of the window.
 //!
-//! In: the line of a left segment, the disparity of its window, the band of rows. Out: the disparity by the edge itself, to a fraction of a
-//! pixel. Evidence, not a requirement: an edge between two surfaces may look different from the right.
+//! In: the line of a left segment, the disparity of its window, the band of rows. Out: the disparity by the edge itself, sub-pixel. Evidence,
+//! not a requirement: an edge between two surfaces may have another gradient in the right image.
 
 use super::band::{Band, SampledRows};
 use crate::kernel::FLAT;
@@ -48,13 +48,13 @@ impl SteepLine {
     }
 }
 
-/// Rows of the band that are looked at.
+/// Most rows of the band that are evaluated.
 const FEATURE_ROWS: i32 = 4;
-/// Columns on both sides of where the edge should be at which it is looked for.
+/// Search range on both sides of the expected column, px.
 const FEATURE_REACH: usize = 2;
 
-/// Disparity (1/64 px, mean of the rows) of the edge in the right image that is the same as the left one: near `disparity`, where it
-/// must be, with the same sign and at least half of the gradient, in at least half of the rows. `None` where there is none.
+/// Disparity, 1/64 px, mean of the rows, of the edge in the right image that corresponds to the left one: within [`FEATURE_REACH`] of
+/// `disparity`, with the same sign and at least half of the gradient, in at least half of the rows. `None` where there is none.
 pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'_>) -> Option<i32> {
     let rows = SampledRows::new(line.rows(), FEATURE_ROWS);
     let sign = |gradient: u8| {
@@ -63,26 +63,26 @@ pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'
     };
     let (mut sum_q6, mut found) = (0, 0);
     for y in rows {
-        // The middle of the strip is the edge; the other row begins so that its edge lies in the middle of what is looked at.
+        // The strip's middle is the edge; the expected edge of the other row lies in the middle of the search range.
         let x = line.column(y);
         let Some(strip) = band.strip(x - 4, y, disparity - FEATURE_REACH as i32) else { continue };
-        let [_, _, _, ours, ..] = strip.reference;
+        let [_, _, _, left, ..] = strip.reference;
         let Some(near) = strip.other.get(2..).and_then(|other| other.first_chunk::<7>()) else { continue };
         let near = near.map(sign);
         let mut best = (0, 0, 0);
-        for (window, place) in near.windows(3).zip(0..) {
+        for (window, index) in near.windows(3).zip(0..) {
             if let &[before, here, after] = window
                 && here > best.0
             {
                 // A parabola through three gradients.
                 let shift_q6 = quotient((after - before) << 5, 2 * here - before - after).clamp(-32, 32);
-                best = (here, place, shift_q6);
+                best = (here, index, shift_q6);
             }
         }
-        let (gradient, place, shift_q6) = best;
-        if gradient > 2 && 2 * gradient >= sign(ours) {
-            let off_q6 = ((place - FEATURE_REACH as i32) << 6) + shift_q6;
-            // What the line of the left edge is off its column.
+        let (gradient, index, shift_q6) = best;
+        if gradient > 2 && 2 * gradient >= sign(left) {
+            let off_q6 = ((index - FEATURE_REACH as i32) << 6) + shift_q6;
+            // Distance of the left edge's line from its whole column.
             let own_q6 = (line.x_q5(y << 5) << 1) - (x << 6);
             sum_q6 += own_q6 + off_q6;
             found += 1;

@@ -1,11 +1,11 @@
-//! A near-horizontal segment: its line says nothing about disparity, the texture along it may. Each side is placed on its own.
+//! Near-horizontal segments: the line itself gives no disparity, the texture along it may. Each side is matched on its own.
 //!
-//! In: a left segment and the band of rows around it. Out: a candidate with a line of disparity for each side that has one clear minimum,
-//! or the name of the test at which the better side failed.
+//! In: a left segment and the band of rows around it. Out: a candidate with a line of disparity for each side with a unique minimum, or the test
+//! at which the better side failed.
 //!
 //! ```text
-//! for each side: window:  rows beside the edge, over every disparity; unique?
-//!                census:  Hamming distances beside the edge; unique? within the margin of the window?
+//! for each side: window:  rows beside the edge, over every disparity; has to be unique
+//!                census:  Hamming distances beside the edge; has to be unique and within the margin of the window
 //!                halves:  a disparity for each half gives the line of disparity along the segment
 //! sides that agree are one surface
 //! ```
@@ -24,16 +24,16 @@ use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Rows of each side's window, relative to the edge: every second one says as much as all seven.
+/// Rows of each side's window, relative to the edge, px; more rows between are redundant.
 const SIDE_ROWS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
-/// Half of what a line rises over half a block, 3.5 px, moves the window away from it, whole rows: a block lies on one row, and would reach
-/// across.
+/// Half of a block, px, Q1. A window moves away from a slanted line by half of its rise over that, whole rows: a block lies on one row and would
+/// reach across the edge.
 const RISE_Q1: i32 = 7;
-/// Between the centres of the two sides' windows.
+/// Distance between the centres of the two sides' windows, px.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.
 const CENSUS_ROWS: [[i32; 2]; 2] = [[-4, -2], [2, 4]];
-/// Disparities around the whole side's in which a half is sought.
+/// Search range of a half around the whole side's disparity, px.
 const HALF_REACH: i32 = 2;
 
 /// A line y(x) in 1/32 px with its column range.
@@ -58,7 +58,7 @@ impl FlatLine {
         ((self.x0 + 31) >> 5, self.x1 >> 5)
     }
 
-    /// Nearest row at a column given in 1/32 px.
+    /// Nearest whole row at a column given in 1/32 px.
     fn row_q5(&self, x_q5: i32) -> i32 {
         (self.y0 + (((x_q5 - self.x0) * self.slope_q12 + 2048) >> 12) + 16) >> 5
     }
@@ -69,7 +69,7 @@ impl FlatLine {
     }
 }
 
-/// Window curves of one side: of its two halves and of the whole.
+/// Window curves of one side, of its two halves and the whole, with the minimum of the whole.
 struct SideWindows<'w> {
     halves: [&'w mut Curve; 2],
     whole: &'w mut Curve,
@@ -79,7 +79,7 @@ struct SideWindows<'w> {
     ratio_q8: i32,
 }
 
-/// Matches both sides of one piece, or names the test at which the better side failed.
+/// Matches both sides of one segment, or returns the test at which the better side failed.
 pub(crate) fn match_flat(
     segment: &Segment,
     context: &MatchContext<'_>,
@@ -106,19 +106,19 @@ pub(crate) fn match_flat(
     let [a, b, c, d, e, f, census, ..] = &mut work.curves;
     let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
     let below = SideWindows::new([d, e, f], &line, columns, below_rows, range, band);
-    let mut place = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
-        place(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, census)
+    let mut match_one = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
+        match_side(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, census)
     };
-    let placed = [place((&above, above_points), &below, -256), place((&below, below_points), &above, 256)];
-    let (window_q6, census_q6) = match &placed {
+    let matched = [match_one((&above, above_points), &below, -256), match_one((&below, below_points), &above, 256)];
+    let (window_q6, census_q6) = match &matched {
         [Ok(a), Ok(b)] if b.evidence.get(Kind::SideRatio) < a.evidence.get(Kind::SideRatio) => b.techniques(),
         [Ok(a), _] => a.techniques(),
         [_, Ok(b)] => b.techniques(),
-        // The reason that comes last in the order of tests: the side that came further.
+        // The reason that comes last in the order of tests.
         [Err(a), Err(b)] => return Err(if *a as usize >= *b as usize { *a } else { *b }),
     };
-    let lines_q6 = placed.each_ref().map(|side| side.as_ref().map_or([0; 2], |placed| placed.line_q6));
-    let evidence = placed.map(|side| side.ok().map(|placed| placed.evidence));
+    let lines_q6 = matched.each_ref().map(|side| side.as_ref().map_or([0; 2], |side| side.line_q6));
+    let evidence = matched.map(|side| side.ok().map(|side| side.evidence));
     let [above_q6, below_q6] = lines_q6;
     let mut sides = work.rate(evidence, |side| if side == 0 { above_q6 } else { below_q6 }, context.models.of(true));
     let ([a0, a1], [b0, b1]) = (above_q6, below_q6);
@@ -195,7 +195,7 @@ fn census_curve(
     band: &Band<'_>,
     curve: &mut Curve,
 ) -> i32 {
-    /// Columns from one point to the next: each tells of a neighbour two columns off.
+    /// Columns from one point to the next; a census code covers two columns on either side.
     const STEP: i32 = 3;
     const MOST: usize = (MAX_COLUMNS / STEP + 1) as usize * 2;
     let mut points: Vec<(u8, &[u8]), MOST> = Vec::new();
@@ -213,22 +213,22 @@ fn census_curve(
     i32::try_from(points.len()).unwrap_or(0)
 }
 
-/// A side that passed every test.
-struct Placed {
+/// A side that passed every test, with its line of disparity, 1/64 px.
+struct MatchedSide {
     evidence: Evidence,
     line_q6: [i32; 2],
     window_q6: i32,
     census_q6: i32,
 }
 
-impl Placed {
+impl MatchedSide {
     fn techniques(&self) -> (i32, i32) {
         (self.window_q6, self.census_q6)
     }
 }
 
-/// Places one side by its window, census and the search back.
-fn place(
+/// Matches one side by its window, census and the halves of the window.
+fn match_side(
     line: &FlatLine,
     (own, census_rows): (&SideWindows<'_>, [i32; 2]),
     other: &SideWindows<'_>,
@@ -236,7 +236,7 @@ fn place(
     context: &MatchContext<'_>,
     band: &Band<'_>,
     census: &mut Curve,
-) -> Result<Placed, Rejection> {
+) -> Result<MatchedSide, Rejection> {
     let at = own.best.at;
     if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 {
         return Err(Rejection::WindowNotUnique);
@@ -271,5 +271,5 @@ fn place(
     evidence.set(Kind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
     let line_q6 = [first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2];
-    Ok(Placed { evidence, line_q6, window_q6, census_q6 })
+    Ok(MatchedSide { evidence, line_q6, window_q6, census_q6 })
 }

@@ -1,10 +1,10 @@
-//! Left segments -> candidates: disparities with the evidence for and against them.
+//! Left segments -> candidates: disparities with their evidence.
 //!
-//! In: the prominent segments of the left image, support points, a moving band of rows of both images. Out: per segment a [`Candidate`], or the
-//! name of the test it failed.
+//! In: the prominent segments of the left image, support points, a moving band of rows of both images. Out: per segment a [`Candidate`], or
+//! the test that it failed as a [`Rejection`].
 //!
-//! A segment that runs down the rows is placed as a whole (`steep`), a near-horizontal one by what lies above and below it (`flat`); both
-//! use the same curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
+//! A near-vertical segment is matched as a whole (`steep`), a near-horizontal one by windows above and below it (`flat`); both use the same
+//! curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
 
 pub(crate) mod aggregate;
 pub(crate) mod band;
@@ -29,39 +29,39 @@ use crate::units::{Confidence, narrow};
 use aggregate::Agreement;
 use band::Band;
 
-// The hard tests are loose: they drop what no evidence could save and leave the rest to the confidence model.
+// The hard tests are loose: they drop hypotheses that no other evidence can make credible; the confidence model rates the rest.
 
-/// Least disparities that a search must compare: with fewer there is no second-best.
+/// Least number of disparities compared: with fewer there is no second-best.
 pub(crate) const MIN_RANGE: i32 = 8;
-/// Disparities on both sides of what support points name at which a segment is sought as well.
+/// Margin of the search range on both sides of the disparities of support points nearby, px.
 const AROUND: i32 = 3;
-/// Largest uniqueness ratio, best / second-best, of the segment's window.
+/// Largest uniqueness ratio, best / second-best, of the segment's window, Q8.
 const MAX_WINDOW_RATIO_Q8: i32 = 230;
-/// Largest uniqueness ratio, best / second-best, of census.
+/// Largest uniqueness ratio, best / second-best, of census, Q8.
 const MAX_CENSUS_RATIO_Q8: i32 = 240;
-/// Largest uniqueness ratio, best / second-best, of a side's own window.
+/// Largest uniqueness ratio, best / second-best, of a side's own window, Q8.
 const MAX_SIDE_RATIO_Q8: i32 = 230;
-/// Two sides whose disparities, summed over both ends, lie closer than this are one surface, 1/64 px.
+/// Largest difference between the disparities of two sides, summed over both ends, for them to be one surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 2 * 64;
-/// Largest difference between the end disparities.
+/// Largest difference between the disparities of both ends, 1/64 px.
 const MAX_SLANT_Q6: i32 = 6 << 6;
 
-/// A segment that passed every hard test, with what speaks for and against each side's disparity.
+/// A segment that passed every hard test, with a hypothesis for one or both of its sides.
 #[derive(Clone, Debug, Hash)]
 pub struct Candidate {
     /// The left segment.
     pub segment: Segment,
     /// The sides that carry a disparity: left and right of it, or above and below.
     pub sides: [Option<Side>; 2],
-    /// Disparity by window, census and (if it is there) the edge in the right image, at the middle, 1/64 px.
+    /// Disparity by the window of the segment (near-horizontal: of its better side), 1/64 px.
     pub window_q6: i16,
-    /// By census.
+    /// Disparity by census, 1/64 px.
     pub census_q6: i16,
-    /// By the edge in the right image.
+    /// Disparity by the edge in the right image, 1/64 px; `None` where there is none.
     pub feature_q6: Option<i16>,
-    /// True when a more probable hypothesis explains the same place in the right image.
+    /// True when a more probable hypothesis explains the same position in the right image.
     pub(crate) violates_uniqueness: bool,
-    /// Its position in the list of matches.
+    /// Index in the list of matches.
     pub(crate) listed: Option<u16>,
 }
 
@@ -86,19 +86,19 @@ impl Candidate {
 }
 
 impl Candidate {
-    /// How far the two sides' disparities lie apart, summed over both ends, 1/64 px; `None` without both.
+    /// Difference between the two sides' disparities, summed over both ends, 1/64 px; `None` without both.
     pub(crate) fn sides_apart_q6(&self) -> Option<i32> {
         let [Some(a), Some(b)] = &self.sides else { return None };
         Some((a.sum_q6() - b.sum_q6()).abs())
     }
 
-    /// Are both sides known to be one surface?
+    /// True when both sides have a hypothesis and agree.
     #[must_use]
     pub fn is_one_surface(&self) -> bool {
         self.sides_apart_q6().is_some_and(|apart| apart <= ONE_SURFACE_Q6)
     }
 
-    /// Do the ends of every side's line lie at usable columns of the right image?
+    /// True when the ends of every side's line lie at usable columns of the right image.
     fn ends_where_usable(&self, band: &Band<'_>) -> bool {
         let (x0, y0, x1, y1) = self.segment.ends_q5();
         self.sides.iter().flatten().all(|side| {
@@ -112,29 +112,32 @@ impl Candidate {
     }
 }
 
-/// One side's hypothesis.
+/// Hypothesis of one side of a segment.
 #[derive(Clone, Debug, Hash)]
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
     pub disparity_q6: [i16; 2],
-    /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 when only this side is known.
+    /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 unless both sides are one surface.
     pub across_q10: i16,
-    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportFarther`], [`Kind::SupportNearer`]; and by other segments, [`Kind::SegmentsAgreeing`].
+    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportFarther`], [`Kind::SupportNearer`]; and by other segments,
+    /// [`Kind::SegmentsAgreeing`].
     pub nearby_q8: [i16; 4],
-    /// What the neighbours make of its word: 1 ..= 256.
+    /// Weight of this side as a neighbour, Q8, 1 ..= 256.
     pub(crate) weight_q8: u16,
-    /// Log-odds of the side and of the edge, neighbours left out.
+    /// Log-odds of the side without neighbours, Q8.
     pub(crate) score_q8: i16,
+    /// Log-odds of the edge without neighbours, Q8.
     pub(crate) edge_score_q8: i16,
+    /// Probability that the pixels next to the edge have this side's disparity, Q16.
     pub(crate) probability_q16: u16,
-    /// Probability that the edge itself has this side's disparity.
+    /// Probability that the edge itself has this side's disparity, Q16.
     pub(crate) edge_probability_q16: u16,
     pub(crate) rejected: bool,
 }
 
 impl Side {
     pub(crate) fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
-        // A side whose second-best costs less than best / 0.8 weighs nothing as a neighbour.
+        // A side whose second-best costs less than best / 0.8 has the least weight as a neighbour.
         let weight = 256 - evidence.get(Kind::SideRatio) * 5 / 4;
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
@@ -151,20 +154,20 @@ impl Side {
 }
 
 impl Side {
-    /// Disparities of both ends together, 1/64 px.
+    /// Sum of the disparities of both ends, 1/64 px.
     pub(crate) fn sum_q6(&self) -> i32 {
         let [d0, d1] = self.disparity_q6;
         i32::from(d0) + i32::from(d1)
     }
 
-    /// Probability that the pixels next to the edge are within 1 px, neighbours included; 0 before a run has ended.
+    /// Probability that the disparity of the pixels next to the edge is within 1 px, neighbours included; 0 before a run has ended.
     #[must_use]
     pub fn confidence(&self) -> Confidence {
         Confidence::from_bits(self.probability_q16)
     }
 }
 
-/// Memory for the matching of one segment.
+/// Working memory for one segment.
 #[derive(Debug)]
 pub(crate) struct Workspace {
     pub(crate) curves: [Curve; CURVES],
@@ -176,7 +179,7 @@ impl Workspace {
     pub(crate) const EMPTY: Self =
         Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { Evidence::new() }; 2] };
 
-    /// Sides with their log-odds; their evidence is kept for whoever watches.
+    /// The sides with their log-odds; keeps their evidence for observers.
     fn rate(
         &mut self,
         evidence: [Option<Evidence>; 2],
@@ -192,7 +195,7 @@ impl Workspace {
     }
 }
 
-/// Context of a frame's segments; narrowed to the disparities, px, that one segment is sought at.
+/// Context of a frame's segments, with the disparities at which they are searched, px.
 #[derive(Clone, Copy)]
 pub(crate) struct MatchContext<'a> {
     width: i32,
@@ -215,12 +218,12 @@ impl<'a> MatchContext<'a> {
         }
     }
 
-    /// The same with the disparities at which a segment is sought: those that the support points around it name, and [`AROUND`] more on both
-    /// sides. `None` without a point to go by.
+    /// The context with the search range of one segment: the disparities of the support points around it and [`AROUND`] on both sides. `None`
+    /// where the points give no range.
     fn directed(&self, segment: &Segment) -> Option<Self> {
-        let (low, high) = self.support.named_around(segment.area())?;
+        let (low, high) = self.support.range_around(segment.area())?;
         let (low, high) = (low - AROUND, high + 1 + AROUND);
-        // Whole blocks are compared at the price of one.
+        // Whole blocks of disparities cost no more than partial ones.
         let more = LANES as i32 - 1 - ((high - low - 1) & (LANES as i32 - 1));
         let (low, high) = (low - more / 2, high + more - more / 2);
         let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
@@ -232,8 +235,8 @@ impl<'a> MatchContext<'a> {
         self.support.detail_q8.into()
     }
 
-    /// First disparity and number of disparities that a left window at this column can have: the match lies at usable columns
-    /// `(from, to)` of the right image.
+    /// First disparity and number of disparities to compare for a left window at this column, so that the match lies at columns `from .. to` of
+    /// the right image, the usable ones.
     pub(crate) fn range_before(&self, column: i32, (from, to): (i32, i32)) -> Result<(i32, i32), Rejection> {
         let first = if to < self.width { self.min_disparity.max(column + 1 - to) } else { self.min_disparity };
         let len = self.max_disparity.min(column + 1 - from) - first;
@@ -241,13 +244,14 @@ impl<'a> MatchContext<'a> {
     }
 }
 
-/// A candidate or the test that it failed; whether support points told where to look.
+/// A candidate or the test that the segment failed.
 pub(crate) struct Matched {
     pub(crate) outcome: Result<Candidate, Rejection>,
+    /// True when support points limited the search range.
     pub(crate) directed: bool,
 }
 
-/// Matches one segment in a band that reaches as far as it does, or names the test it fails.
+/// Matches one segment in a band that holds its rows, or returns the test that it fails.
 pub(crate) fn match_segment(
     segment: &Segment,
     context: &MatchContext<'_>,

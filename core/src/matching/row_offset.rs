@@ -1,24 +1,24 @@
-//! Are the rows of the pair aligned? Near-horizontal segments of both images say by how much they are not.
+//! Row offset of a pair, by the near-horizontal segments of both images.
 //!
-//! In: the segments of both images. Out: rows to add to a left row for the matching right row, 1/32 px.
+//! In: the segments of both images. Out: offset to add to a left row for the matching right row, 1/32 px.
 //!
 //! ```text
-//! for every left and right near-horizontal segment that could be the same edge: vote for the difference of their rows
-//! the offset is the heaviest cluster of votes within +-2 px, if it outweighs the rest; else 0
+//! for every left and right near-horizontal segment that could be the same edge: a vote for the difference of their rows
+//! the offset is the largest cluster of votes within +-2 px, if it has enough of them; else 0
 //! ```
-//! True pairs agree, false ones spread evenly over the interval: no image is read.
+//! Votes of true pairs agree, those of false ones spread evenly over the interval. No pixels are read.
 
 use crate::lines::Segment;
 use crate::units::quotient;
 
-/// Votes per 1/8 px, -2 .. 2 px.
+/// Number of bins of 1/8 px, -2 ..= 2 px.
 const BINS: usize = 33;
 /// Largest offset, 1/32 px.
 pub(crate) const LIMIT_Q5: i16 = 64;
 /// Least votes in the cluster.
 const MIN_VOTES: u32 = 8;
 
-/// Row offset of the right image against the left, 1/32 px; 0 when the segments do not say.
+/// Row offset of the right image against the left, 1/32 px; 0 when the votes do not determine it.
 pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32)) -> i16 {
     let limit_q5 = i32::from(LIMIT_Q5);
     let mut votes = [0_u32; BINS];
@@ -46,7 +46,7 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
     crate::units::narrow(peak(&votes))
 }
 
-/// Centre of the heaviest 5 neighbouring bins (their mean), if they outweigh what an even spread would give them by half.
+/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread; else 0.
 fn peak(votes: &[u32; BINS]) -> i32 {
     let total: u32 = votes.iter().sum();
     let mut best = (0, 0_i32);

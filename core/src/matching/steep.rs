@@ -1,18 +1,18 @@
-//! A segment that runs down the rows: windows shaped by it, census along it, and which of its sides owns the disparity.
+//! Near-vertical segments: windows shaped by the segment, census along it, and the sides that own its disparity.
 //!
-//! In: a left segment and the band of rows around it. Out: a candidate with one line of disparity and the evidence of each side that owns
-//! it, or the name of the test it fails.
+//! In: a left segment and the band of rows around it. Out: a candidate with one line of disparity and the evidence of each side that owns it, or
+//! the test that it fails.
 //!
 //! ```text
-//! window:  lower of two one-sided windows (edge and left side, edge and right side), over every disparity; unique?
-//! census:  Hamming distances at points of interest beside the edge, lower side; unique? within the margin of the window?
+//! window:  lower of two one-sided windows (edge and left side, edge and right side), over every disparity; has to be unique
+//! census:  Hamming distances at points beside the edge, lower side; has to be unique and within the margin of the window
 //! halves:  a disparity for each half gives the line of disparity along the segment
-//! feature: the edge in the right image, where it must be
-//! owners:  a side's own window, edge left out, must prefer this disparity to every other
+//! feature: the edge in the right image, near the window's disparity
+//! owners:  sides whose own window, edge left out, is unique at this disparity
 //! ```
 //!
 //! # Bounds
-//! Gradients lie at most 62 apart, so a strip costs at most 8 * 62 a row; three rows a half, three strips: sums stay below 2^13.
+//! Gradients differ by at most 62, so a strip costs at most 8 * 62 a row; two rows a half, two halves, two strips: sums stay below 2^12.
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
 
 use super::aggregate::join_sides;
@@ -29,17 +29,17 @@ use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Most rows of the band that a half's window and a census column look at: neighbouring rows say nearly the same
-/// (leave one out: no change in any score against twice as many).
+/// Most rows of a half's window: adjacent rows are nearly redundant (leave one out: no change in any score against twice as many).
 const HALF_ROWS: i32 = 2;
+/// Most rows of a census column, likewise.
 const CENSUS_ROWS: i32 = 4;
 /// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
-/// Between the centres of the two sides' strips.
+/// Distance between the centres of the two sides' strips, px.
 const SIDES_APART: i32 = 11;
 /// Columns of the census points of each side, relative to the edge.
 const CENSUS_COLUMNS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
-/// Disparities around the whole segment's in which a half is sought.
+/// Search range of a half around the whole segment's disparity, px.
 const HALF_REACH: i32 = 4;
 
 /// The segment on whole pixels.
@@ -61,14 +61,14 @@ struct Windows<'w> {
     centres_q1: [i32; 2],
 }
 
-/// Where the whole segment's window matches.
+/// Match of the whole segment's window.
 struct WindowMatch {
     best: Minimum,
     ratio_q8: i32,
     disparity_q6: i32,
 }
 
-/// Where census matches.
+/// Match of census.
 struct CensusMatch {
     points: i32,
     cost: u16,
@@ -76,16 +76,17 @@ struct CensusMatch {
     disparity_q6: i32,
 }
 
-/// What one side's own window says of the accepted disparity.
+/// Match of one side's own window, edge left out, near the accepted disparity.
 struct Ownership {
     cost: u16,
     second_best: u16,
     ratio_q8: i32,
+    /// Disparity of its lowest cost, px.
     preferred: i32,
     disparity_q6: i32,
 }
 
-/// Matches one segment, or names the test it fails.
+/// Matches one segment, or returns the test that it fails.
 pub(crate) fn match_steep(
     segment: &Segment,
     context: &MatchContext<'_>,
@@ -96,12 +97,12 @@ pub(crate) fn match_steep(
     let extent = Extent::new(segment);
     let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
     windows.fill(&extent, context, band)?;
-    let window = windows.place(joint)?;
-    let census = place_by_census(&extent, context, band, [census_left, census_right], joint)?;
+    let window = windows.match_whole(joint)?;
+    let census = match_census(&extent, context, band, [census_left, census_right], joint)?;
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
-    let (upper_q6, lower_q6) = windows.place_halves(window.best.at)?;
+    let (upper_q6, lower_q6) = windows.match_halves(window.best.at)?;
     let (slant_q6, middle_q6) = (lower_q6 - upper_q6, (upper_q6 + lower_q6) / 2);
     let feature_q6 = feature::find(&extent.line, segment.rising, (middle_q6 + 32) >> 6, band);
 
@@ -124,7 +125,7 @@ pub(crate) fn match_steep(
 
     let line_q6 = windows.line_q6(upper_q6, lower_q6, extent.rows);
     let at = window.best.at;
-    let [left, right] = windows.ask_sides(at, upper_q6, lower_q6);
+    let [left, right] = windows.evaluate_sides(at, upper_q6, lower_q6);
     let evidence = [
         hypothesis(shared, &left, &right, census_left, at, windows.rows, -256),
         hypothesis(shared, &right, &left, census_right, at, windows.rows, 256),
@@ -177,14 +178,14 @@ impl Windows<'_> {
         Ok(())
     }
 
-    /// Disparities compared.
+    /// Number of disparities compared.
     fn range(&self) -> u32 {
         let [any, ..] = &self.whole;
         u32::try_from(any.len()).unwrap_or(0)
     }
 
-    /// The lower of two one-sided windows, so that a depth edge still matches on its nearer side.
-    fn place(&self, joint: &mut Curve) -> Result<WindowMatch, Rejection> {
+    /// Matches the lower of two one-sided windows, so that a depth edge still matches on its nearer side.
+    fn match_whole(&self, joint: &mut Curve) -> Result<WindowMatch, Rejection> {
         let [left, edge, right] = &self.whole;
         joint.set_lower_sum(left, right, edge);
         let best = joint.minimum();
@@ -196,7 +197,7 @@ impl Windows<'_> {
     }
 
     /// The disparity of each half by its own windows, 1/64 px.
-    fn place_halves(&self, at: i32) -> Result<(i32, i32), Rejection> {
+    fn match_halves(&self, at: i32) -> Result<(i32, i32), Rejection> {
         // One side throughout: the lower of two sides at each disparity would be no curve of absolute differences.
         let [left, _, right] = &self.whole;
         let left_is_better = left.at(at) <= right.at(at);
@@ -208,21 +209,21 @@ impl Windows<'_> {
         if (lower - upper).abs() > MAX_SLANT_Q6 / 2 { Err(Rejection::Slant) } else { Ok((upper, lower)) }
     }
 
-    /// The line through the halves' disparities, each at the mean of the rows that it was seen in, at the first and the last row.
+    /// The line through the halves' disparities, each at the mean of its rows: values at the first and the last row, 1/64 px.
     fn line_q6(&self, upper_q6: i32, lower_q6: i32, (first, last): (i32, i32)) -> [i32; 2] {
         let [upper, lower] = self.centres_q1;
         let slant_q6 = lower_q6 - upper_q6;
         [first, last].map(|row| upper_q6 + quotient(slant_q6 * (2 * row - upper), lower - upper))
     }
 
-    /// How much better the edge alone matches here than elsewhere.
+    /// Uniqueness ratio of the edge's own strip at `at`, Q8.
     fn edge_ratio_q8(&mut self, at: i32) -> i32 {
         let [_, edge, _] = &mut self.whole;
         ratio_q8(edge.minimum_near(at, 1).cost, edge.second_best(at))
     }
 
-    /// What the left and the right side's own windows, edge left out, say of the disparity `at`; each half moved by its own slant.
-    fn ask_sides(&mut self, at: i32, upper_q6: i32, lower_q6: i32) -> [Ownership; 2] {
+    /// Evaluates the left and the right side's own windows, edge left out, at the disparity `at`; each half moved by its own slant.
+    fn evaluate_sides(&mut self, at: i32, upper_q6: i32, lower_q6: i32) -> [Ownership; 2] {
         let [upper_shift, lower_shift] = [upper_q6, lower_q6].map(|q6| (q6 - (at << 6) + 32) >> 6);
         let [[upper_left, _, upper_right], [lower_left, _, lower_right]] = &self.halves;
         let [left, _, right] = &mut self.whole;
@@ -246,7 +247,7 @@ impl Windows<'_> {
 /// Most strips of one column.
 const STRIPS: usize = HALF_ROWS as usize;
 
-/// Strips of eight columns that follow the line over `rows`, each list `column` columns off it, sought from disparity `first` on.
+/// Lists strips of eight columns that follow the line over `rows`, one list per offset from it in `columns`, searched from disparity `first` on.
 fn gather<'b, const N: usize>(
     line: &SteepLine,
     rows: SampledRows,
@@ -259,14 +260,14 @@ fn gather<'b, const N: usize>(
         let edge = line.column(y);
         if let Some(strips) = band.strips(columns.map(|column| edge + column), y, first) {
             for (list, strip) in lists.iter_mut().zip(strips) {
-                let _ = list.push(strip); // at most so many rows are sampled
+                let _ = list.push(strip); // at most STRIPS rows are sampled
             }
         }
     }
 }
 
-/// The lower side's census curve, over two columns of points on each side of the edge.
-fn place_by_census(
+/// Matches by census, over two columns of points on each side of the edge, the lower side at each disparity.
+fn match_census(
     extent: &Extent,
     context: &MatchContext<'_>,
     band: &Band<'_>,

@@ -1,16 +1,17 @@
-//! Evidence for and against the hypotheses of a segment by the support points around it.
+//! Evidence for the hypotheses of a segment by the support points around it, and the reverse.
 //!
-//! In: candidates, the grid of support points. Out: evidence of agreement and conflict for each side.
+//! In: candidates, the grid of support points. Out: evidence of agreement and conflict for each side; weights of segments at each point.
 //!
 //! ```text
 //! weight    = uniqueness of the point * nearness to the middle of the side's window
 //! agreeing  = log2(1 + sum of the weights of those that agree)
-//! farther   = those that are farther / (all + 0.2), nearer the same: a hypothesis before a surface may be of something thin, one behind it is not
+//! farther   = sum of those that are farther / (sum of all + 0.2), nearer likewise: a hypothesis before a surface may be of a thin object, one
+//!             behind it is not
 //! ```
 //! A point agrees when its disparity differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of distance.
 //!
 //! # Bounds
-//! Uniqueness is at most 255, nearness 14 * 14: a point weighs below 2^14; at most 3 * 9 points count.
+//! Uniqueness is at most 255, nearness 14 * 14: a point's weight is below 2^14; at most 3 * 9 points count.
 //!
 //! # Cost
 //! Some 25 instructions a point, 15 points a side.
@@ -21,9 +22,9 @@ use crate::support::{Grid, SupportPoint};
 use crate::units::narrow;
 use crate::units::quotient;
 
-/// Distance from the middle of the side's window at which a point has no weight, px.
+/// Distance from the middle of the side's window from which a point has no weight, px.
 const REACH: i32 = 14;
-/// Middle of a side's window, from the edge, px.
+/// Distance of the middle of a side's window from the edge, px.
 const WINDOW_MIDDLE: i32 = 4;
 /// Weight of a unique point at a quarter of the largest nearness.
 const FULL: i32 = 255 * REACH * REACH / 4;
@@ -71,22 +72,22 @@ impl Line {
         // Per px along the line: px and 1/64 px, in Q8.
         let slope_q8 = |[a, b]: [i32; 2]| quotient((b - a) << 8, to - from);
         let (across_q8, disparity_q8) = (slope_q8(self.across), slope_q8(self.disparity_q6));
-        // On the other side of the edge another surface may begin.
+        // Points beyond the edge may be of another surface.
         let (before, after) = if self.sign < 0 { (REACH - 1, WINDOW_MIDDLE) } else { (WINDOW_MIDDLE, REACH - 1) };
         let rows_along = |from, to| if self.flat { grid.columns_within(from, to) } else { grid.rows_within(from, to) };
         let rows_across = |from, to| if self.flat { grid.rows_within(from, to) } else { grid.columns_within(from, to) };
         let pixel = |column: usize, is_column: bool| if is_column { grid.x(column) } else { Grid::y(column) };
         let [mut agreeing, mut farther, mut nearer] = [0; 3];
         for i in rows_along(first - REACH + 1, last + REACH - 1) {
-            // The foot of the points on the line, along the segment's direction.
+            // Foot of the points on the line, along the segment's direction.
             let along = pixel(i, self.flat);
             let foot = along.max(first).min(last);
             let beyond = (along - foot).abs();
             let edge = self.across[0] + ((across_q8 * (foot - from)) >> 8);
             let disparity_q6 = self.disparity_q6[0] + ((disparity_q8 * (foot - from)) >> 8);
             for k in rows_across(edge - before, edge + after) {
-                let place = if self.flat { k * grid.columns + i } else { i * grid.columns + k };
-                let Some(point) = points.get_mut(place).filter(|point| point.is_matched()) else { continue };
+                let index = if self.flat { k * grid.columns + i } else { i * grid.columns + k };
+                let Some(point) = points.get_mut(index).filter(|point| point.is_matched()) else { continue };
                 let across = (pixel(k, !self.flat) - edge).abs();
                 let nearness = (REACH - across) * (REACH - beyond);
                 let apart = i32::from(point.disparity_q6) - disparity_q6;

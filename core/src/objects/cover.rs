@@ -1,4 +1,4 @@
-//! A region's pixels as one bit each: many questions about single pixels, each answered at once.
+//! A region's pixels as a bit mask: membership of a pixel in constant time.
 //!
 //! In: a region, and words for a bit per pixel of the image. Out: membership of a pixel, the region's centre and half size.
 //!
@@ -17,14 +17,14 @@ pub(crate) struct Cover<'a> {
     width: usize,
     /// `None` for a box: all pixels of the area.
     bits: Option<&'a [u32]>,
-    /// Mean column and row of its pixels.
+    /// Mean column and row of its pixels, px.
     pub(crate) centre: [i32; 2],
-    /// Half of the area's width and height, at least 1.
+    /// Half of the area's width and height, px, at least 1.
     pub(crate) half_size: [i32; 2],
 }
 
 impl<'a> Cover<'a> {
-    /// Of a region of an image of this width; what `marks` held is lost.
+    /// The cover of a region in an image of this width; overwrites `marks`.
     pub(crate) fn new(region: &Region<'_>, width: u16, marks: &'a mut [u32]) -> Self {
         let area = region.area();
         let width = usize::from(width);
@@ -53,12 +53,12 @@ impl<'a> Cover<'a> {
         Self { area, width, bits: Some(marks), centre, half_size }
     }
 
-    /// Is it a box?
+    /// True for a box.
     pub(crate) fn is_box(&self) -> bool {
         self.bits.is_none()
     }
 
-    /// Does the pixel belong to the region?
+    /// True when the pixel belongs to the region.
     #[inline]
     pub(crate) fn contains(&self, x: i32, y: i32) -> bool {
         if !self.area.contains(x, y) {

@@ -1,21 +1,21 @@
-//! Regions that a detector calls objects -> the depth of each, or why there is none.
+//! Regions of a detector -> the depth of each, or the reason why there is none.
 //!
 //! In: the candidates and support points of the last run, and regions. Out: an [`ObjectDepth`] each.
 //!
 //! ```text
 //! cover:   the region's pixels, its centre
-//! region_support: hypotheses whose windows lie in it, each with a weight of its own
-//! surface: what most of them agree on (in a box: the nearest that many agree on), as a plane
-//! answer:  the plane at the region's centre, as far as hypotheses reach; refused where the weight is small, where it lies on the outline only,
-//!          where a second surface is as good
+//! region_support: hypotheses whose windows lie in it, each with a weight
+//! surface: the plane of disparity with the largest support (in a box: the nearest one with enough support)
+//! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px more; refused where the weight is small,
+//!          where it lies on the outline only, where a second surface has as much support
 //! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's / 48)^2 + (range of their disparities / 8)^2
 //! ```
 //! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's.
-//! Surfaces bend: away from its hypotheses a plane says less, and a body with a wide range is not a plane. The constants are rounded from a
+//! Real surfaces bend: a plane is less accurate away from its hypotheses and for a wide range of disparities. The constants are rounded from a
 //! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region, on segments within `OBJECT_REACH`, 6 px, of it and on support points around these: not on other regions,
-//! or the order of lists.
+//! The answer depends on the region, on segments within `OBJECT_REACH`, 6 px, of it and on the support points around these; not on other
+//! regions, or the order of lists.
 //!
 //! # Cost
 //! A box of a fifteenth of a QVGA image: 27 000 instructions on a Cortex-M7; at most 24 comparisons a hypothesis.
@@ -42,14 +42,14 @@ pub use region::{Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
 use surface::Surface;
 
-/// Why an object has no depth.
+/// Reason why an object has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NoDepth {
     /// Too few credible hypotheses in the region.
     LittleSupport,
     /// Two groups of hypotheses explain the region equally well.
     TwoSurfaces,
-    /// Hypotheses lie on the outline only: they may belong to what is behind.
+    /// Hypotheses lie on the outline only: they may belong to the surface behind.
     OnlyOutline,
     /// The pair is not fit to be used.
     UnhealthyPair,
@@ -59,7 +59,7 @@ impl NoDepth {
     /// Every reason.
     pub const ALL: [Self; 4] = [Self::LittleSupport, Self::TwoSurfaces, Self::OnlyOutline, Self::UnhealthyPair];
 
-    /// The reason in snake case, as it stands in JSON and tables.
+    /// The reason in snake case, as in JSON and tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -85,32 +85,32 @@ impl fmt::Display for NoDepth {
 /// The depth of one region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ObjectDepth {
-    /// Of its region.
+    /// Label of its region.
     pub label: u16,
-    /// Disparity at the region's centre, or why there is none.
+    /// Disparity at the region's centre, px, or the reason why there is none.
     pub disparity: Result<Disparity, NoDepth>,
     /// Standard deviation of the disparity in px; 0 where there is none.
     pub sigma: Disparity,
-    /// Change of the disparity per pixel to the right and downwards, 1/1024 px: the object's plane.
+    /// Slope of the object's plane: change of the disparity per pixel to the right and downwards, 1/1024 px.
     pub slope_q10: [i16; 2],
-    /// The object's own disparities lie within the answer's plane plus and minus so much.
+    /// Largest distance of its hypotheses' disparities from the plane, px.
     pub spread: Disparity,
-    /// Depth at the region's centre; `None` without a rig or an answer.
+    /// Depth at the region's centre, m; `None` without a rig or a disparity.
     pub depth: Option<Depth>,
-    /// Standard deviation of depth; `None` where depth is.
+    /// Standard deviation of depth, m; `None` where `depth` is.
     pub depth_sigma: Option<Depth>,
-    /// Nearest credible depth of the object; `None` where depth is.
+    /// Depth of the object's nearest hypothesis, m; `None` where `depth` is.
     pub nearest: Option<Depth>,
-    /// Hypotheses that speak for the answer: segments and support points.
+    /// Number of segments and support points with a hypothesis on the plane.
     pub support: u16,
-    /// Probability that the disparity is within 1 px of the object's own range.
+    /// Probability that the disparity is within 1 px of the range of the object's true disparities.
     pub confidence: Confidence,
 }
 
-/// Least weight of an answer, 1/256: one hypothesis of high probability that lies in the region with its whole window.
+/// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
 const LEAST_WEIGHT_Q8: i32 = 282;
 
-/// What a region is asked with: everything that the last run left and that may be overwritten.
+/// Results of the last run that the depth of regions is computed from, and working memory (`neighbours`, `order`, `marks`).
 pub(crate) struct ObjectQuery<'a> {
     pub(crate) candidates: &'a [Candidate],
     pub(crate) support: Support<'a>,
@@ -136,13 +136,13 @@ impl ObjectQuery<'_> {
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
         match refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8) {
-            Some(reason) => ObjectDepth::refused(region.label(), reason, surface.segments),
+            Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
         }
     }
 }
 
-/// Why the surface is no answer.
+/// Reason why the surface is refused, if it is.
 fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8: u32) -> Option<NoDepth> {
     let weight = surface.weight_q8;
     if weight < LEAST_WEIGHT_Q8 {
@@ -151,7 +151,7 @@ fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8:
         return Some(if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport });
     }
     let two = if cover.is_box() {
-        // The nearest surface may be a neighbour that reaches into a corner.
+        // The nearest surface may be another object that reaches into a corner.
         i64::from(weight) * 2 < i64::from(all_q8) && is_in_a_corner(surface, cover.half_size)
     } else {
         u64::from(surface.second_weight_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
@@ -159,7 +159,8 @@ fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8:
     two.then_some(NoDepth::TwoSurfaces)
 }
 
-/// Is the middle of its hypotheses further than 0.6 from the centre, with a standard deviation of less than 0.3? In half sizes of the region.
+/// True when the mean position of its hypotheses is more than 0.6 from the centre and their standard deviation less than 0.3, in half sizes of
+/// the region.
 fn is_in_a_corner(surface: &Surface, half_size: [i32; 2]) -> bool {
     let part_q8 = |value: i32, of: i32| quotient(value.min(1 << 22) << 8, of);
     let [width2, height2] = half_size.map(|half| half * half);
@@ -180,12 +181,12 @@ fn answer(label: u16, surface: &Surface, all_q8: u32, is_box: bool, rig: Option<
         depth: rig.map(|rig| rig.depth(disparity)),
         depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
         nearest: rig.map(|rig| rig.depth(disparity_from_q6(high.max(low)))),
-        support: surface.segments,
+        support: surface.support,
         confidence: confidence(surface.weight_q8, all_q8, is_box),
     }
 }
 
-/// See the head of the module.
+/// Standard deviation of the disparity, 1/64 px: see the head of the module.
 fn sigma_q6(surface: &Surface, is_box: bool) -> i32 {
     let [u, v] = surface.middle;
     let off = about_length(u, v);
@@ -196,7 +197,7 @@ fn sigma_q6(surface: &Surface, is_box: bool) -> i32 {
     (64 + few + away * away + bent * bent).unsigned_abs().isqrt() as i32 // below 2^13
 }
 
-/// `1 - 0.01 - 0.08 / weight`, in a box less another 0.08 times the share of what does not agree: rounded above the errors observed.
+/// `1 - 0.01 - 0.08 / weight`, in a box less another 0.08 times the share of weight that is not on the plane: rounded above the errors observed.
 fn confidence(weight_q8: i32, all_q8: u32, is_box: bool) -> Confidence {
     let few = quotient(5243 << 8, weight_q8);
     let all = i32::try_from(all_q8).unwrap_or(i32::MAX);
@@ -209,7 +210,7 @@ fn disparity_from_q6(d_q6: i32) -> Disparity {
 }
 
 impl ObjectDepth {
-    /// No depth, for this reason, although so many segments were heard.
+    /// An object without depth; `support` is the number of segments and support points on the refused surface.
     #[must_use]
     pub const fn refused(label: u16, reason: NoDepth, support: u16) -> Self {
         Self {
@@ -244,7 +245,7 @@ mod tests {
     const DIMS: Dims = Dims { width: 320, height: 240 };
     const MOST: usize = 64;
 
-    /// Numbers below `of` in a fixed order (Knuth's multiplier).
+    /// Linear congruential generator (Knuth's multiplier).
     struct Random(u32);
 
     impl Random {
@@ -281,7 +282,7 @@ mod tests {
         list
     }
 
-    fn ask(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
+    fn evaluate(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
         let (mut neighbours, mut order, mut marks) =
             ([Neighbour::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
         let (neighbours, order, marks) = (&mut neighbours[..], &mut order, &mut marks[..]);
@@ -309,12 +310,12 @@ mod tests {
         for seed in 0..40 {
             let mut list = scattered(seed, 60, 0, 200);
             for region in [&mask, &boxed] {
-                let first = ask(&list, region);
+                let first = evaluate(&list, region);
                 answers += u32::from(first.disparity.is_ok());
                 for turn in [7, 23, 41] {
                     list.rotate_left(turn);
                     list.reverse();
-                    assert_eq!(ask(&list, region), first, "seed {seed}");
+                    assert_eq!(evaluate(&list, region), first, "seed {seed}");
                 }
             }
         }
@@ -328,13 +329,13 @@ mod tests {
         let reach = region.area().right + OBJECT_REACH;
         for seed in 0..40 {
             let near = scattered(seed, 20, 40, 130);
-            let first = ask(&near, &region);
+            let first = evaluate(&near, &region);
             let mut all = scattered(seed + 100, 40, reach, 320);
             for candidate in &near {
                 all.push(candidate.clone()).unwrap();
             }
-            assert_eq!(ask(&all, &region), first, "seed {seed}");
-            // What the report made of the candidates with the help of others.
+            assert_eq!(evaluate(&all, &region), first, "seed {seed}");
+            // Results of the report, which depend on other candidates.
             for candidate in &mut all {
                 candidate.violates_uniqueness = true;
                 candidate.listed = Some(3);
@@ -343,7 +344,7 @@ mod tests {
                     (side.probability_q16, side.edge_probability_q16, side.rejected) = (9, 9, true);
                 }
             }
-            assert_eq!(ask(&all, &region), first, "seed {seed}");
+            assert_eq!(evaluate(&all, &region), first, "seed {seed}");
         }
     }
 
@@ -372,7 +373,7 @@ mod tests {
             }
         }
         let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
-        let found = ask(&list, &Region::boxed(1, area, DIMS).unwrap());
+        let found = evaluate(&list, &Region::boxed(1, area, DIMS).unwrap());
         let d = found.disparity.unwrap().to_num::<f64>();
         assert!((d - 20.0).abs() < 0.3, "{found:?}");
         let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);

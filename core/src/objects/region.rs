@@ -1,6 +1,6 @@
-//! Which pixels a detector calls one object: a box, or a mask as runs of pixels.
+//! Pixels of one detected object: a box, or a mask as runs of pixels.
 //!
-//! In: what a detector says, and the size of the images. Out: a [`Region`] that has at least one pixel in the image.
+//! In: a box or the runs of a mask, and the size of the images. Out: a [`Region`] with at least one pixel in the image.
 //!
 //! # Cost
 //! A box is eight bytes; a mask eight bytes per run, at least one run per row. No image-sized mask is ever needed.
@@ -9,27 +9,27 @@ use crate::area::Area;
 use crate::image::{Dims, Span};
 use core::fmt;
 
-/// Neighbouring pixels of one row with the same label.
+/// Adjacent pixels of one row with the same label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Run {
-    /// Whose pixels they are.
+    /// Label of the object that they belong to.
     pub label: u16,
-    /// Their row.
+    /// Row, px.
     pub y: u16,
-    /// Their columns.
+    /// Columns, px.
     pub span: Span,
 }
 
-/// What the pixels of a region are.
+/// Representation of a region's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape<'a> {
     /// All of an area.
     Box,
-    /// The runs with the region's label, sorted by row and column; those of other labels may stand between them.
+    /// The runs with the region's label, sorted by row and column; runs with other labels may lie between them.
     Mask(&'a [Run]),
 }
 
-/// The pixels that a detector calls one object.
+/// Pixels of one detected object.
 ///
 /// ```
 /// use linestereo::{Area, Dims, Region, RegionError};
@@ -46,7 +46,7 @@ pub struct Region<'a> {
     shape: Shape<'a>,
 }
 
-/// Why something is no region.
+/// Reason why a box or mask is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RegionError {
     /// It has no pixel.
@@ -72,7 +72,7 @@ impl fmt::Display for RegionError {
 impl core::error::Error for RegionError {}
 
 impl<'a> Region<'a> {
-    /// A box; what lies outside of the image is cut off.
+    /// A box, cut to the image.
     pub fn boxed(label: u16, area: Area, dims: Dims) -> Result<Self, RegionError> {
         if area.is_empty() {
             return Err(RegionError::Empty);
@@ -99,13 +99,13 @@ impl<'a> Region<'a> {
         if area.is_empty() { Err(RegionError::Empty) } else { Ok(Self { label, area, shape: Shape::Mask(runs) }) }
     }
 
-    /// What the detector calls it.
+    /// Label given by the detector.
     #[must_use]
     pub fn label(&self) -> u16 {
         self.label
     }
 
-    /// The smallest area with all of its pixels.
+    /// Bounding box of its pixels.
     #[must_use]
     pub fn area(&self) -> Area {
         self.area
@@ -117,7 +117,7 @@ impl<'a> Region<'a> {
         self.shape
     }
 
-    /// Does the pixel belong to it?
+    /// True when the pixel belongs to the region.
     #[must_use]
     pub fn contains(&self, x: i32, y: i32) -> bool {
         self.area.contains(x, y)

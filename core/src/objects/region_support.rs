@@ -1,16 +1,17 @@
-//! The hypotheses that speak of a region: support points in it, segments in and just around it, each with a weight.
+//! Hypotheses for the depth of a region: support points in it, segments in and just around it, each with a weight.
 //!
-//! In: the candidates of a run, a region. Out: a [`Neighbour`] per segment with at least one hypothesis that counts, and what was withheld.
+//! In: the candidates and support points of a run, a region. Out: a [`Neighbour`] per support point, and per segment with at least one hypothesis
+//! that counts; the weight of both, and the weight that outlines lost.
 //!
 //! ```text
-//! a side's hypothesis is asked at three pixels in the middle of its own window (they are that far off the edge):
-//!     fewer than two of them in the region: the hypothesis is about something else
+//! a side's hypothesis is evaluated at three pixels in the middle of its window (4 or 5 px off the edge):
+//!     fewer than two of them in the region: it is left out
 //! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence and the support points around it
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
-//!     blank, seems to have the disparity of whatever stands beside the region
+//!     blank, is matched at the disparity of the surface beside the region
 //! the other side lies outside, and no support point in the region agrees: a half
 //! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
-//! in a box, what is chosen is the surface near its centre: a second weight falls to 3/8 at the border
+//! in a box, surfaces near its centre are preferred: a second weight, by which the surface is selected, falls to 3/8 at the border
 //! ```
 //!
 //! # Cost
@@ -25,36 +26,36 @@ use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Side};
 use crate::support::Support;
 
-/// Largest distance from a region's area, px, of a segment that its answer depends on.
+/// Largest distance from a region's area at which a segment has an influence, px.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
-/// Weight of the least credible hypothesis, 1/256: so little, and up to twice that, supports a surface but speaks against none.
+/// Least weight of a hypothesis, Q8: up to twice as much supports a surface, but does not count in the region's total.
 const LEAST_WEIGHT: u16 = 13;
-/// Of three pixels, so many have to lie in the region.
+/// Least number of the three pixels that have to lie in the region.
 const LEAST_INSIDE: u16 = 2;
-/// Distance from the edge at which a hypothesis is asked: the middle of its window. One more beside near-horizontal edges.
+/// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
-/// Support points of a region that are heard.
+/// Most support points of a region that are used.
 const MOST_POINTS: usize = 24;
-/// Support points less probable than this are not heard.
+/// Probability, Q16, that a support point has to exceed: 0.8.
 const LEAST_PROBABILITY: u16 = 0xcccc;
-/// Half of the side of a support point's window, px, and one less.
+/// Distance of the corners tested around a support point, px: half of its window, and one more.
 const WINDOW_HALF: i32 = 5;
-/// Disparities of both sides closer than this are one.
+/// Difference below which the disparities of both sides are equal, 1/64 px.
 const SAME_Q6: i32 = 64;
 
-/// All hypotheses of a region.
+/// Number and weight of a region's hypotheses.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct RegionSupport {
-    /// Support points and segments listed.
+    /// Number of support points and segments listed.
     pub(crate) hypotheses: usize,
-    /// Sum of the weights of credible hypotheses, 1/256.
+    /// Sum of the weights of credible hypotheses, Q8.
     pub(crate) weight_q8: u32,
-    /// Weight that outlines lost.
+    /// Weight that outlines lost, Q8.
     pub(crate) outline_weight_q8: u32,
 }
 
-/// Lists what says something of the region at the front of `neighbours`: support points in it, then segments.
+/// Lists the hypotheses of the region at the front of `neighbours`: support points in it, then segments.
 pub(crate) fn gather(
     (candidates, support): (&[Candidate], Support<'_>),
     models: &Models,
@@ -72,8 +73,8 @@ pub(crate) fn gather(
         let agree = is_agreed(candidate);
         let mut weights = [0; 2];
         let (model, _) = models.of(candidate.segment.near_horizontal);
-        let asked = candidate.sides.iter().zip(inside).zip(is_outline);
-        for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(asked) {
+        let sampled = candidate.sides.iter().zip(inside).zip(is_outline);
+        for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(sampled) {
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
             let full = weigh(probability(model, side), inside);
             let lone = || !is_supported(neighbours.get(..points).unwrap_or(&[]), side);
@@ -88,11 +89,11 @@ pub(crate) fn gather(
             found.outline_weight_q8 += u32::from(full - *weight);
         }
         if weights != [0; 2]
-            && let Some(place) = neighbours.get_mut(found.hypotheses)
+            && let Some(neighbour) = neighbours.get_mut(found.hypotheses)
         {
-            *place = Neighbour::new(candidate);
-            let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
-            for (hypothesis, weight) in place.hypotheses.iter_mut().zip(weights) {
+            *neighbour = Neighbour::new(candidate);
+            let nearness_q8 = if cover.is_box() { nearness_q8(neighbour, cover) } else { 256 };
+            for (hypothesis, weight) in neighbour.hypotheses.iter_mut().zip(weights) {
                 hypothesis.weight_q8 = weight;
                 hypothesis.support = ((u32::from(weight) * nearness_q8) >> 8) as u16;
             }
@@ -124,10 +125,10 @@ fn list_points(
     let step = inside().count().div_ceil(MOST_POINTS.min(neighbours.len() / 2).max(1)).max(1);
     for (x, y, point) in inside().step_by(step) {
         let full = weigh(point.probability_q16, 3) >> 1;
-        let Some(place) = neighbours.get_mut(found.hypotheses) else { break };
-        *place = Neighbour::of_point(x, y, point.disparity_q6, full);
-        let nearness_q8 = if cover.is_box() { nearness_q8(place, cover) } else { 256 };
-        for hypothesis in &mut place.hypotheses {
+        let Some(neighbour) = neighbours.get_mut(found.hypotheses) else { break };
+        *neighbour = Neighbour::of_point(x, y, point.disparity_q6, full);
+        let nearness_q8 = if cover.is_box() { nearness_q8(neighbour, cover) } else { 256 };
+        for hypothesis in &mut neighbour.hypotheses {
             hypothesis.support = ((u32::from(hypothesis.weight_q8) * nearness_q8) >> 8) as u16;
         }
         found.weight_q8 += u32::from(full);
@@ -135,20 +136,20 @@ fn list_points(
     }
 }
 
-/// Does a support point inside the region agree with the middle of the side?
+/// True when a support point inside the region agrees with the middle of the side.
 fn is_supported(points: &[Neighbour], side: &Side) -> bool {
-    points.iter().any(|place| {
-        let [hypothesis, _] = place.hypotheses;
+    points.iter().any(|neighbour| {
+        let [hypothesis, _] = neighbour.hypotheses;
         (2 * i32::from(hypothesis.d_q6) - side.sum_q6()).abs() <= 3 * SAME_Q6
     })
 }
 
-/// By the side's own evidence and the support points around it.
+/// Probability by the side's own evidence and the support points around it, Q16.
 fn probability(model: &Model, side: &Side) -> u16 {
     model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
 }
 
-/// Does any of it lie in the area?
+/// True when the segment's bounding box meets the area.
 fn touches(segment: &Segment, area: Area) -> bool {
     let (x0, y0, x1, y1) = segment.ends_q5();
     let common = |from: u16, to: u16, a: i32, b: i32| a.min(b) >> 5 < i32::from(to) && a.max(b) >> 5 >= i32::from(from);
@@ -156,12 +157,12 @@ fn touches(segment: &Segment, area: Area) -> bool {
     common(area.top, area.bottom, y0, y1) && common(area.left, area.right, x0, x1)
 }
 
-/// Can it speak of a region with this area? Only such segments are asked.
+/// True when a window of the segment can count for a region with this area.
 pub(crate) fn supports_area(segment: &Segment, area: Area) -> bool {
     pixels_inside(segment, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
 }
 
-/// How many of three pixels in the middle of each side's window belong to the region.
+/// Number, 0 ..= 3, of pixels in the middle of each side's window that belong to the region.
 #[inline]
 fn pixels_inside(segment: &Segment, contains: impl Fn(i32, i32) -> bool) -> [u16; 2] {
     let (x0, y0, x1, y1) = segment.ends_q5();
@@ -176,23 +177,24 @@ fn pixels_inside(segment: &Segment, contains: impl Fn(i32, i32) -> bool) -> [u16
     [before, after]
 }
 
-/// Do both sides have the same disparity?
+/// True when both sides have the same disparity.
 fn is_agreed(candidate: &Candidate) -> bool {
     candidate.sides_apart_q6().is_some_and(|apart| apart < 2 * SAME_Q6)
 }
 
-/// 1/256; at most 307.
+/// Weight of a hypothesis, Q8, 8 ..= 307.
 fn weigh(probability_q16: u16, inside: u16) -> u16 {
     let weight = (i32::from(probability_q16 >> 7) - 154).clamp(LEAST_WEIGHT.into(), 307);
     let share = if inside >= 3 { weight } else { (weight * 171) >> 8 };
     share as u16 // 8 ..= 307
 }
 
-/// 1 at the centre of the area to 3/8 at its border, 1/256.
-fn nearness_q8(place: &Neighbour, cover: &Cover<'_>) -> u32 {
+/// Factor from 1 at the centre of the area to 3/8 at its border, Q8; below that outside, at least 1/256.
+fn nearness_q8(neighbour: &Neighbour, cover: &Cover<'_>) -> u32 {
     let [half_width, half_height] = cover.half_size;
     let [x, y] = cover.centre;
     let part = |d: i32, half: i32| crate::units::quotient(d.abs() << 8, half);
-    let out_q8 = part(i32::from(place.x) - x, half_width).max(part(i32::from(place.y) - y, half_height)).min(409);
+    let out_q8 =
+        part(i32::from(neighbour.x) - x, half_width).max(part(i32::from(neighbour.y) - y, half_height)).min(409);
     (256 - ((out_q8 * 5) >> 3)).unsigned_abs()
 }

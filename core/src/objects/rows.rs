@@ -31,7 +31,7 @@ pub struct LabelRows<'a> {
 }
 
 impl<'a> LabelRows<'a> {
-    /// Of an image of this size; what `runs` held is lost.
+    /// A collector for an image of this size; clears `runs`.
     pub fn new(dims: Dims, runs: &'a mut VecView<Run>) -> Self {
         runs.clear();
         Self { dims, runs, row: 0, dropped: 0 }
@@ -71,13 +71,13 @@ impl<'a> LabelRows<'a> {
         self.runs
     }
 
-    /// Every label that has a run, smallest first. Looks through all runs for each.
+    /// Every label that has a run, smallest first. Each step scans all runs.
     pub fn labels(&self) -> impl Iterator<Item = u16> {
         let next = |after: u16| self.runs.iter().map(|run| run.label).filter(|&label| label > after).min();
         core::iter::successors(next(0), move |&label| next(label))
     }
 
-    /// Runs that did not fit.
+    /// Number of runs that did not fit.
     #[must_use]
     pub fn dropped(&self) -> u32 {
         self.dropped

@@ -1,17 +1,18 @@
-//! The surface that a region's hypotheses agree on, as a plane of disparity.
+//! The surface with the largest support among a region's hypotheses, as a plane of disparity.
 //!
-//! In: the region's hypotheses. Out: a plane with its support, or which of them there are too few of.
+//! In: the region's hypotheses. Out: a plane with its support and that of a second surface, or nothing without a hypothesis.
 //!
 //! ```text
 //! two hypotheses agree when their disparities differ by at most 1 px plus 0.04 px per px between them
-//! mask: the hypothesis with which most agree.  box: of the hypotheses with which at least a third as many agree, the nearest; it is the best of
-//!     its surface. A box holds background, and more of it than of a thin object.
-//! plane: least squares over those that agree, then over all within 1 px of that plane; slopes shrink to 0 where little supports them
+//! weight of agreement: sum of the weights of the hypotheses that agree with one
+//! mask: the hypothesis with the largest.  box: the nearest hypothesis with at least a third of the largest selects the surface, of which the
+//!     largest counts: a box contains background, and more of it than of a thin object
+//! plane: least squares over those that agree, then over all within 1 px of that plane; slopes are regularised towards 0
 //! ```
 //!
 //! # Bounds
 //! Weights are at most 307, hypotheses 2 * 4096: sums below 2^22. Products with columns or disparities below 2^36, with squares below 2^48, `i64`;
-//! scaled to 26 bits before they are multiplied by each other.
+//! scaled to 26 bits before they are multiplied with each other.
 //!
 //! # Cost
 //! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 30.
@@ -23,41 +24,41 @@ use crate::units::about_length;
 use crate::units::quotient;
 use heapless::vec::VecView;
 
-/// Largest difference of disparity between hypotheses at one place, and between a hypothesis and its plane.
+/// Largest difference of disparity between hypotheses at one position, and between a hypothesis and its plane, 1/64 px.
 const TOLERANCE_Q6: i32 = 64;
-/// Hypotheses that are asked how many agree with them: of more, every second, third ... by disparity.
+/// Most hypotheses whose weight of agreement is computed; of more, every second, third ... in order of disparity.
 const HYPOTHESES: usize = 24;
-/// Weight by which a plane prefers no slope, times squared px: as if each hypothesis were off by 0.8 px, and slopes of 0.03 px per px common.
+/// Regularisation of slopes, weight (Q8) times px^2: errors of 0.8 px per hypothesis, slopes of 0.03 px per px.
 const LEVEL: i64 = 711 << 8;
-/// A second surface lies further than this from the plane.
+/// Least distance of a second surface from the plane, 1/64 px.
 const SECOND_SURFACE_Q6: i32 = 3 << 6;
-/// How far beyond its hypotheses' disparities a plane's value is believed at the region's centre.
+/// Largest distance of the plane's value at the region's centre from the range of its hypotheses' disparities, 1/64 px.
 const BEYOND_Q6: i32 = 16;
 
-/// The plane of disparity that most hypotheses of a region agree on, and their spread.
+/// Plane of disparity of a region, with its support.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Surface {
     /// Disparity at the region's centre, 1/64 px.
     pub(crate) centre_q6: i32,
-    /// Its change per pixel to the right and downwards, 1/1024 px.
+    /// Change of the disparity per pixel to the right and downwards, 1/1024 px.
     pub(crate) slope_q10: [i32; 2],
-    /// Sum of its hypotheses' weights, 1/256.
+    /// Sum of its hypotheses' weights, Q8.
     pub(crate) weight_q8: i32,
-    /// Segments that speak for it.
-    pub(crate) segments: u16,
-    /// Least and largest disparity of its hypotheses.
+    /// Number of segments and support points with a hypothesis on it.
+    pub(crate) support: u16,
+    /// Least and largest disparity of its hypotheses, 1/64 px.
     pub(crate) range_q6: (i32, i32),
-    /// The largest distance of one of them from the plane.
+    /// Largest distance of one of them from the plane, 1/64 px.
     pub(crate) spread_q6: i32,
-    /// Mean place of its hypotheses, from the region's centre.
+    /// Mean position of its hypotheses relative to the region's centre, px.
     pub(crate) middle: [i32; 2],
-    /// Their mean squared distance from there, per direction.
+    /// Variance of their positions along x and y, px^2.
     pub(crate) extent2: [i32; 2],
-    /// Weight of the hypotheses that agree best with each other far from this plane.
+    /// Largest weight of agreement of a hypothesis far from this plane, Q8; 0 without a second surface.
     pub(crate) second_weight_q8: u32,
 }
 
-/// A hypothesis that others may agree with.
+/// Position and disparity of a hypothesis, with the weight of agreement.
 #[derive(Clone, Copy, Default)]
 struct Hypothesis {
     x: i32,
@@ -67,18 +68,19 @@ struct Hypothesis {
 }
 
 impl Hypothesis {
-    fn new(place: &Neighbour) -> Self {
-        let [a, b] = &place.hypotheses;
+    /// The better supported hypothesis of a neighbour, not yet weighed.
+    fn new(neighbour: &Neighbour) -> Self {
+        let [a, b] = &neighbour.hypotheses;
         let hypothesis = if b.support > a.support { b } else { a };
-        Self { x: place.x.into(), y: place.y.into(), d_q6: hypothesis.d_q6.into(), weight_q8: 0 }
+        Self { x: neighbour.x.into(), y: neighbour.y.into(), d_q6: hypothesis.d_q6.into(), weight_q8: 0 }
     }
 
-    /// Sums up what agrees with it.
+    /// Sums up the weights of the hypotheses that agree with it.
     fn weigh(&mut self, neighbours: &[Neighbour]) {
         let mut weight_q8 = 0;
-        for place in neighbours {
-            let tolerance_q6 = self.tolerance_q6(place.x.into(), place.y.into());
-            let [a, b] = &place.hypotheses;
+        for neighbour in neighbours {
+            let tolerance_q6 = self.tolerance_q6(neighbour.x.into(), neighbour.y.into());
+            let [a, b] = &neighbour.hypotheses;
             for hypothesis in [a, b] {
                 let agrees = (i32::from(hypothesis.d_q6) - self.d_q6).abs() <= tolerance_q6;
                 weight_q8 += if agrees { u32::from(hypothesis.support) } else { 0 };
@@ -87,12 +89,12 @@ impl Hypothesis {
         self.weight_q8 = weight_q8;
     }
 
-    /// By weight; of equal ones the nearer, then one of them whatever their order is.
+    /// Key: weight, then disparity, then position, so that the order of the list does not matter.
     fn by_weight(&self) -> (u32, i32, i32, i32) {
         (self.weight_q8, self.d_q6, self.y, self.x)
     }
 
-    /// By disparity, then weight.
+    /// Key: disparity, then weight, then position.
     fn by_disparity(&self) -> (i32, u32, i32, i32) {
         (self.d_q6, self.weight_q8, self.y, self.x)
     }
@@ -101,13 +103,13 @@ impl Hypothesis {
         (d_q6 - self.d_q6).abs() <= self.tolerance_q6(x, y)
     }
 
-    /// Largest difference of disparity to a hypothesis there that agrees.
+    /// Largest difference of disparity, 1/64 px, to a hypothesis at `(x, y)` that agrees.
     fn tolerance_q6(&self, x: i32, y: i32) -> i32 {
         TOLERANCE_Q6 + ((5 * about_length(x - self.x, y - self.y)) >> 1)
     }
 }
 
-/// Disparity as a plane over positions relative to the region's centre.
+/// Disparity as a plane over positions relative to the region's centre, px.
 #[derive(Clone, Copy)]
 struct Plane {
     level_q6: i32,
@@ -121,7 +123,7 @@ impl Plane {
     }
 }
 
-/// Finds the surface of the hypotheses in `neighbours`; `None` without a hypothesis that weighs anything.
+/// Finds the surface of the hypotheses in `neighbours`; `None` without a hypothesis of nonzero weight.
 pub(crate) fn find(
     neighbours: &[Neighbour],
     centre: [i32; 2],
@@ -129,21 +131,22 @@ pub(crate) fn find(
     order: &mut VecView<Ranked>,
 ) -> Option<Surface> {
     let mut hypotheses = [Hypothesis::default(); HYPOTHESES];
-    let count = ask(neighbours, order, &mut hypotheses);
-    let asked = hypotheses.get(..count)?;
-    let chosen = choose(asked, is_box)?;
+    let count = weigh_agreement(neighbours, order, &mut hypotheses);
+    let sampled = hypotheses.get(..count)?;
+    let chosen = choose(sampled, is_box)?;
     let near = fit(neighbours, centre, |x, y, d_q6| chosen.agrees(x, y, d_q6))?;
     let [x0, y0] = centre;
     let on = |plane: &Plane, x: i32, y: i32, d_q6: i32| (d_q6 - plane.at_q6(x - x0, y - y0)).abs() <= TOLERANCE_Q6;
     let plane = fit(neighbours, centre, |x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
     let mut surface = describe(neighbours, centre, &plane, |x, y, d_q6| on(&plane, x, y, d_q6))?;
-    let far = asked.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
-    surface.second_weight_q8 = far.max_by_key(|h| h.by_weight()).map_or(0, |second| parted(neighbours, chosen, second));
+    let far = sampled.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
+    surface.second_weight_q8 =
+        far.max_by_key(|h| h.by_weight()).map_or(0, |second| separate_weight(neighbours, chosen, second));
     Some(surface)
 }
 
-/// Weight of what agrees with `second`; 0 where an eighth of it agrees with `chosen` too: then it is one surface that bends.
-fn parted(neighbours: &[Neighbour], chosen: &Hypothesis, second: &Hypothesis) -> u32 {
+/// Weight of agreement of `second`; 0 where an eighth of it agrees with `chosen` too: then it is one surface that bends.
+fn separate_weight(neighbours: &[Neighbour], chosen: &Hypothesis, second: &Hypothesis) -> u32 {
     let mut common = 0;
     visit(
         neighbours,
@@ -154,13 +157,17 @@ fn parted(neighbours: &[Neighbour], chosen: &Hypothesis, second: &Hypothesis) ->
     if common.unsigned_abs() * 8 >= second.weight_q8 { 0 } else { second.weight_q8 }
 }
 
-/// Weighs what agrees with each hypothesis, or with every n-th of many by disparity; returns how many were asked. The order of the neighbours does not
-/// matter.
-fn ask(neighbours: &[Neighbour], order: &mut VecView<Ranked>, hypotheses: &mut [Hypothesis; HYPOTHESES]) -> usize {
+/// Computes the weight of agreement of each hypothesis, or of every n-th of many in order of disparity; returns their number. Does not depend on
+/// the order of the neighbours.
+fn weigh_agreement(
+    neighbours: &[Neighbour],
+    order: &mut VecView<Ranked>,
+    hypotheses: &mut [Hypothesis; HYPOTHESES],
+) -> usize {
     let step = neighbours.len().div_ceil(HYPOTHESES).max(1);
     if step == 1 {
-        for (place, hypothesis) in neighbours.iter().zip(hypotheses.iter_mut()) {
-            *hypothesis = Hypothesis::new(place);
+        for (neighbour, hypothesis) in neighbours.iter().zip(hypotheses.iter_mut()) {
+            *hypothesis = Hypothesis::new(neighbour);
         }
     } else {
         sort_by_disparity(neighbours, order);
@@ -177,25 +184,26 @@ fn ask(neighbours: &[Neighbour], order: &mut VecView<Ranked>, hypotheses: &mut [
 
 fn sort_by_disparity(neighbours: &[Neighbour], order: &mut VecView<Ranked>) {
     order.clear();
-    for (place, i) in neighbours.iter().zip(0..) {
-        let disparity = (Hypothesis::new(place).d_q6 + 32768) as u16;
+    for (neighbour, i) in neighbours.iter().zip(0..) {
+        let disparity = (Hypothesis::new(neighbour).d_q6 + 32768) as u16;
         let _ = order.push(Ranked { probability_q16: disparity, candidate: i }); // one per candidate: it fits
     }
-    let column = |r: &Ranked| neighbours.get(usize::from(r.candidate)).map(|place| (place.y, place.x));
+    let column = |r: &Ranked| neighbours.get(usize::from(r.candidate)).map(|neighbour| (neighbour.y, neighbour.x));
     sort_by_key(order, |r| (r.probability_q16, column(r)));
 }
 
-/// The hypothesis that speaks for the object; of equal ones the nearest.
-fn choose(asked: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
-    let best = asked.iter().max_by_key(|h| h.by_weight())?;
+/// The hypothesis that the object's surface is fitted around; of equal ones the nearest.
+fn choose(sampled: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
+    let best = sampled.iter().max_by_key(|h| h.by_weight())?;
     if !is_box {
         return Some(best);
     }
-    let nearest = asked.iter().filter(|h| h.weight_q8 * 3 >= best.weight_q8).max_by_key(|h| h.by_disparity())?;
-    asked.iter().filter(|h| nearest.agrees(h.x, h.y, h.d_q6)).max_by_key(|h| h.by_weight())
+    let nearest = sampled.iter().filter(|h| h.weight_q8 * 3 >= best.weight_q8).max_by_key(|h| h.by_disparity())?;
+    sampled.iter().filter(|h| nearest.agrees(h.x, h.y, h.d_q6)).max_by_key(|h| h.by_weight())
 }
 
-/// Calls `visit(u, v, disparity, weight)` for each hypothesis that belongs, with its place relative to the centre; returns how many have one.
+/// Calls `visit(u, v, disparity, weight)` for each hypothesis that belongs, with its position relative to the centre; returns the number of
+/// neighbours with one.
 fn visit(
     neighbours: &[Neighbour],
     [x0, y0]: [i32; 2],
@@ -203,18 +211,18 @@ fn visit(
     mut visit: impl FnMut(i32, i32, i32, i32),
 ) -> u16 {
     let mut count = 0_u16;
-    for place in neighbours {
-        let (x, y) = (i32::from(place.x), i32::from(place.y));
-        let mut speaks = false;
-        let [a, b] = &place.hypotheses;
+    for neighbour in neighbours {
+        let (x, y) = (i32::from(neighbour.x), i32::from(neighbour.y));
+        let mut has_one = false;
+        let [a, b] = &neighbour.hypotheses;
         for hypothesis in [a, b] {
             let d_q6 = i32::from(hypothesis.d_q6);
             if hypothesis.weight_q8 > 0 && belongs(x, y, d_q6) {
                 visit(x - x0, y - y0, d_q6, hypothesis.weight_q8.into());
-                speaks = true;
+                has_one = true;
             }
         }
-        count = count.saturating_add(speaks.into());
+        count = count.saturating_add(has_one.into());
     }
     count
 }
@@ -241,12 +249,12 @@ impl Sums {
         self.vv += i64::from(wv) * i64::from(v);
     }
 
-    /// Mean place and disparity; `None` without a hypothesis.
+    /// Mean position, px, and disparity, 1/64 px; `None` without a hypothesis.
     fn means(&self) -> Option<[i32; 3]> {
         Some([self.per_weight(self.u)?, self.per_weight(self.v)?, self.per_weight(self.d_q6)?])
     }
 
-    /// A sum divided by the weight, limited to 32 bits. Few sums are longer than that, and a division of 64 bits takes hundreds of instructions.
+    /// A sum divided by the weight, limited to 32 bits. Few sums are longer, and a division of 64 bits takes hundreds of instructions.
     fn per_weight(&self, sum: i64) -> Option<i32> {
         match i32::try_from(sum) {
             Ok(sum) => sum.checked_div(self.weight),
@@ -254,7 +262,7 @@ impl Sums {
         }
     }
 
-    /// A sum of products about a mean each, which come with the sum that they are the mean of.
+    /// A sum of products `sum(a b)` taken about the means: each factor as `[mean, sum]`.
     fn about(&self, products: i64, [a, sum_a]: [i64; 2], [b, sum_b]: [i64; 2]) -> i64 {
         products - a * sum_b - b * sum_a + a * b * i64::from(self.weight)
     }
@@ -291,9 +299,9 @@ fn fit(neighbours: &[Neighbour], centre: [i32; 2], belongs: impl Fn(i32, i32, i3
     Some(Plane { level_q6: level.at_q6(-u, -v), slope_q10 })
 }
 
-/// Steeper planes are none that a camera sees: 2 px per px.
+/// Largest slope of a surface visible to both cameras, 1/1024 px per px: 2.
 const MAX_SLOPE_Q10: i32 = 2 << 10;
-/// Of 32 bits.
+/// Largest numerator of a slope: 31 bits.
 const LIMIT: i64 = i32::MAX as i64;
 
 /// The surface of the hypotheses that lie on a plane; `None` when none does.
@@ -305,7 +313,7 @@ fn describe(
 ) -> Option<Surface> {
     let mut sums = Sums::default();
     let (mut low, mut high, mut spread) = (i32::MAX, i32::MIN, 0);
-    let segments = visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
+    let support = visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
         sums.add(u, v, d_q6, w);
         low = low.min(d_q6);
         high = high.max(d_q6);
@@ -319,7 +327,7 @@ fn describe(
         centre_q6: plane.level_q6.max(low - BEYOND_Q6).min(high + BEYOND_Q6),
         slope_q10: plane.slope_q10,
         weight_q8: sums.weight,
-        segments,
+        support,
         range_q6: (low, high),
         spread_q6: spread,
         middle: [u, v],

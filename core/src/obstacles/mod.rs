@@ -1,33 +1,34 @@
-//! Matched segments and support points -> how far the nearest obstacle is in each direction: what an autopilot asks for.
+//! Nearest obstacle in each direction, by matched segments and support points, as autopilots take it.
 //!
-//! In: an [`ObstaclePlan`] (the view as sectors, made once), the matches and support points of a pair, its health, when it was captured. Out: an [`Obstacles`],
-//! which says of each [`Sector`] of the full turn around the vehicle: an obstacle at this distance, free, unknown, or outside the view.
+//! In: an [`ObstaclePlan`] (the view as sectors, computed once), the matches and support points of a pair, its health and time of capture. Out:
+//! [`Obstacles`], the state of each [`Sector`] of a full turn around the vehicle: an obstacle at a distance, free, unknown, or outside the view.
 //!
 //! ```text
-//! per match, in each sector that it crosses, and per support point (at most 0.8 probable: neighbours share paths, and are wrong together):
-//!   within the range and the height band     joins the nearest hypotheses of the sector
-//!   behind them                              speaks for free
+//! per match, in each sector that it crosses, and per support point (with a probability of at most 0.8: errors of neighbours are correlated):
+//!   within the range and the height band     one of the nearest hypotheses of the sector
+//!   behind them                              a hypothesis that the sector is free
 //! per sector, from the nearest hypothesis on:
-//!   hypotheses that agree with it (1 px and 1/16 of the nearness behind it) multiply their error probabilities, 1 - confidence, from near to far;
-//!   where the product falls to the limit is the obstacle: something is at least so near, but for that probability
+//!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it (up to 1 px and 1/16 of the nearness behind it), from
+//!   near to far; the obstacle is where the product falls to the limit: something is at least so near, but for that probability
 //!   no hypothesis up to 5/4 of the range, and hypotheses behind it in a quarter of the rows whose error probabilities multiply to the limit: free
-//!   otherwise nothing
-//! an obstacle takes the place of what was known, unless that is an obstacle nearer by more than 1/8: it stays until it is too old
+//!   otherwise no result
+//! a result replaces the state of the sector, unless that is an obstacle nearer by more than 1/8, which stays until it is too old
 //! ```
 //!
-//! # What the words mean
-//! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a camera
-//!   that looks horizontally. What tilts the camera tilts sectors and height band with it.
-//! - **Free**: credible segments or support points were seen *behind* the range through this sector, none within it, and the whole sector is seen by both
-//!   cameras from the near limit on. It does not mean that nothing is there: a wall without texture, a wire along the rows and whatever is
-//!   nearer than the near limit `f*B/max_disparity` have nothing credible. Nothing is free because nothing was seen: that is unknown.
-//! - **Unknown**: too little was seen, or it is too old.
-//! - **Outside**: never in view of this camera. Sectors seen in part show obstacles, but are never free; nor are those near the left border,
-//!   where the right camera does not see what is near.
+//! # Terms
+//! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a horizontal
+//!   optical axis. Sectors and height band tilt with the camera.
+//! - **Free**: credible segments or support points lie *behind* the range in this sector, none within it, and the whole sector is seen by both
+//!   cameras from the near limit on. Obstacles are possible all the same: a wall without texture, a wire along the rows and anything nearer than
+//!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is unknown, not free.
+//! - **Unknown**: too few hypotheses, or too old ones.
+//! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are never free; nor are those near the left border,
+//!   where near points are outside the right camera's view.
 //!
 //! # Measured
 //! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an obstacle (segments alone: 149), none of them nearer
-//! than all that is there by 10 %; 15 (37) are farther than the nearest tenth of the sector's pixels by 25 %, whose surface has nothing credible.
+//! than all that is there by 10 %; 15 (37) are farther than the nearest tenth of the sector's pixels by 25 %, whose surface gives no
+//! credible hypothesis.
 //! With ranges that most of the scene lies behind, 18 (48) are free, and in 4 (26) of these at least a hundredth of the pixels is within the range.
 //!
 //! # Bounds
@@ -46,50 +47,51 @@ use crate::units::{Confidence, Disparity, Position, quotient};
 use plan::PARTS;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 
-/// Hypotheses kept of a sector, the nearest ones.
+/// Number of hypotheses kept of a sector, the nearest ones.
 const KEPT: usize = 6;
-/// Hypotheses agree within this and a sixteenth of their nearness, 1/64 px.
+/// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
 const AGREE_Q6: i32 = 64;
 
-/// Least error probability of a support point, Q16: neighbours share paths and are wrong together.
+/// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share paths, are correlated.
 const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
-/// Parts of the rows, and those of them in which something behind has to be seen for a sector to be free.
+/// Number of parts that the rows are divided into.
 const PARTS_OF_ROWS: i32 = 8;
+/// Least number of parts with a hypothesis behind the range for a sector to be free.
 const CLEAR_PARTS: u32 = 2;
 
 /// State of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sector {
-    /// Not in view: nothing will ever be known of it.
+    /// Not in view of the camera.
     Outside,
-    /// In view, but nothing credible was seen, or it is too old.
+    /// In view, but without a credible hypothesis, or with too old ones.
     Unknown,
-    /// Credible segments or support points behind the range, none within it. What has none is not seen: a blank wall may stand there.
+    /// Credible segments or support points behind the range, none within it. Obstacles without texture, such as a blank wall, are not detected.
     Free {
-        /// Probability that they are right.
+        /// Probability that not all of the hypotheses behind the range are wrong.
         confidence: Confidence,
-        /// Since they were seen, ms.
+        /// Time since they were seen, ms.
         age_ms: u32,
     },
-    /// Something is there.
+    /// An obstacle within the range.
     Obstacle {
-        /// Along the ground, cm; 1 or more, below the range.
+        /// Distance along the ground, cm; 1 or more, below the range.
         distance_cm: u16,
         /// Probability that something is at least so near.
         confidence: Confidence,
-        /// Since it was seen, ms.
+        /// Time since it was seen, ms.
         age_ms: u32,
     },
 }
 
-/// State of one direction, in eight bytes.
+/// Stored state of one direction, eight bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Known {
     /// [`NOTHING`], [`FREE`] or an obstacle's distance.
     distance_cm: u16,
     confidence_q16: u16,
-    /// When it was seen, ms, wrapping.
+    /// Time at which it was seen, ms, wrapping.
     seen_ms: u32,
 }
 
@@ -109,7 +111,7 @@ impl Known {
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
 /// let plan = ObstacleParams::DEFAULT.plan(&params, dims)?;
 /// let mut obstacles = Obstacles::new();
-/// obstacles.update(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: nothing is known, and nothing is free
+/// obstacles.update(&plan, &[], None, HealthFlags::GOOD, 0); // no segment: unknown, not free
 /// assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown); // ahead
 /// assert_eq!(obstacles.sector(&plan, 36, 0), Sector::Outside); // behind
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -127,14 +129,14 @@ impl Default for Obstacles {
 }
 
 impl Obstacles {
-    /// Nothing seen yet.
+    /// All sectors unknown.
     #[must_use]
     pub const fn new() -> Self {
         Self { known: [Known::NONE; MAX_IN_VIEW], is_fit: false }
     }
 
-    /// Takes the matches of a pair, and its support points among `points`, that was captured at this time (microseconds of a clock that does not run backwards) and has these
-    /// [flags](crate::PairHealth::flags). Of a pair that is not fit to be used no sector gets anything.
+    /// Updates the sectors by the matches of a pair and its support points among `points`; `time_us` is its time of capture, us of a monotonic
+    /// clock, `health` its [flags](crate::PairHealth::flags). A pair that is not fit to be used changes no sector but by age.
     #[inline(never)]
     pub fn update(
         &mut self,
@@ -169,7 +171,7 @@ impl Obstacles {
             if known.distance_cm != NOTHING && age_ms > plan.keep_ms {
                 *known = Known::NONE;
             }
-            let Some((nearness_q6, error_q16)) = hypotheses.judge(plan, can_be_free) else { continue };
+            let Some((nearness_q6, error_q16)) = hypotheses.evaluate(plan, can_be_free) else { continue };
             let distance_cm = nearness_q6.map_or(FREE, |nearness_q6| plan.distance_cm(nearness_q6));
             if !keeps_previous(known.distance_cm, distance_cm) {
                 *known = Known { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
@@ -177,12 +179,12 @@ impl Obstacles {
         }
     }
 
-    /// There was no pair, or it was refused: what is known grows old, and the source is not fit to be used.
+    /// Records that there was no pair, or a refused one: sectors age, and [`Obstacles::is_fit`] is false.
     pub fn mark_missing(&mut self) {
         self.is_fit = false;
     }
 
-    /// Was the last pair fit to be used? False before the first.
+    /// True when the last pair was fit to be used; false before the first.
     #[must_use]
     pub fn is_fit(&self) -> bool {
         self.is_fit
@@ -191,7 +193,7 @@ impl Obstacles {
     /// State of a direction: 0 is ahead of the vehicle, then clockwise, seen from above.
     #[must_use]
     pub fn sector(&self, plan: &ObstaclePlan, index: u8, time_us: u64) -> Sector {
-        let Some(known) = plan.in_view(index).and_then(|place| self.known.get(place)) else { return Sector::Outside };
+        let Some(known) = plan.in_view(index).and_then(|index| self.known.get(index)) else { return Sector::Outside };
         let age_ms = milliseconds(time_us).wrapping_sub(known.seen_ms);
         let confidence = Confidence::from_bits(known.confidence_q16);
         match known.distance_cm {
@@ -208,8 +210,8 @@ impl Obstacles {
     }
 }
 
-/// Does what is known of a sector stay although something else is seen there? A nearer obstacle does: that it was not seen again is no
-/// proof that it is gone.
+/// True when the stored state of a sector stays: an obstacle that is nearer than the new result by more than 1/8. That it was not seen again does
+/// not prove that it is gone.
 fn keeps_previous(known_cm: u16, seen_cm: u16) -> bool {
     let is_obstacle = known_cm != NOTHING && known_cm != FREE;
     is_obstacle && u32::from(known_cm) + u32::from(known_cm) / 8 < u32::from(seen_cm)
@@ -220,23 +222,23 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// A match or a support point in one sector: its nearness, or the rows that are clear before it.
+/// Result of a match or a support point for one sector: its nearness, or the rows that are free before it.
 #[derive(Clone, Copy)]
 enum Ray {
-    /// Something within the range and the height band; nearness, 1/64 px.
+    /// Within the range and the height band; nearness, 1/64 px.
     Ends(i32),
-    /// Something behind both: what is seen in these parts of the rows is clear.
+    /// Behind both: the range is free in these parts of the rows, a bit each.
     Passes(u8),
 }
 
-/// The nearest hypotheses of one sector, and the probability that all behind the range are wrong.
+/// The nearest hypotheses of one sector, and those behind the range.
 #[derive(Clone, Copy)]
 struct Hypotheses {
     /// Nearness (1/64 px, 0 = none) and error probability of the nearest hypotheses, nearest first.
     near: [(i32, u16); KEPT],
-    /// All hypotheses behind are wrong with this probability.
+    /// Probability that all hypotheses behind the range are wrong, Q16.
     clear_error_q16: u16,
-    /// Parts of the rows in which something behind is seen.
+    /// Parts of the rows with a hypothesis behind the range, a bit each.
     clear_parts: u8,
 }
 
@@ -250,9 +252,9 @@ impl Hypotheses {
                 if self.near.last().is_some_and(|last| hypothesis.0 <= last.0) {
                     return; // most are not among the nearest
                 }
-                for place in &mut self.near {
-                    if hypothesis.0 > place.0 {
-                        core::mem::swap(place, &mut hypothesis);
+                for slot in &mut self.near {
+                    if hypothesis.0 > slot.0 {
+                        core::mem::swap(slot, &mut hypothesis);
                     }
                 }
             }
@@ -263,15 +265,15 @@ impl Hypotheses {
         }
     }
 
-    /// The nearness of the obstacle, `None` for free, and the error probability; nothing where too little was seen.
-    fn judge(&self, plan: &ObstaclePlan, can_be_free: bool) -> Option<(Option<i32>, u16)> {
+    /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None` where hypotheses are too few.
+    fn evaluate(&self, plan: &ObstaclePlan, can_be_free: bool) -> Option<(Option<i32>, u16)> {
         for (first, &(nearest_q6, _)) in self.near.iter().enumerate().take_while(|(_, hypothesis)| hypothesis.0 > 0) {
             let agree_q6 = nearest_q6 - (AGREE_Q6 + nearest_q6 / 16);
             let (mut error_q16, mut found) = (u16::MAX, None);
-            for &(nearness_q6, its_error_q16) in
+            for &(nearness_q6, one_error_q16) in
                 self.near.iter().skip(first).take_while(|hypothesis| hypothesis.0 >= agree_q6.max(1))
             {
-                error_q16 = both(error_q16, its_error_q16);
+                error_q16 = both(error_q16, one_error_q16);
                 if found.is_none() && error_q16 <= plan.error_q16 {
                     found = Some(nearness_q6);
                 }
@@ -280,20 +282,20 @@ impl Hypotheses {
                 return (nearness_q6 >= plan.far_q6).then_some((found, error_q16));
             }
         }
-        let is_clear = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
+        let is_free = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
         let is_covered = self.clear_parts.count_ones() >= CLEAR_PARTS;
-        (is_clear && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
+        (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
             .then_some((None, self.clear_error_q16))
     }
 }
 
-/// The probability that both are wrong.
+/// Probability that both are wrong, Q16, of independent hypotheses.
 fn both(one: u16, other: u16) -> u16 {
     ((u32::from(one) * u32::from(other)) >> 16) as u16
 }
 
 impl ObstaclePlan {
-    /// Calls `each` with the sectors in view that a match crosses, and how near it is there.
+    /// Calls `each` with the index of every sector in view that a match crosses, and its ray there.
     fn for_each_sector(&self, one: &Match, mut each: impl FnMut(usize, Ray)) {
         let bits = |p: Position| i32::from(p.to_bits());
         let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
@@ -301,10 +303,11 @@ impl ObstaclePlan {
         let ((x0, y0, d0), (x1, y1, d1)) =
             if a.0 <= b.0 { ((a.0, a.1, da), (b.0, b.1, db)) } else { ((b.0, b.1, db), (a.0, a.1, da)) };
         let (from, to) = (self.sector_of(x0), self.sector_of(x1));
-        // Along the segment: what is linear in x.
+        // Linear interpolation along the segment.
         let at = |v0: i32, v1: i32, x: i32| v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0));
-        for place in from..=to {
-            let Some(&[left, right]) = self.edges_q5.get(place..place + 2).and_then(|edges| edges.first_chunk()) else {
+        for sector in from..=to {
+            let Some(&[left, right]) = self.edges_q5.get(sector..sector + 2).and_then(|edges| edges.first_chunk())
+            else {
                 return;
             };
             let (xa, xb) = (x0.max(left.into()), x1.min(right.into()));
@@ -314,12 +317,12 @@ impl ObstaclePlan {
             ];
             let [na, nb] = ends.map(|(x, _, d)| self.nearness_q6(x, d));
             if let Some(ray) = self.ray(na.max(nb), ends.map(|(_, y, d)| (y, d))) {
-                each(place, ray);
+                each(sector, ray);
             }
         }
     }
 
-    /// The sector of a support point, and what it says there: rows up to the next ones above and below.
+    /// The sector of a support point, and its ray there; its rows reach half way to the next points above and below.
     fn ray_of(&self, point: &Point) -> (usize, Option<Ray>) {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
@@ -328,7 +331,7 @@ impl ObstaclePlan {
         (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), rows))
     }
 
-    /// The ray of something so near (1/64 px), between two points (row in 1/32 px, disparity plus offset in 1/64 px).
+    /// The ray of a hypothesis of this nearness, 1/64 px, between two points (row in 1/32 px, disparity plus offset in 1/64 px).
     fn ray(&self, nearness_q6: i32, points: [(i32, i32); 2]) -> Option<Ray> {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
@@ -340,18 +343,18 @@ impl ObstaclePlan {
         }
     }
 
-    /// Nearness of a disparity plus offset (1/64 px) in a column (1/32 px).
+    /// Nearness, 1/64 px, of a disparity plus offset (1/64 px) in a column (1/32 px).
     fn nearness_q6(&self, x_q5: i32, d_q6: i32) -> i32 {
         ((i64::from(d_q6) * i64::from(self.cosine_q15(x_q5))) >> 15) as i32
     }
 
-    /// The place among the sectors in view of a column (1/32 px).
+    /// Index, among the sectors in view, of that of a column (1/32 px).
     fn sector_of(&self, column_q5: i32) -> usize {
         let inner = self.edges_q5.get(1..usize::from(self.in_view)).unwrap_or(&[]);
         inner.partition_point(|&edge_q5| i32::from(edge_q5) <= column_q5)
     }
 
-    /// Cosine of a column's direction (1/32 px): a line within each of 32 parts of the width.
+    /// Cosine of the direction of a column (1/32 px), Q15: linear within each of 32 parts of the width.
     fn cosine_q15(&self, column_q5: i32) -> i32 {
         let width = i32::from(self.width);
         let part = quotient(column_q5, width).clamp(0, PARTS as i32 - 1);
@@ -362,7 +365,7 @@ impl ObstaclePlan {
         i32::from(from) + quotient((i32::from(to) - i32::from(from)) * along, width)
     }
 
-    /// Does anything between two points (row in 1/32 px, disparity plus offset in 1/64 px) lie in the height band?
+    /// True when the line between two points (row in 1/32 px, disparity plus offset in 1/64 px) meets the height band.
     fn band_meets(&self, points: [(i32, i32); 2]) -> bool {
         let [a, b] = points.map(|(y_q5, d_q6)| {
             // height = rise * B / (d + offset), compared without the division.
@@ -373,20 +376,20 @@ impl ObstaclePlan {
         !(a.0 && b.0 || a.1 && b.1)
     }
 
-    /// Then every ray starts in the band, and what is outside of it lies behind it.
+    /// True when the camera lies in the height band: then every ray starts in the band, and points outside of it lie behind it.
     fn band_has_camera(&self) -> bool {
         let [low, high] = self.heights_q16;
         low <= 0 && high >= 0
     }
 
-    /// The parts of the rows from one row to another, 1/32 px.
+    /// Parts of the rows from one row to another, 1/32 px, a bit each.
     fn parts(&self, rows_q5: [i32; 2]) -> u8 {
         let [a, b] =
             rows_q5.map(|y_q5| quotient(y_q5, i32::from(self.height) * 32 / PARTS_OF_ROWS).clamp(0, PARTS_OF_ROWS - 1));
         ((2_u32 << a.max(b)) - (1 << a.min(b))) as u8
     }
 
-    /// Distance of a nearness, below the range.
+    /// Distance of a nearness (1/64 px), cm, 1 or more, below the range.
     fn distance_cm(&self, nearness_q6: i32) -> u16 {
         let cm = (self.focal_baseline_q16 * 6400).checked_div(i64::from(nearness_q6) << 16).unwrap_or(i64::MAX);
         cm.min(i64::from(self.range_cm) - 1).max(1) as u16 // clamp may panic

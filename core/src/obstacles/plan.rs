@@ -1,7 +1,7 @@
-//! The view of a camera as sectors of a turn: every check and every float, once.
+//! View of a camera as sectors of a turn, computed once: the only checks and floating point of `obstacles`.
 //!
-//! In: a rig, mounting yaw, the range and the height band that matter. Out: an [`ObstaclePlan`]: of every boundary
-//! between two sectors in view its column, and cosines of directions.
+//! In: a rig, mounting yaw, range and height band. Out: an [`ObstaclePlan`]: the columns of the boundaries between sectors in view, and cosines
+//! of directions.
 //!
 //! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read OBSTACLE_DISTANCE. A boundary at the angle `a`
 //! from the optical axis is the column `cx + f * tan(a)`.
@@ -13,32 +13,32 @@ use crate::rig::Rig;
 use core::f64::consts::PI;
 use core::fmt;
 
-/// Most sectors that a camera sees: half of 72, and one more where both borders cut one.
+/// Largest number of sectors in view of a camera: half of 72, and one more where both borders cut one.
 pub const MAX_IN_VIEW: usize = 37;
 
-/// Parts of the width within which the cosine of the direction is a line: within 0.1 % at 100 degrees of view.
+/// Number of parts of the width within which the cosine of the direction is linear: error within 0.1 % at 100 degrees of view.
 pub(super) const PARTS: usize = 32;
 
-/// Most sectors of a turn: what OBSTACLE_DISTANCE holds. PX4 would read beyond it.
+/// Largest number of sectors of a turn: capacity of OBSTACLE_DISTANCE, beyond which PX4 would read.
 const MAX_SECTORS: u8 = 72;
 
-/// How directions are cut into sectors, and what is asked of them.
+/// Parameters of sectors: directions, range, height band, age and error probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObstacleParams {
-    /// Where the camera looks, degrees clockwise from ahead, seen from above; -180 ..= 180.
+    /// Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 ..= 180.
     pub yaw_deg: f64,
-    /// Sectors of a full turn; 4 ..= 72. 72 are 5 degrees each.
+    /// Number of sectors of a full turn; 4 ..= 72. 72 are 5 degrees each.
     pub sectors: u8,
-    /// Obstacles at this distance or further do not matter, m; 0.1 ..= 600.
+    /// Range, m: obstacles at this distance or further are ignored; 0.1 ..= 600.
     pub range_m: f64,
-    /// Lowest and highest height that matters, m above the camera; -1000 ..= 1000. One plan and one [`Obstacles`](super::Obstacles) for each band.
+    /// Lowest and highest height of obstacles, m above the camera; -1000 ..= 1000. One plan and one [`Obstacles`](super::Obstacles) for each band.
     pub heights_m: [f64; 2],
-    /// How long something is kept that is not seen again, ms. Both autopilots keep what they were told for half a second themselves.
+    /// Time for which a state is kept when it is not seen again, ms. Both autopilots keep a message for half a second themselves.
     pub keep_ms: u16,
-    /// The hypotheses behind an answer may all be wrong with this probability, taken as independent; 0.00002 ..= 0.5. At 0.01 one hypothesis is enough
-    /// only if its confidence is 0.99, otherwise two or more have to agree.
+    /// Largest probability that all hypotheses for a state are wrong, taken as independent; 0.00002 ..= 0.5. At 0.01 one hypothesis is enough only
+    /// if its confidence is 0.99, otherwise two or more have to agree.
     pub error_probability: f64,
-    /// A pair with one of these flags says nothing.
+    /// Flags of health with which a pair is not used.
     pub unfit: HealthFlags,
 }
 
@@ -60,8 +60,8 @@ impl ObstacleParams {
         unfit: HealthFlags::UNFIT,
     };
 
-    /// Checks everything once, for images of this size that are matched with these parameters, which need a rig: its focal length and
-    /// principal point give the directions.
+    /// Checks all parameters for images of this size that are matched with `params`, which need a rig: its focal length and principal point give
+    /// the directions.
     #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
     pub fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
         let rig = params.rig.ok_or(ObstacleError::NoRig)?.centred(dims);
@@ -90,7 +90,7 @@ impl ObstacleParams {
             width: dims.width,
             height: dims.height,
             row_q5: nearest(32.0 * view.row) as i32,
-            // Nearness at the range; at least one step, so that a disparity of nothing is beyond it.
+            // Nearness at the range; at least one step, so that a disparity of 0 is beyond it.
             far_q6: nearest(focal_baseline / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32,
             offset_q6: rig.offset_q6() as i32,
             focal_baseline_q16: rig.focal_baseline_q16(),
@@ -106,7 +106,7 @@ impl ObstacleParams {
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
             let column = view.boundary(first + k);
             *edge_q5 = nearest(32.0 * column.max(0.0).min(view.width)) as u16;
-            // Both cameras see all of it, however near.
+            // Seen by both cameras as a whole, at any distance from the near limit on.
             if k > 0 && before >= f64::from(params.max_disparity) && column <= view.width - 0.5 {
                 plan.complete |= 1 << (k - 1);
             }
@@ -124,9 +124,9 @@ struct View {
     column: f64,
     /// Row of the optical axis, px.
     row: f64,
-    /// Of the image, px.
+    /// Width of the image, px.
     width: f64,
-    /// Of the optical axis, rad clockwise from ahead.
+    /// Direction of the optical axis, rad clockwise from ahead.
     yaw: f64,
     /// Angle of one sector, rad.
     sector: f64,
@@ -148,7 +148,7 @@ impl View {
         libm::round(direction / self.sector) as i32
     }
 
-    /// Column of the boundary before a sector; infinite beyond a right angle, where there is none.
+    /// Column of the boundary before a sector; infinite beyond a right angle from the axis, where there is none.
     fn boundary(&self, sector: i32) -> f64 {
         let angle = (f64::from(sector) - 0.5) * self.sector - self.yaw;
         if angle <= -0.5 * PI {
@@ -178,31 +178,32 @@ fn nearest(value: f64) -> i64 {
     libm::round(value) as i64
 }
 
-/// Checked parameters for one camera: all that a pair does not change.
+/// Checked parameters for one camera, constant over pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObstaclePlan {
-    /// The sector at the left border, and how many are in view.
+    /// Sector at the left border.
     pub(super) first: u8,
+    /// Number of sectors in view.
     pub(super) in_view: u8,
     pub(super) sectors: u8,
-    /// A bit for each sector in view: both cameras see all of it.
+    /// A bit for each sector in view: set when both cameras see all of it.
     pub(super) complete: u64,
-    /// Columns of the boundaries between the sectors in view.
+    /// Columns of the boundaries of the sectors in view, 1/32 px.
     pub(super) edges_q5: [u16; MAX_IN_VIEW + 1],
     pub(super) cosines_q15: [u16; PARTS + 1],
-    /// Of the image, px.
+    /// Width of the image, px.
     pub(super) width: u16,
     pub(super) height: u16,
-    /// Principal row.
+    /// Principal row, 1/32 px.
     pub(super) row_q5: i32,
-    /// Nearness at the range.
+    /// Nearness at the range, 1/64 px.
     pub(super) far_q6: i32,
     pub(super) offset_q6: i32,
-    /// px*m
+    /// Focal length times baseline, px*m.
     pub(super) focal_baseline_q16: i64,
-    /// m
+    /// Baseline, m.
     pub(super) baseline_q16: i64,
-    /// m
+    /// Lowest and highest height of obstacles, m above the camera.
     pub(super) heights_q16: [i64; 2],
     pub(super) range_cm: u16,
     pub(super) near_cm: u16,
@@ -212,44 +213,44 @@ pub struct ObstaclePlan {
 }
 
 impl ObstaclePlan {
-    /// Sectors of a full turn.
+    /// Number of sectors of a full turn.
     #[must_use]
     pub fn sectors(&self) -> u8 {
         self.sectors
     }
 
-    /// Obstacles at this distance or further do not matter, cm.
+    /// Range, cm: obstacles at this distance or further are ignored.
     #[must_use]
     pub fn range_cm(&self) -> u16 {
         self.range_cm
     }
 
-    /// The near limit: what is nearer than this along the optical axis is not measured, cm; 1 or more, below the range.
+    /// Near limit, cm: depth along the optical axis below which nothing is measured; 1 or more, below the range.
     #[must_use]
     pub fn near_cm(&self) -> u16 {
         self.near_cm
     }
 
-    /// The place of a sector among those in view.
+    /// Index of a sector among those in view.
     #[must_use]
     pub fn in_view(&self, sector: u8) -> Option<usize> {
         if sector >= self.sectors {
             return None;
         }
         let behind = if sector < self.first { self.sectors } else { 0 };
-        let place = u16::from(sector) + u16::from(behind) - u16::from(self.first);
-        (place < u16::from(self.in_view)).then_some(place.into())
+        let index = u16::from(sector) + u16::from(behind) - u16::from(self.first);
+        (index < u16::from(self.in_view)).then_some(index.into())
     }
 }
 
-/// Why directions cannot be cut so.
+/// Reason why parameters of sectors are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ObstacleError {
-    /// Without a rig nothing has a distance.
+    /// Distances need a rig, and there is none.
     NoRig,
     /// A number outside its range.
     OutOfRange {
-        /// What it is.
+        /// Name of the parameter, with its unit.
         name: &'static str,
         /// Its value.
         value: f64,

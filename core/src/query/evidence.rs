@@ -1,11 +1,11 @@
 //! The evidence for the disparity of a pixel: plain numbers in Q8 that a linear model weighs.
 //!
-//! In: cost curves of the local match, what features nearby say. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+//! In: cost curves of the local match, the disparity prior. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
 use crate::evidence::define_evidence;
 
 define_evidence! {
-    /// Kinds of evidence for an answer, in the order of the model's coefficients.
+    /// Kinds of evidence for a pixel's disparity, in the order of the model's coefficients.
     PixelKind;
     /// One number per [`PixelKind`], Q8.
     PixelEvidence;

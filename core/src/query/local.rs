@@ -1,14 +1,14 @@
-//! The match on demand: dislocated windows and census around one pixel, searched over every disparity and back.
+//! Match on demand: dislocated windows and census around one pixel over every disparity, with a left-right check.
 //!
-//! In: the rows around the pixel, what features nearby say. Out: a disparity with its evidence.
+//! In: the rows around the pixel, the disparity prior. Out: a disparity with its evidence.
 //!
 //! ```text
-//! windows: four of them, 14 columns by 5 rows, the pixel on the border row and within 4 px of the border column of each, so that one of
-//!          them sees a single surface unless the surface is thin: absolute differences of horizontal gradients, the lowest of the four
+//! windows: four of 14 columns by 5 rows, the pixel on the border row and within 4 px of the border column of each, so that one of them
+//!          covers a single surface unless the surface is thin: absolute differences of horizontal gradients, the lowest of the four
 //!          at every disparity
 //! census:  Hamming distances at points around the pixel
-//! joint:   their sum; the minimum, or one nearly as low where features nearby are
-//! back:    the window that matches best, from its place in the right image
+//! joint:   their weighted sum; the minimum, or one nearly as low in the range of the prior
+//! check:   the window that matches best, searched from its match in the right image back in the left one
 //! ```
 //!
 //! # Bounds
@@ -27,25 +27,25 @@ use crate::curve::{CURVES, Curve, Minimum, ratio_q8};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use heapless::Vec;
 
-/// First columns of the three strips that windows are made of, relative to the pixel.
+/// First columns of the three strips that windows consist of, relative to the pixel.
 const COLUMNS: [i32; 3] = [-10, -4, 2];
 /// Rows of the upper and of the lower windows.
 const HALVES: [(i32, i32); 2] = [(-ROWS_REACH, 0), (0, ROWS_REACH)];
 const STRIPS: usize = 2 * (ROWS_REACH as usize + 1);
-/// Points of census, relative to the pixel.
+/// Census points, relative to the pixel.
 const CENSUS_ROWS: [i32; 3] = [-2, 0, 2];
 const CENSUS_COLUMNS: [i32; 5] = [-4, -2, 0, 2, 4];
 const POINTS: usize = CENSUS_ROWS.len() * CENSUS_COLUMNS.len();
-/// A bit of census weighs as much as so many steps of gradient.
+/// Weight of a census bit, in steps of gradient.
 const CENSUS_WEIGHT: u16 = 16;
-/// What features nearby speak for may cost so much more than the lowest cost.
+/// Largest ratio of the lowest cost in the prior's range to the lowest cost for it to be preferred, Q8.
 const GUIDED_Q8: u32 = 256 + 26;
-/// Disparities around the answer where no second-best is looked for.
+/// Disparities on both sides of the best that the second-best leaves out, px.
 const NEIGHBOURHOOD: i32 = 2;
-/// Beyond that, differences between disparities say no more, 1/64 px.
+/// Limit of the left-right gap, 1/64 px.
 const FAR_APART_Q6: i32 = 256;
 
-/// Adds the costs of strips of rows `rows` and first columns `columns`.
+/// Adds the costs of the strips in rows `first_row ..= last_row` with first columns `columns`.
 fn add<'p>(
     (first_row, last_row): (i32, i32),
     columns: &[i32],
@@ -63,8 +63,9 @@ fn add<'p>(
     sad_curve(&strips, costs);
 }
 
-/// Disparity of the pixel (1/64 px) and its evidence. `range` are the disparities to compare, `range_back` those for the way back from one.
-pub(super) fn place(
+/// Disparity of the pixel, 1/64 px, and its evidence. `range` holds the disparities to compare (first, number), `range_back` gives those of the
+/// left-right check from one.
+pub(super) fn match_pixel(
     patch: &mut Patch<'_>,
     range: (i32, i32),
     range_back: impl Fn(i32) -> (i32, i32),
@@ -102,18 +103,18 @@ pub(super) fn place(
 
     let [above, below] = HALVES;
     let corners = [(&*corner_a, above, 0), (&*corner_b, above, 1), (&*corner_c, below, 0), (&*corner_d, below, 1)];
-    let mut winner = (Minimum { at, cost: u16::MAX }, above, 0);
+    let mut best_window = (Minimum { at, cost: u16::MAX }, above, 0);
     for (curve, half, column) in corners {
         let near = curve.minimum_near(at, 1);
-        if near.cost < winner.0.cost {
-            winner = (near, half, column);
+        if near.cost < best_window.0.cost {
+            best_window = (near, half, column);
         }
     }
-    let (Minimum { at: own, .. }, half, column) = winner;
-    let range_back = range_back(own);
-    patch.fill_back(own, range_back, half);
+    let (Minimum { at: from, .. }, half, column) = best_window;
+    let range_back = range_back(from);
+    patch.fill_back(from, range_back, half);
     let columns = COLUMNS.get(column..column + 2).unwrap_or(&[]);
-    back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, own, range_back.0), costs));
+    back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, from, range_back.0), costs));
     let returned = back.minimum().at;
     evidence.set(PixelKind::LeftRightGap, gap_q8(returned << 6, d_q6));
 
@@ -131,7 +132,7 @@ fn count_census(patch: &Patch<'_>, range: (i32, i32), curve: &mut Curve) {
     for row in CENSUS_ROWS {
         for column in CENSUS_COLUMNS {
             if let Some(point) = patch.census(row, column, range.0) {
-                let _ = points.push(point); // there are POINTS
+                let _ = points.push(point); // POINTS at most
             }
         }
     }

@@ -1,19 +1,19 @@
-//! Depth at a pixel that lies on no segment: the closest features and support points, and a match on demand around it.
+//! Depth of a pixel that lies on no segment: by features and support points nearby, and by a match on demand around it.
 //!
-//! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`], or why it is
+//! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`] or a
 //! [`PixelRejection`].
 //!
 //! ```text
-//! prior:  what sides of segments and support points nearby say of the pixel, those of the same region if known    (prior)
-//! patch:  gradients and census codes of the rows around the pixel, in the columns that a search reads              (patch)
-//! local:  windows that the pixel does not lie in the middle of, and census, over every disparity and back          (local)
-//! answer: evidence -> probability of being within 1 px and standard deviation, by one fitted line and its tables  (evidence, fitted)
+//! prior:  disparities of segments' sides and support points nearby, of the same region if it is known              (prior)
+//! patch:  gradients and census codes of the rows around the pixel, in the columns that the search reads            (patch)
+//! local:  windows around the pixel, not centred on it, and census, over every disparity; left-right check          (local)
+//! answer: evidence -> probability of being within 1 px and standard deviation, by a fitted linear model and its tables (evidence, fitted)
 //! ```
-//! Prior and match know little of each other: features nearby may be of another surface, a match may have found a look-alike. Where they
-//! agree, both are believed.
+//! Prior and match fail for different reasons: features nearby may be of another surface, a match may be a repetition of the texture. Their
+//! agreement is strong evidence.
 //!
 //! # Cost
-//! The memory of the band and of the curves that the run has finished with. At 64 disparities 40 000 to 53 000 instructions a pixel on a
+//! The memory of the run's band and curves. At 64 disparities 40 000 to 53 000 instructions a pixel on a
 //! Cortex-M7 (means of the built-in pairs, QEMU), at most 65 000 where segments are dense; 6000 where there is no texture.
 //!
 //! # Source
@@ -41,34 +41,34 @@ pub use fitted::FITTED_PIXEL;
 use patch::{COLUMNS_REACH, Patch};
 use prior::DisparityPrior;
 
-/// Mean gradients around a pixel (half a grey level per px) times two, below which there is nothing to match.
+/// Twice the mean gradient around a pixel (half a grey level per px) below which there is nothing to match.
 const BLANK: u32 = 1;
-/// Texture below which a low confidence is put down to it, log2(1 + mean gradient) in Q8.
+/// Texture below which a low confidence is reported as [`PixelRejection::NoTexture`], log2(1 + mean gradient) in Q8.
 const LITTLE_TEXTURE_Q8: i32 = 256;
-/// A search back that ends so far away has found another place, px in Q8.
-const ANOTHER_PLACE_Q8: i32 = 384;
+/// Gap of the left-right check above which it has failed, px in Q8.
+const LEFT_RIGHT_GAP_Q8: i32 = 384;
 /// Uniqueness ratio, best / second-best, above which the answer is not unique, Q8.
 const SECOND_BEST_Q8: i32 = 205;
 
 /// The depth of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PixelDepth {
-    /// Disparity of the surface seen at the pixel.
+    /// Disparity of the surface seen at the pixel, px.
     pub disparity: Disparity,
-    /// Its standard deviation in px.
+    /// Standard deviation of the disparity, px.
     pub sigma: Disparity,
     /// Probability that the disparity is within 1 px.
     pub confidence: Confidence,
-    /// Depth; `None` without a rig.
+    /// Depth, m; `None` without a rig.
     pub depth: Option<Depth>,
-    /// Standard deviation of depth; `None` without a rig.
+    /// Standard deviation of depth, m; `None` without a rig.
     pub depth_sigma: Option<Depth>,
 }
 
-/// Why the depth of a pixel is not known.
+/// Reason why a pixel has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PixelRejection {
-    /// The images, or the memory, are not of the planned size.
+    /// The images or the memory do not have the planned size.
     OtherSize,
     /// The pixel lies outside of the image, or of its usable part.
     Outside,
@@ -78,11 +78,11 @@ pub enum PixelRejection {
     NearBorder,
     /// There is nothing to match around the pixel.
     NoTexture,
-    /// Searching back from the right image leads elsewhere: most likely the place is hidden there.
+    /// The left-right check fails: most likely the surface is occluded in the right image.
     LeftRight,
     /// Another disparity matches nearly as well.
     NotUnique,
-    /// The evidence together does not reach the asked probability.
+    /// The probability by all evidence is below [`Params::min_confidence`].
     LowConfidence,
     /// The pair was refused.
     UnhealthyPair,
@@ -102,7 +102,7 @@ impl PixelRejection {
         Self::UnhealthyPair,
     ];
 
-    /// The reason in snake case, as it stands in JSON and tables.
+    /// The reason in snake case, as in JSON and tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -137,11 +137,11 @@ impl fmt::Display for PixelRejection {
 
 impl core::error::Error for PixelRejection {}
 
-/// One question, with all it needs.
+/// Inputs and working memory for the depth of one pixel.
 pub(crate) struct Query<'a> {
     pub(crate) params: &'a Params,
     pub(crate) model: &'a Model<PIXEL_EVIDENCE>,
-    /// Left and right.
+    /// Left and right image.
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) dims: Dims,
     pub(crate) candidates: &'a [Candidate],
@@ -173,7 +173,7 @@ impl Query<'_> {
         })
     }
 
-    /// Disparity in 1/64 px, and the evidence for it.
+    /// Disparity, 1/64 px, and its evidence.
     #[inline(never)]
     pub(crate) fn evidence_of(
         self,
@@ -193,14 +193,14 @@ impl Query<'_> {
             return Err(PixelRejection::OutsideRegion);
         }
         let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
-        let (usable, seen) = (left.usable_columns(y), right.usable_columns(y + self.row_offset));
+        let (usable, right_usable) = (left.usable_columns(y), right.usable_columns(y + self.row_offset));
         let (start, end) = (i32::from(usable.start), i32::from(usable.end));
         // Windows stay within the image: its border would match the other image's border, wherever the surface is.
         let middle = x.min(end - 1 - COLUMNS_REACH).max(start + 1 + COLUMNS_REACH);
-        let first = least.max(x + 1 - i32::from(seen.end));
-        let len = most.min(x + 1 - i32::from(seen.start)) - first;
-        // A second-best counts where its whole window lies in the right image.
-        let whole = middle - COLUMNS_REACH - i32::from(seen.start) - first;
+        let first = least.max(x + 1 - i32::from(right_usable.end));
+        let len = most.min(x + 1 - i32::from(right_usable.start)) - first;
+        // The second-best is searched where its whole window lies in the right image.
+        let whole = middle - COLUMNS_REACH - i32::from(right_usable.start) - first;
         if len.min(whole) < MIN_RANGE {
             return Err(PixelRejection::NearBorder);
         }
@@ -213,17 +213,18 @@ impl Query<'_> {
         }
         let prior = DisparityPrior::new(self.candidates, self.support, (x, y), region);
         let range_back = |at: i32| (least, most.min(end - (middle - at)) - least);
-        let (d_q6, mut evidence) = local::place(&mut patch, (first, len), range_back, &prior, &mut self.work.curves);
+        let (d_q6, mut evidence) =
+            local::match_pixel(&mut patch, (first, len), range_back, &prior, &mut self.work.curves);
         evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));
         Ok((d_q6, evidence))
     }
 }
 
-/// What speaks most against an answer that is not credible.
+/// The strongest evidence against a disparity that is not credible.
 fn rejection_of(evidence: &PixelEvidence) -> PixelRejection {
     if evidence.get(PixelKind::Texture) < LITTLE_TEXTURE_Q8 {
         PixelRejection::NoTexture
-    } else if evidence.get(PixelKind::LeftRightGap) > ANOTHER_PLACE_Q8 {
+    } else if evidence.get(PixelKind::LeftRightGap) > LEFT_RIGHT_GAP_Q8 {
         PixelRejection::LeftRight
     } else if evidence.get(PixelKind::GuidedRatio) > SECOND_BEST_Q8 {
         PixelRejection::NotUnique

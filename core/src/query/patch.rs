@@ -1,30 +1,30 @@
 //! Rows around one pixel: gradients of both images and census codes of the right one, computed for this pixel alone.
 //!
-//! In: the pair, a place, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the place.
+//! In: the pair, a pixel, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the pixel.
 //!
-//! As in the band of a run, rows of the right image are stored mirrored, so that candidates at rising disparity lie at rising addresses.
-//! Only columns that the search reads are computed. Beyond the image's border its nearest row counts; columns there are flat.
+//! As in the band of a run, rows of the right image are stored mirrored, so that rising disparities lie at rising addresses. Only columns that
+//! the search reads are computed. Rows outside the image repeat the nearest one; columns outside are flat.
 //!
 //! # Bounds
 //! A row has at most `len + 38` pixels for `len` disparities (whole blocks of 16), which is fewer than a padded row of the band has.
 //!
 //! # Cost
-//! Four planes of nine rows, in the memory of the band, which a run no longer needs. At 64 disparities some 1500 instructions a row.
+//! Four planes of nine rows, in the memory of the run's band. At 64 disparities some 1500 instructions a row.
 
 use crate::image::Gray;
 use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, reverse_row};
 use crate::matching::codes::{census, gradients};
 use core::ops::Range;
 
-/// Rows on either side of the pixel's.
+/// Rows above and below the pixel's, px.
 pub(super) const ROWS_REACH: i32 = 4;
 const ROWS: usize = 2 * ROWS_REACH as usize + 1;
-/// Farthest columns of a strip from the middle one, on both sides.
+/// Largest distance of a strip's columns from the middle one, px.
 pub(super) const COLUMNS_REACH: i32 = 10;
-/// Pixels computed beyond both ends of a row: gradients and census codes end before them.
+/// Pixels computed beyond both ends of a row, whose own gradients and census codes are not valid.
 const BORDER: i32 = 2;
 
-/// The columns that a plane's rows hold.
+/// Columns that a plane's rows hold, px.
 #[derive(Clone, Copy, Debug, Default)]
 struct Columns {
     first: i32,
@@ -43,15 +43,15 @@ pub(super) struct Patch<'a> {
     stride: usize,
     /// Left gradients around the pixel.
     near: (&'a mut [u8], Columns),
-    /// Right gradients and census codes in which they are sought, mirrored.
-    sought: (&'a mut [u8], Columns),
+    /// Right gradients, mirrored, in which they are searched; `census` holds the same columns.
+    target: (&'a mut [u8], Columns),
     census: &'a mut [u8],
-    /// Left gradients in which a right window is sought back.
+    /// Left gradients in which a right window is searched for the left-right check.
     back: (&'a mut [u8], Columns),
 }
 
 impl<'a> Patch<'a> {
-    /// In `rows`, memory of four planes whose rows are `stride` bytes long; `None` when that is too little.
+    /// A patch in `rows`, memory of four planes whose rows are `stride` bytes long; `None` when that is too little.
     pub(super) fn new(
         [left, right]: [Gray<'a>; 2],
         (x, y): (i32, i32),
@@ -60,7 +60,7 @@ impl<'a> Patch<'a> {
     ) -> Option<Self> {
         let plane = stride.checked_mul(ROWS)?;
         let (near, rest) = rows.split_at_mut_checked(plane)?;
-        let (sought, rest) = rest.split_at_mut_checked(plane)?;
+        let (target, rest) = rest.split_at_mut_checked(plane)?;
         let (census, rest) = rest.split_at_mut_checked(plane)?;
         let back = rest.get_mut(..plane)?;
         let none = Columns::default();
@@ -72,13 +72,13 @@ impl<'a> Patch<'a> {
             row_offset,
             stride,
             near: (near, none),
-            sought: (sought, none),
+            target: (target, none),
             census,
             back: (back, none),
         })
     }
 
-    /// Mean gradient around the pixel, as a sum and a count.
+    /// Sum of absolute gradients around the pixel, and their number.
     pub(super) fn gradient_sum(&mut self) -> (u32, i32) {
         let (plane, columns) = &mut self.near;
         let reach = COLUMNS_REACH + BORDER;
@@ -94,14 +94,15 @@ impl<'a> Patch<'a> {
         (sum, count)
     }
 
-    /// Computes what a search over the disparities `first .. first + len` reads; census codes of the rows `codes`, relative to the pixel's.
+    /// Computes the right rows that a search over the disparities `first .. first + len` reads; census codes of the rows `codes`, relative to the
+    /// pixel's.
     pub(super) fn fill(&mut self, (first, len): (i32, i32), codes: &[i32]) {
         let len = whole_blocks(len);
         let reach = COLUMNS_REACH + BORDER;
         let columns = Columns { first: self.x - reach - (first + len - 1), length: 2 * reach + len - 1 };
-        self.sought.1 = columns;
+        self.target.1 = columns;
         let top = self.y - ROWS_REACH + self.row_offset;
-        for (row, slot) in (top..).zip(self.sought.0.chunks_exact_mut(self.stride.max(1))) {
+        for (row, slot) in (top..).zip(self.target.0.chunks_exact_mut(self.stride.max(1))) {
             fill(slot, columns, |columns, out| {
                 gradients(self.right, row, columns, out);
                 reverse_row(out);
@@ -117,7 +118,7 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Computes the rows `rows`, relative to the pixel's, that the search back from disparity `at` reads.
+    /// Computes the left rows `rows`, relative to the pixel's, that the left-right check of disparity `at` reads.
     pub(super) fn fill_back(&mut self, at: i32, (first, len): (i32, i32), rows: (i32, i32)) {
         let len = whole_blocks(len);
         let reach = COLUMNS_REACH + BORDER;
@@ -135,25 +136,25 @@ impl<'a> Patch<'a> {
         plane.get(start..)?.get(..self.stride)
     }
 
-    /// Eight left pixels from `column` on, relative to the pixel, and where they are sought from disparity `first` on.
+    /// Eight left pixels from `column` on, relative to the pixel, and the right row in which they are searched from disparity `first` on.
     pub(super) fn forward(&self, dy: i32, column: i32, first: i32) -> Option<Strip<'_>> {
         let at = usize::try_from(self.x + column - self.near.1.first).ok()?;
         let mut reference = *self.row(self.near.0, dy)?.get(at..)?.first_chunk::<STRIP>()?;
         reference.reverse();
         let start = self.mirrored(column, first)?;
-        Some(Strip { reference, other: self.row(self.sought.0, dy)?.get(start..)? })
+        Some(Strip { reference, other: self.row(self.target.0, dy)?.get(start..)? })
     }
 
-    /// Eight right pixels, those of `column` at disparity `at`, and where they are sought back from disparity `first` on.
+    /// Eight right pixels, those of `column` at disparity `at`, and the left row in which they are searched from disparity `first` on.
     pub(super) fn backward(&self, dy: i32, column: i32, at: i32, first: i32) -> Option<Strip<'_>> {
-        let place = self.mirrored(column, at)?;
-        let mut reference = *self.row(self.sought.0, dy)?.get(place..)?.first_chunk::<STRIP>()?;
+        let index = self.mirrored(column, at)?;
+        let mut reference = *self.row(self.target.0, dy)?.get(index..)?.first_chunk::<STRIP>()?;
         reference.reverse();
         let start = usize::try_from(self.x + column - at + first - self.back.1.first).ok()?;
         Some(Strip { reference, other: self.row(self.back.0, dy)?.get(start..)? })
     }
 
-    /// The census code of a left pixel, and where it is sought; `None` where there is none.
+    /// Census code of a left pixel, and the right codes that it is compared with; `None` where it has none.
     pub(super) fn census(&self, dy: i32, column: i32, first: i32) -> Option<(u8, &[u8])> {
         let (x, y) = (self.x + column, self.y + dy);
         let inside = |v: i32, side: u16| v >= 2 && v + 2 < i32::from(side);
@@ -168,9 +169,9 @@ impl<'a> Patch<'a> {
         Some((code, self.row(self.census, dy)?.get(start..)?))
     }
 
-    /// Where the right pixels of the eight from `column` on at a disparity start.
+    /// Index in a mirrored row of the eight right pixels that match those from `column` on at a disparity.
     fn mirrored(&self, column: i32, disparity: i32) -> Option<usize> {
-        let Columns { first, length } = self.sought.1;
+        let Columns { first, length } = self.target.1;
         usize::try_from(first + length - STRIP as i32 - (self.x + column) + disparity).ok()
     }
 }
@@ -179,7 +180,7 @@ fn whole_blocks(len: i32) -> i32 {
     (len + LANES as i32 - 1) & !(LANES as i32 - 1)
 }
 
-/// Lets `codes` fill the front of a slot.
+/// Fills the front of a row with `codes`.
 fn fill(slot: &mut [u8], Columns { first, length }: Columns, codes: impl FnOnce(Range<i32>, &mut [u8])) {
     if let Some(out) = usize::try_from(length).ok().and_then(|length| slot.get_mut(..length)) {
         codes(first..first + length, out);

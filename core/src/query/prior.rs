@@ -1,19 +1,19 @@
-//! The closest features: what the sides of segments near a pixel say of its disparity.
+//! Disparity prior of a pixel: by the sides of segments and the support points nearby.
 //!
-//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`DisparityPrior`]: disparities of the sides
-//! and the points nearby, with their weights.
+//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`DisparityPrior`]: disparities of
+//! the sides and the points nearby, with their weights.
 //!
 //! ```text
-//! a side speaks only for pixels on its side of the edge, and only for pixels of the same region
-//! what it says:  its line of disparity at the place next to the pixel, continued across the edge by its slant
-//! its weight:    credibility (2 p - 1) * (1 - distance / reach)^2
-//! a support point speaks likewise, for all pixels around it
+//! a side counts only for pixels on its side of the edge, and only for pixels of the same region
+//! disparity = its line of disparity at the position next to the pixel, continued across the edge by its slant
+//! weight    = (2 p - 1) * (1 - distance / reach)^2
+//! a support point counts for all pixels around it, with its disparity and the same weight
 //! ```
-//! A side that owns its edge alone, next to the pixel and turned away from it, is a surface that ends there: an answer that agrees with it is
-//! most likely what a window saw of that surface, and the pixel's own is behind.
+//! A side beyond an edge, whose two sides are not known to be one surface, ends before the pixel: a match that agrees with it most likely comes
+//! from a window that covers that surface, and the pixel lies on one behind.
 //!
 //! # Bounds
-//! Credibility is at most 255, nearness 48: 255 * 48^2 is below 2^20; [`MOST_SIDES`] weights of at most 255 are below 2^12.
+//! `2 p - 1` is at most 255 in Q8, nearness 48: 255 * 48^2 is below 2^20; [`MOST_SIDES`] weights of at most 255 are below 2^12.
 //!
 //! # Cost
 //! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for each within reach.
@@ -29,32 +29,35 @@ use crate::units::about_length;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Distance at which a feature says nothing, px.
+/// Distance from which a side has no weight, px.
 const REACH: i32 = 48;
-/// Features that are listened to; the weightiest.
+/// Most sides that are used; those with the largest weights.
 const MOST_SIDES: usize = 16;
-/// Distance at which a support point says nothing, px, and how many stand within it at most.
+/// Distance from which a support point has no weight, px.
 const POINT_REACH: i32 = 16;
+/// Most support points within that distance.
 const POINTS: usize = 16;
-/// Pixels off the edge up to which a side's slant is continued.
+/// Distance from the edge up to which a side's slant is continued, px.
 const CONTINUED: i32 = 12;
-/// Distance up to which a surface that ends before the pixel counts, px, and how many are remembered.
+/// Distance up to which a surface that ends before the pixel counts, px.
 const ACROSS_REACH: i32 = 12;
+/// Most such surfaces that are kept.
 const ENDS: usize = 8;
-/// Two sides (sum of both ends, 1/64 px) further apart than this are two surfaces.
+/// Difference between two sides, summed over both ends, above which they are two surfaces, 1/64 px.
 const TWO_SURFACES_Q6: i32 = 2 * 64;
-/// A surface that ends before the pixel agrees when it differs by at most this, 1/64 px.
+/// Largest difference to the disparity of a surface that ends before the pixel for it to agree, 1/64 px.
 const SAME_SURFACE_Q6: i32 = 96;
-/// Pixels off the edge at which a side is asked for its region.
+/// Distance from the edge at which the region of a side is determined, px.
 const OFF_EDGE: i32 = 3;
-/// Least weight of all sides and points that limits the search range: a quarter of a certain feature at hand.
+/// Least total weight at which the prior limits the search range, Q8: a quarter of a certain feature at distance 0.
 const ENOUGH_Q8: i32 = 64;
-/// A side agrees when it differs by at most 1 px plus 3/64 px per px of distance: surfaces that slant up to that much.
+/// Largest difference of disparity to a side at distance 0 that agrees, 1/64 px.
 const AGREES_Q6: i32 = 64;
+/// Increase of that difference with distance, 1/64 px per px, for slanted surfaces.
 const SLANT_Q6: i32 = 3;
-/// Contradicting weight that counts for nothing, 1/256.
+/// Weight added to the denominator of the contradicting share, Q8: a small contradicting weight counts little.
 const LITTLE_Q8: i32 = 50;
-/// Beyond that, the distance from what features span says no more, 1/64 px.
+/// Limit of the distance from the range of the prior, 1/64 px.
 const FAR_OUTSIDE_Q6: i32 = 256;
 
 /// Disparity of a side or a support point near the pixel, with its weight.
@@ -63,21 +66,21 @@ struct NearbySide {
     /// Disparity at the pixel, 1/64 px.
     d_q6: i32,
     weight_q8: i32,
-    /// From the pixel, px.
+    /// Distance from the pixel, px.
     distance: i32,
 }
 
-/// Disparities of the sides and support points near a pixel, in no order.
+/// Disparities of the sides and support points near a pixel, in any order.
 #[derive(Debug, Default)]
 pub(super) struct DisparityPrior {
     sides: Vec<NearbySide, MOST_SIDES>,
-    /// Of surfaces that end before the pixel.
+    /// Surfaces that end before the pixel.
     ends: Vec<NearbySide, ENDS>,
-    /// Of support points.
+    /// Support points.
     points: Vec<NearbySide, POINTS>,
 }
 
-/// Agreement of an answer with the prior, Q8.
+/// Evidence for a disparity by the prior, Q8.
 pub(super) struct PriorAgreement {
     pub(super) support_q8: i32,
     pub(super) across_q8: i32,
@@ -86,11 +89,11 @@ pub(super) struct PriorAgreement {
     pub(super) points_conflicting_q8: i32,
 }
 
-/// The place of a segment next to a pixel.
+/// Point of a segment next to a pixel, px.
 struct Foot {
     x: i32,
     y: i32,
-    /// From the first end of the segment, and its length, px.
+    /// Distance from the first end of the segment, and the segment's length, along its main direction, px.
     along: i32,
     length: i32,
 }
@@ -112,7 +115,7 @@ impl Foot {
 }
 
 impl DisparityPrior {
-    /// Of the candidates, in the order of their tops.
+    /// The prior of a pixel; candidates are in the order of their tops.
     pub(super) fn new(
         candidates: &[Candidate],
         support: Support<'_>,
@@ -130,7 +133,7 @@ impl DisparityPrior {
         for (u, v, point) in support.around((x, y), POINT_REACH) {
             let distance = about_length(x - u, y - v);
             if distance < POINT_REACH && region.is_none_or(|region| region.contains(u, v)) {
-                let _ = prior.points.push(NearbySide::of_point(point, distance)); // no more stand there
+                let _ = prior.points.push(NearbySide::of_point(point, distance)); // POINTS at most within reach
             }
         }
         prior
@@ -153,7 +156,7 @@ impl DisparityPrior {
         let two_surfaces = has_two_surfaces(candidate);
         for (side, sign) in candidate.sides.iter().zip([-1, 1]) {
             let Some(side) = side else { continue };
-            // One that lost the same place in the right image to another is wrong.
+            // A side rejected by the uniqueness constraint is wrong.
             if side.rejected && candidate.violates_uniqueness {
                 continue;
             }
@@ -170,7 +173,7 @@ impl DisparityPrior {
         }
     }
 
-    /// Keeps the weightiest.
+    /// Adds a side, or replaces the one with the least weight.
     fn add(&mut self, side: NearbySide) {
         if side.weight_q8 == 0 {
             return;
@@ -183,7 +186,7 @@ impl DisparityPrior {
         }
     }
 
-    /// Words of both kinds that weigh something.
+    /// Sides and points with a weight above 0.
     fn weighted(&self) -> impl Iterator<Item = &NearbySide> {
         self.sides.iter().chain(&self.points).filter(|side| side.weight_q8 > 0)
     }
@@ -193,7 +196,8 @@ impl DisparityPrior {
         (each().min().unwrap_or(i32::MIN), each().max().unwrap_or(i32::MAX))
     }
 
-    /// First and last disparity of `range` that sides and points allow: their span and 1 px more; all of it where they weigh too little.
+    /// First and last disparity to search, px: the range of the sides and points and 1 px more; all of the given range where their weight is
+    /// too small.
     pub(super) fn search_range(&self, (first, len): (i32, i32)) -> (i32, i32) {
         let last = first + len - 1;
         let weight: i32 = self.weighted().map(|side| side.weight_q8).sum();
@@ -206,7 +210,7 @@ impl DisparityPrior {
 
     pub(super) fn agreement(&self, d_q6: i32) -> PriorAgreement {
         let (agreeing, _) = weigh(&self.sides, d_q6);
-        let (points_agreeing, points_against) = weigh(&self.points, d_q6);
+        let (points_agreeing, points_conflicting) = weigh(&self.points, d_q6);
         let ends = self.ends.iter().filter(|side| (side.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
         let across: i32 = ends.map(|side| side.weight_q8).sum();
         let (low_q6, high_q6) = self.span_q6();
@@ -220,7 +224,7 @@ impl DisparityPrior {
             across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
             outside_q8: outside_q6 << 2,
             points_agreeing_q8: log2_mean_q8(points_agreeing.unsigned_abs(), ENOUGH_Q8),
-            points_conflicting_q8: quotient(points_against << 8, points_agreeing + points_against + LITTLE_Q8),
+            points_conflicting_q8: quotient(points_conflicting << 8, points_agreeing + points_conflicting + LITTLE_Q8),
         }
     }
 }
@@ -233,7 +237,7 @@ fn weigh(sides: &[NearbySide], d_q6: i32) -> (i32, i32) {
     })
 }
 
-/// Does another surface begin at the edge, as far as is known?
+/// True unless both sides are known and have the same disparity.
 fn has_two_surfaces(candidate: &Candidate) -> bool {
     candidate.sides_apart_q6().is_none_or(|apart| apart > TWO_SURFACES_Q6)
 }

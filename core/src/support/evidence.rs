@@ -3,7 +3,7 @@
 //! In: the costs of a point along the disparities, later its neighbours. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
 
 use super::SupportPoint;
-use super::paths::Answer;
+use super::paths::PointCosts;
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
@@ -11,18 +11,19 @@ use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte}
 use crate::units::narrow;
 use core::ops::Range;
 
-/// Disparities on both sides of the best where no second-best is looked for.
+/// Disparities on both sides of the best that the second-best leaves out.
 const NEIGHBOURHOOD: usize = 2;
-/// Least uniqueness of a point, log2(second-best / best) of the paths' sum, 1/256: 4 %. With less, a pattern repeats or there is none.
+/// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
-/// [`SupportKind::Detail`] where nothing was looked at: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
+/// [`SupportKind::Detail`] where no window was evaluated, Q8: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
 pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
-/// Range of [`SupportKind::Detail`] that models were fitted on, log2 in Q8: beyond it a line says nothing.
+/// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited to it.
 const LEAST_DETAIL_Q8: i16 = 900;
+/// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
 const MOST_DETAIL_Q8: i16 = 1160;
-/// Least that the window is worse 1 px to either side for an equal place elsewhere to be a repetition, and not a blank wall.
+/// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
 const LEAST_DEPTH: u8 = 2;
-/// Disparities of neighbours that agree differ by at most this, 1/64 px.
+/// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
 define_evidence! {
@@ -46,15 +47,15 @@ define_evidence! {
     Detail: "log2(1 + ranks that change along a window, on average)",
 }
 
-/// The answer of a point, as indices into its costs.
+/// Disparity of a point, as an index into its costs, with its evidence.
 pub(super) struct Found {
-    /// Sub-pixel place of the best, 1/64.
+    /// Sub-pixel index of the best, 1/64.
     pub(super) at_q6: i32,
     pub(super) uniqueness_q8: u8,
     pub(super) evidence: SupportEvidence,
 }
 
-/// The lowest cost outside of the neighbourhood of `at`, which is covered.
+/// Lowest cost outside of the neighbourhood of `at`; overwrites that neighbourhood with the largest cost.
 fn second_best(costs: &mut [u8], at: usize) -> u8 {
     let end = (at + NEIGHBOURHOOD + 1).min(costs.len());
     if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
@@ -63,7 +64,7 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
     lowest_byte(costs)
 }
 
-/// Ranks of a window that differ from the one a column on: 0 ..= 28.
+/// Number of ranks of a window that differ from the one in the next column, 0 ..= 28.
 pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
     let (most, ones) = (0x7f7f_7f7f_u32, 0x0101_0101);
     let columns = window.map(u32::from_le_bytes);
@@ -72,7 +73,7 @@ pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
     (of_rows.wrapping_mul(ones) >> 24) as u8
 }
 
-/// Sum over the windows of an image.
+/// Changes of ranks, summed over the windows of an image.
 #[derive(Default)]
 pub(super) struct Detail {
     changes: u32,
@@ -85,7 +86,7 @@ impl Detail {
         self.windows += 1;
     }
 
-    /// [`SupportKind::Detail`].
+    /// [`SupportKind::Detail`], Q8.
     pub(super) fn mean_q8(&self) -> i16 {
         if self.windows == 0 {
             return TYPICAL_DETAIL_Q8;
@@ -100,10 +101,10 @@ fn log2_q8(value: u8) -> i32 {
 }
 
 impl Found {
-    /// Of the costs in this range of indices, where the window lies on usable pixels; `None` where the paths prefer a place outside
-    /// of it, or no place.
-    pub(super) fn new(answer: Answer<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
-        let Answer { costs, sums, lowest } = answer;
+    /// The best of the costs in this range of indices, where the window lies on usable pixels; `None` where the paths' minimum lies outside of it,
+    /// or is not unique.
+    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
+        let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest)?;
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
@@ -122,7 +123,7 @@ impl Found {
         let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
         let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);
         if depth >= LEAST_DEPTH && second <= here {
-            return None; // the pattern repeats: paths would carry one of its places along
+            return None; // the pattern repeats: paths would propagate one of its disparities
         }
         let window_q8 = ratio_q8(here, second);
 
@@ -135,7 +136,7 @@ impl Found {
         evidence.set(SupportKind::Changes, log2_q8(changes));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
-        // Uniqueness of the window, not of the paths alone: these carry one repetition's place all along a row.
+        // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
         Some(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
@@ -158,23 +159,23 @@ impl SupportEvidence {
     }
 }
 
-/// Log-odds of that evidence by a model, Q8.
+/// Log-odds of the evidence by neighbours and segments by a model, Q8.
 pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
     model.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
 }
 
-/// Evidence by the eight points around the one at `place`, in rows of `columns` points, and by segments, Q8.
-pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, place: usize) -> [i16; 5] {
-    let Some(own) = points.get(place).filter(|point| point.is_matched()) else { return [0; 5] };
-    let column = place - place.checked_div(columns).unwrap_or(0) * columns;
+/// Evidence by the eight points around the one at `index`, in rows of `columns` points, and by segments, Q8.
+pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, index: usize) -> [i16; 5] {
+    let Some(own) = points.get(index).filter(|point| point.is_matched()) else { return [0; 5] };
+    let column = index - index.checked_div(columns).unwrap_or(0) * columns;
     let first = column.saturating_sub(1);
-    let (width, start) = ((column + 2).min(columns) - first, place + first - column);
+    let (width, start) = ((column + 2).min(columns) - first, index + first - column);
     let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
     let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
     let (mut agreeing, mut all) = (0_u32, 0_u32);
     for row in [near(start.wrapping_sub(columns)), near(start), near(start + columns)] {
         for point in row {
-            // 0 of one without a disparity.
+            // 0 without a disparity.
             let weight = u32::from(point.uniqueness_q8);
             all += weight;
             if (i32::from(point.disparity_q6) - lowest) as u32 <= 2 * AGREES_Q6 as u32 {

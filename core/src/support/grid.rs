@@ -1,4 +1,4 @@
-//! Where support points stand, and the memory that matching them takes.
+//! Positions of support points, and the memory that matching them takes.
 
 use super::paths;
 use super::ranks;
@@ -8,16 +8,16 @@ use crate::params::Params;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::units::quotient;
 
-/// Pixels from one support point to the next, across and down.
+/// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
 
-/// Support points of images of this size at most.
+/// Largest number of support points of images of this size.
 #[must_use]
 pub const fn most_support_points(dims: Dims) -> usize {
     (dims.width / SUPPORT_PITCH) as usize * (dims.height / SUPPORT_PITCH) as usize
 }
 
-/// Points in columns and rows, and the disparities that they are matched at.
+/// Columns and rows of points, and the disparities that they are matched at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Grid {
     pub(crate) columns: usize,
@@ -30,8 +30,8 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond 192),
-    /// columns stand twice as far apart.
+    /// The grid of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond
+    /// 192), columns are twice as far apart.
     pub(crate) fn new(params: &Params, dims: Dims) -> Self {
         let min_disparity = params.min_disparity;
         let disparities = usize::try_from(i32::from(params.max_disparity) - i32::from(min_disparity)).unwrap_or(0);
@@ -48,7 +48,7 @@ impl Grid {
         if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
     }
 
-    /// Bytes of working memory.
+    /// Working memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         ranks::bytes(self.width) + paths::bytes(self.disparities, self.columns)
     }
@@ -68,13 +68,13 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
-    /// First column of the window of a column of points: around it, but not on the two pixels at each border, whose ranks know no neighbours.
+    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no ranks.
     pub(super) fn window(&self, column: usize) -> i32 {
         let last = i32::from(self.width) - ranks::BORDER - ranks::WINDOW_COLUMNS as i32;
         (self.x(column) - ranks::WINDOW_COLUMNS as i32 / 2).min(last).max(ranks::BORDER)
     }
 
-    /// The column after the last one that windows look at.
+    /// The pixel column after the last one of windows.
     pub(super) fn border(&self) -> i32 {
         i32::from(self.width) - ranks::BORDER
     }
@@ -84,10 +84,10 @@ impl Grid {
         i32::from(SUPPORT_PITCH / 2) + (row * usize::from(SUPPORT_PITCH)) as i32
     }
 
-    /// Pixel of the point at this place in the list.
-    pub(crate) fn pixel(&self, place: usize) -> (u16, u16) {
-        let row = place.checked_div(self.columns).unwrap_or(0);
-        let column = place - row * self.columns;
+    /// Pixel of the point at this index in the list.
+    pub(crate) fn pixel(&self, index: usize) -> (u16, u16) {
+        let row = index.checked_div(self.columns).unwrap_or(0);
+        let column = index - row * self.columns;
         (self.x(column) as u16, Self::y(row) as u16)
     }
 
@@ -101,13 +101,13 @@ impl Grid {
         within(from, to, SUPPORT_PITCH.into(), self.rows)
     }
 
-    /// Place in the list of the point at this pixel, if one stands there.
-    pub(crate) fn place(&self, x: u16, y: u16) -> Option<usize> {
+    /// Index in the list of the point at this pixel, if there is one.
+    pub(crate) fn index(&self, x: u16, y: u16) -> Option<usize> {
         let pitch = self.pitch; // a power of two
-        let stands = x & (pitch - 1) == pitch / 2 && y & (SUPPORT_PITCH - 1) == SUPPORT_PITCH / 2;
+        let is_point = x & (pitch - 1) == pitch / 2 && y & (SUPPORT_PITCH - 1) == SUPPORT_PITCH / 2;
         let column = usize::from(x.checked_div(pitch)?);
         let row = usize::from(y / SUPPORT_PITCH);
-        (stands && column < self.columns && row < self.rows).then(|| row * self.columns + column)
+        (is_point && column < self.columns && row < self.rows).then(|| row * self.columns + column)
     }
 
     /// Columns and rows of points around an area of pixels: those in it, and two more on each side.
@@ -126,7 +126,7 @@ impl Grid {
     }
 }
 
-/// Of points `pitch` px apart, the first one at half of it, those between two pixels.
+/// Indices of the points between two pixels, both included; points are `pitch` px apart, the first one at half of it.
 fn within(from: i32, to: i32, pitch: i32, count: usize) -> core::ops::Range<usize> {
     let index = |pixel: i32| usize::try_from(quotient(pixel - pitch / 2 + pitch - 1, pitch)).unwrap_or(0).min(count);
     index(from)..index(to + 1)

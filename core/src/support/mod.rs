@@ -1,20 +1,21 @@
-//! A sparse grid of support points, matched semi-globally: the surfaces between edges, and where a segment should look.
+//! Sparse grid of support points, matched semi-globally: the surfaces between edges, and the disparities at which segments are searched.
 //!
-//! In: both images, a row offset, a range of disparities. Out: for each point of the grid a disparity (1/64 px) and the probability of being within 1 px.
+//! In: both images, a row offset, a range of disparities. Out: for each point of the grid a disparity, 1/64 px, and the probability of being
+//! within 1 px.
 //!
 //! ```text
-//! ranks:   of every second row: how many of four neighbours at distance 2 are darker                            (ranks)
+//! ranks:   of every second row: number of the four neighbours at distance 2 that are darker                     (ranks)
 //! costs:   half the sum of |rank - rank| over 8 columns of every second of 7 rows, at each disparity
 //! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
-//! answer:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
-//! belief:  with what the eight neighbours and segments say: probability
+//! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
+//! rating:  probability, with the evidence by the eight neighbours and by segments nearby
 //! ```
 //!
 //! # Bounds
 //! Ranks are 0 ..= 4: a cost is at most 32 * 4 / 2 = 64, a path 64 + P2 = 74: bytes; the sum of three saturates at 255.
 //!
 //! # Cost
-//! Linear in the points and in the disparities. Nothing of the volume is kept but three rows of points.
+//! Linear in the points and in the disparities. Of the cost volume one row of points is held, three planes.
 //!
 //! # Source
 //! Zabih, Woodfill 1994 (rank transform); Hirschmueller 2008 (semi-global matching).
@@ -45,13 +46,13 @@ use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
 /// Cost where the window leaves the usable part of the right image: half of the largest, and P2 as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
-/// Least [`SupportPoint::uniqueness_q8`] for a segment to go by a point, 1/256 of log2.
-const SURE_Q8: u8 = 32;
-/// Distance from a segment up to which it goes by points, px.
-const NAMED_REACH: i32 = 12;
-/// Distance from a segment within which half of the points have to be sure for it, px.
-const SURE_REACH: i32 = 6;
-/// Least disparities that a point must be able to have: with fewer there is no second-best.
+/// Least [`SupportPoint::uniqueness_q8`] of a point that guides the search of segments, log2 in Q8.
+const UNIQUE_Q8: u8 = 32;
+/// Distance from a segment up to which points guide its search, px.
+const GUIDE_REACH: i32 = 12;
+/// Distance from a segment within which half of the points have to reach that uniqueness, px.
+const UNIQUE_REACH: i32 = 6;
+/// Least number of disparities compared at a point: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
 
 /// One point of the grid.
@@ -59,13 +60,13 @@ const MIN_RANGE: usize = 8;
 pub struct SupportPoint {
     /// Disparity, 1/64 px.
     pub(crate) disparity_q6: i16,
-    /// Log-odds by its own evidence; [`i16::MIN`] when it has no disparity.
+    /// Log-odds by its own evidence, Q8; [`i16::MIN`] when it has no disparity.
     pub(crate) score_q8: i16,
-    /// Probability of being within 1 px, with evidence by its neighbours.
+    /// Probability of being within 1 px, Q16, with the evidence by its neighbours.
     pub(crate) probability_q16: u16,
-    /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, 1/256, 0 ..= 255: its weight for others.
+    /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, Q8, 0 ..= 255: its weight as a neighbour.
     pub(crate) uniqueness_q8: u8,
-    /// Hypotheses of segments around it that agree and that contradict, 255 at most.
+    /// Weights of the hypotheses of segments around it that agree and that contradict, 0 ..= 255.
     pub(crate) segments: [u8; 2],
 }
 
@@ -74,13 +75,13 @@ impl SupportPoint {
     pub(crate) const NONE: Self =
         Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, segments: [0; 2] };
 
-    /// Does it have a disparity?
+    /// True when it has a disparity.
     #[must_use]
     pub fn is_matched(&self) -> bool {
         self.score_q8 > i16::MIN
     }
 
-    /// Disparity of the surface seen there.
+    /// Disparity of the surface seen there, px.
     #[must_use]
     pub fn disparity(&self) -> Disparity {
         Disparity::from_bits(self.disparity_q6)
@@ -103,9 +104,9 @@ pub(crate) struct Matching<'a> {
 }
 
 impl Matching<'_> {
-    /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. `points` gets one per point of the grid, row by
-    /// row; `watch` is told the evidence of each that has a disparity, neighbours left out, with its place among them. Gives the detail of the
-    /// left image, [`SupportKind::Detail`].
+    /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. Fills `points` with one per point of the grid, row
+    /// by row; calls `watch` with the index and the evidence of each that has a disparity, neighbours left out. Returns the detail of the left
+    /// image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
@@ -126,7 +127,7 @@ impl Matching<'_> {
         detail.mean_q8()
     }
 
-    /// The points in these columns and rows of the grid.
+    /// Matches the points in these columns and rows of the grid.
     fn match_area(
         &self,
         area: Area,
@@ -171,11 +172,11 @@ impl Matching<'_> {
                 }
             });
             let first = usize::from(row) * self.grid.columns;
-            paths.back(columns.clone(), |column, answer| {
+            paths.back(columns.clone(), |column, costs| {
                 if let Some(range) = ranges.get(column).filter(|range| !range.is_empty())
                     && let Some(point) = points.get_mut(first + column)
                     && let Some(&changes) = changes.get(column)
-                    && let Some(found) = Found::new(answer, range.clone(), changes)
+                    && let Some(found) = Found::new(costs, range.clone(), changes)
                 {
                     watch(first + column, &found.evidence);
                     *point = self.to_point(&found);
@@ -195,27 +196,27 @@ impl Matching<'_> {
         }
     }
 
-    /// Indices of the disparities that a point can have, or none: its window has to lie on usable pixels of both images.
-    fn range(&self, column: usize, [ours, theirs]: [Span; 2]) -> Option<Range<usize>> {
+    /// Indices of the disparities that a point can have, if any: its window has to lie on usable pixels of both images.
+    fn range(&self, column: usize, [left, right]: [Span; 2]) -> Option<Range<usize>> {
         let width = WINDOW_COLUMNS as i32;
         let x = self.grid.window(column);
-        if x < i32::from(ours.start) || x + width > i32::from(ours.end) {
+        if x < i32::from(left.start) || x + width > i32::from(left.end) {
             return None;
         }
         let at_first = x - self.grid.last();
-        let first = (i32::from(theirs.start).max(BORDER) - at_first).max(0);
+        let first = (i32::from(right.start).max(BORDER) - at_first).max(0);
         let end =
-            (i32::from(theirs.end).min(self.grid.border()) - width - at_first + 1).min(self.grid.disparities as i32);
+            (i32::from(right.end).min(self.grid.border()) - width - at_first + 1).min(self.grid.disparities as i32);
         let range = usize::try_from(first).ok()?..usize::try_from(end).ok()?;
         (range.len() >= MIN_RANGE).then_some(range)
     }
 }
 
-/// Probabilities, by each point's own evidence and what others say.
-pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
-    for place in 0..points.len() {
-        let nearby = nearby(points, grid.columns, detail_q8, place);
-        if let Some(point) = points.get_mut(place)
+/// Sets the probability of every point by its own evidence and that by its neighbours.
+pub(crate) fn rate(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
+    for index in 0..points.len() {
+        let nearby = nearby(points, grid.columns, detail_q8, index);
+        if let Some(point) = points.get_mut(index)
             && point.is_matched()
         {
             let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
@@ -224,11 +225,11 @@ pub(crate) fn believe(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, m
     }
 }
 
-/// The grid of a run: its points with their places.
+/// Grid of support points of a run, with their pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Support<'a> {
     pub(crate) grid: Grid,
-    /// [`SupportKind::Detail`], Q8.
+    /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) points: &'a [SupportPoint],
 }
@@ -241,11 +242,11 @@ impl<'a> Support<'a> {
     /// Every point with its pixel `(x, y)`, row by row, matched or not.
     pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
-        self.points.iter().enumerate().map(move |(place, point)| (grid.pixel(place), point))
+        self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index), point))
     }
 
-    /// The points that are at least so probable, as they stand in the list of points; some of a pixel for which a segment has a more probable
-    /// point, which that list does not have twice.
+    /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
+    /// of a segment.
     pub fn credible(&self, least: Confidence) -> impl Iterator<Item = Point> + use<'a> {
         let probable = self.iter().filter(move |(_, point)| point.confidence() >= least && point.is_matched());
         probable.map(|((x, y), point)| {
@@ -285,45 +286,45 @@ impl<'a> Support<'a> {
         })
     }
 
-    /// The matched point that stands at this pixel, if one does.
+    /// The matched point at this pixel, if there is one.
     pub(crate) fn at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
-        let place = self.grid.place(x, y)?;
-        self.points.get(place).filter(|point| point.is_matched())
+        let index = self.grid.index(x, y)?;
+        self.points.get(index).filter(|point| point.is_matched())
     }
 
-    /// Lowest and highest disparity, whole px, that the sure points within [`NAMED_REACH`] of an area name; `None` where less than half of those
-    /// within [`SURE_REACH`] are sure: something thin may stand there, of which the points around know nothing.
-    pub(crate) fn named_around(&self, area: Area) -> Option<(i32, i32)> {
-        let reach = |from: u16, to: u16| (i32::from(from) - NAMED_REACH, i32::from(to) - 1 + NAMED_REACH);
+    /// Lowest and highest disparity, whole px, of the unique points ([`UNIQUE_Q8`]) within [`GUIDE_REACH`] of an area; `None` where less than half of
+    /// those within [`UNIQUE_REACH`] are unique: the area may show something thin that no point lies on.
+    pub(crate) fn range_around(&self, area: Area) -> Option<(i32, i32)> {
+        let reach = |from: u16, to: u16| (i32::from(from) - GUIDE_REACH, i32::from(to) - 1 + GUIDE_REACH);
         let ((left, right), (top, bottom)) = (reach(area.left, area.right), reach(area.top, area.bottom));
         let is_near = |at: i32, from: i32, to: i32| {
-            (from + NAMED_REACH - SURE_REACH..=to - NAMED_REACH + SURE_REACH).contains(&at)
+            (from + GUIDE_REACH - UNIQUE_REACH..=to - GUIDE_REACH + UNIQUE_REACH).contains(&at)
         };
-        let mut named = None::<(i32, i32)>;
-        let (mut near, mut near_and_sure) = (0_u32, 0_u32);
+        let mut range = None::<(i32, i32)>;
+        let (mut near, mut near_and_unique) = (0_u32, 0_u32);
         for row in self.grid.rows_within(top, bottom) {
             let in_row = is_near(Grid::y(row), top, bottom);
             for column in self.grid.columns_within(left, right) {
                 let Some(point) = self.points.get(row * self.grid.columns + column) else { continue };
-                // One that is sure is matched.
-                let is_sure = point.uniqueness_q8 >= SURE_Q8;
+                // A unique point is matched.
+                let is_unique = point.uniqueness_q8 >= UNIQUE_Q8;
                 if in_row && is_near(self.grid.x(column), left, right) {
                     near += 1;
-                    near_and_sure += u32::from(is_sure);
+                    near_and_unique += u32::from(is_unique);
                 }
-                if is_sure {
+                if is_unique {
                     let disparity = (i32::from(point.disparity_q6) + 32) >> 6;
-                    let (low, high) = named.unwrap_or((disparity, disparity));
-                    named = Some((low.min(disparity), high.max(disparity)));
+                    let (low, high) = range.unwrap_or((disparity, disparity));
+                    range = Some((low.min(disparity), high.max(disparity)));
                 }
             }
         }
-        named.filter(|_| 2 * near_and_sure >= near)
+        range.filter(|_| 2 * near_and_unique >= near)
     }
 
-    /// This evidence of the point at this place, with what others say.
+    /// The evidence of the point at `index`, completed with that by its neighbours.
     #[must_use]
-    pub fn with_nearby(&self, place: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid.columns, self.detail_q8, place))
+    pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
+        evidence.with_nearby(nearby(self.points, self.grid.columns, self.detail_q8, index))
     }
 }

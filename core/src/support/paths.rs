@@ -5,12 +5,12 @@
 //! ```text
 //! memory   costs | path from above | path from the left, then the sum      of each point of a row, and the path along it
 //! ```
-//! Lengths are rounded up to whole words; what lies beyond the disparities is the largest cost.
+//! Lengths are rounded up to whole words; entries beyond the disparities are the largest cost.
 
 use crate::kernel::{path_step, sum_paths};
 use core::ops::Range;
 
-/// Points of the widest row.
+/// Number of points of the widest row.
 pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
 
 /// Bytes of one curve.
@@ -18,12 +18,12 @@ const fn stride(disparities: usize) -> usize {
     disparities.next_multiple_of(4)
 }
 
-/// Bytes of memory for rows of so many points.
+/// Bytes of memory for rows of `columns` points.
 pub(super) const fn bytes(disparities: usize, columns: usize) -> usize {
     stride(disparities) * (3 * columns + 1)
 }
 
-/// The costs of one row of points.
+/// Costs and path costs of one row of points.
 pub(super) struct Paths<'m> {
     costs: &'m mut [u8],
     above: &'m mut [u8],
@@ -36,12 +36,12 @@ pub(super) struct Paths<'m> {
 }
 
 /// Costs of a point along the disparities.
-pub(super) struct Answer<'p> {
+pub(super) struct PointCosts<'p> {
     /// The window's own cost, with P2.
     pub(super) costs: &'p mut [u8],
     /// Sum of the three path costs.
     pub(super) sums: &'p mut [u8],
-    /// The lowest of them.
+    /// The lowest of the sums.
     pub(super) lowest: u8,
 }
 
@@ -56,11 +56,11 @@ impl<'m> Paths<'m> {
         Some(Self { costs, above, sums, along, disparities, stride, above_lowest })
     }
 
-    /// The next row is the first one.
+    /// Resets the paths: the next row is the first one.
     pub(super) fn restart(&mut self) {
         self.above.fill(0);
         self.above_lowest.fill(0);
-        // Beyond the disparities.
+        // Entries beyond the disparities.
         for costs in self.costs.chunks_exact_mut(self.stride.max(1)) {
             if let Some(beyond) = costs.get_mut(self.disparities..) {
                 beyond.fill(u8::MAX);
@@ -68,8 +68,7 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// Takes the paths from above and from the left on through these points of the next row; `fill` is handed the column of each, and its costs to
-    /// be filled.
+    /// Continues the paths from above and from the left through these points of the next row; `fill(column, costs)` sets the costs of each.
     pub(super) fn forward(&mut self, columns: Range<usize>, mut fill: impl FnMut(usize, &mut [u8])) {
         self.along.fill(0);
         let mut lowest = 0;
@@ -99,8 +98,8 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// Takes the path from the right on through these points, last first; `answer` is handed the column of each, and its costs.
-    pub(super) fn back(&mut self, columns: Range<usize>, mut answer: impl FnMut(usize, Answer<'_>)) {
+    /// Computes the path from the right through these points, last first, and calls `visit(column, costs)` for each.
+    pub(super) fn back(&mut self, columns: Range<usize>, mut visit: impl FnMut(usize, PointCosts<'_>)) {
         self.along.fill(0);
         let mut lowest = 0;
         let stride = self.stride.max(1);
@@ -114,7 +113,7 @@ impl<'m> Paths<'m> {
         for (((costs, above), sums), column) in points.zip(columns).rev() {
             lowest = path_step(costs, lowest, self.along);
             let lowest = sum_paths(above, self.along, sums);
-            answer(column, Answer { costs, sums, lowest });
+            visit(column, PointCosts { costs, sums, lowest });
         }
     }
 }

@@ -1,29 +1,29 @@
-//! Rank codes of the rows that a row of support points looks at.
+//! Ranks of the rows that the windows of a row of support points cover.
 //!
-//! In: both images. Out: the window of a point in the left image, and the columns of the right one from any place on; a column is four ranks, of
+//! In: both images. Out: the window of a point in the left image, and the columns of the right one from any column on; a column is four ranks, of
 //! every second row.
 //!
 //! # Bounds
-//! Windows of two rows of points share no row of the image: they are as high as points stand apart.
+//! Windows of two rows of points share no row of the image: 7 rows, points 8 rows apart.
 
 use crate::image::Gray;
 use crate::kernel::{RANK_FLAT, RANK_ROWS, RankColumn, STRIP, rank_columns, rank_row};
 
-/// Columns of a window.
+/// Width of a window, px.
 pub(super) const WINDOW_COLUMNS: usize = STRIP;
-/// Pixels at both ends of a row whose neighbours lie outside of it.
+/// Number of pixels at both ends of a row whose neighbours lie outside of it.
 pub(super) const BORDER: i32 = 2;
-/// First and last row of a window, from its point.
+/// First and last row of a window, relative to its point.
 const WINDOW: [i32; 2] = [-4, 2];
-/// Rows from one to the next.
+/// Distance between the rows of a window, px.
 const ROW_STEP: usize = 2;
 
-/// Bytes of the codes held for images of this width.
+/// Bytes of memory for images of this width.
 pub(super) const fn bytes(width: u16) -> usize {
     3 * RANK_ROWS * width as usize
 }
 
-/// Codes of the rows around a row of points, of both images.
+/// Ranks of the rows around a row of points, of both images.
 pub(super) struct RankRows<'a> {
     images: [Gray<'a>; 2],
     row_offset: i32,
@@ -38,11 +38,11 @@ impl<'a> RankRows<'a> {
         let width = left.dims().width;
         let (columns, rows) =
             memory.get_mut(..bytes(width))?.split_at_mut_checked(2 * RANK_ROWS * usize::from(width))?;
-        let (ours, theirs) = columns.as_chunks_mut().0.split_at_mut_checked(width.into())?;
-        Some(Self { images, row_offset, columns: [ours, theirs], rows })
+        let (left, right) = columns.as_chunks_mut().0.split_at_mut_checked(width.into())?;
+        Some(Self { images, row_offset, columns: [left, right], rows })
     }
 
-    /// Codes the rows around row `y`.
+    /// Computes the ranks of the rows around row `y`.
     pub(super) fn code(&mut self, y: i32) {
         let [left, right] = self.images;
         let width = usize::from(left.dims().width);
@@ -63,7 +63,7 @@ impl<'a> RankRows<'a> {
     }
 }
 
-/// Ranks of a row; the nearest one of the image where it lies outside. What is not usable is flat.
+/// Ranks of a row; rows outside the image repeat the nearest one. Pixels that are not usable get the rank of flat ones.
 fn code(image: Gray<'_>, y: i32, out: &mut [u8]) {
     let last = i32::from(image.dims().height) - 1;
     let rows = [y - 2, y, y + 2].map(|y| image.row(y.max(0).min(last) as usize).unwrap_or(&[]));

@@ -1,4 +1,4 @@
-//! Two cameras and the pose between them: what a calibration finds, and what a board stores.
+//! Calibration of a pair: two cameras and the pose between them.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::camera::Camera;
@@ -6,12 +6,12 @@ use crate::turn::{half, matrix};
 use core::fmt;
 use nalgebra::Vector3;
 
-/// Which camera of the pair.
+/// Camera of the pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eye {
-    /// The reference.
+    /// The left camera, the reference.
     Left,
-    /// The other.
+    /// The right camera.
     Right,
 }
 
@@ -29,7 +29,7 @@ pub struct Calibration {
     translation: [f64; 3],
 }
 
-/// Why two cameras are no stereo pair.
+/// Reason why two cameras are no stereo pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CalibrationError {
     /// The images of the two cameras differ in size.
@@ -76,7 +76,7 @@ impl Calibration {
         if !(0.99..=1.01).contains(&length) {
             return Err(CalibrationError::Rotation);
         }
-        // A unit quaternion stays as it is, so that what was stored is read back as the same bits: once divided, its length is 1 within 1e-15.
+        // A unit quaternion is not divided, so that a stored one keeps its bits: once divided, its length is 1 within 1e-15.
         let length = if (length - 1.0).abs() < 1e-14 { 1.0 } else { length };
         let sign = if rotation[0] < 0.0 { -length } else { length };
         let rotation = rotation.map(|q| q / sign);
@@ -131,8 +131,8 @@ impl Calibration {
         (t / -self.baseline()).into()
     }
 
-    /// Rotations from each camera's coordinates to common ones whose x axis runs along the baseline, as rows: each camera turns half of the
-    /// way to the other, then both turn as little as possible (Bouguet's choice, as OpenCV's `stereoRectify`).
+    /// Rotations from each camera's coordinates to common ones whose x axis runs along the baseline, as rows: each camera is turned half of the way
+    /// to the other, then both by the smallest angle (Bouguet's choice, as OpenCV's `stereoRectify`).
     pub(crate) fn common_rotations(&self) -> [[[f64; 3]; 3]; 2] {
         let half = matrix(half(self.rotation));
         let [x, y, z] = self.direction();

@@ -1,6 +1,6 @@
-//! One camera: rays to raw pixels and back.
+//! Camera model: projection of rays to raw pixels, and its inverse.
 //!
-//! In: focal lengths, centre, skew and lens, checked once. Out: where a ray lands in the raw image. Set-up only: floating point.
+//! In: focal lengths, centre, skew and lens, checked once. Out: raw positions of rays. Set-up only: floating point.
 //!
 //! ```text
 //! (x, y) = (X/Z, Y/Z)                              normalised plane
@@ -16,13 +16,13 @@
 use core::fmt;
 use linestereo::image::Dims;
 
-/// Rays further off the axis than this (tangent of the angle, 76 degrees) are not looked at: a flat rectified image cannot show them.
+/// Tangent of the largest angle of rays off the axis, 76 degrees; a flat rectified image cannot show more.
 pub const MAX_TANGENT: f64 = 4.0;
 
-/// Steps in which a lens is tested for folding.
+/// Number of steps in which a lens is tested for folding.
 const STEPS: u32 = 512;
 
-/// What a lens does to the normalised plane.
+/// Distortion of a lens on the normalised plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// Radial (barrel, pincushion, and both at once: mustache) and tangential.
@@ -34,7 +34,7 @@ pub enum Lens {
     },
     /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of `tan(theta)`.
     Fisheye {
-        /// Of the polynomial in the angle.
+        /// Coefficients of the polynomial in the angle.
         k: [f64; 4],
     },
 }
@@ -43,7 +43,7 @@ impl Lens {
     /// No distortion.
     pub const NONE: Self = Self::BrownConrady { k: [0.0; 3], p: [0.0; 2] };
 
-    /// Where the lens puts a point of the normalised plane. It may fold far outside of the image: [`Camera::project`] knows where.
+    /// Distorted position of a point of the normalised plane. The polynomial may fold far outside of the image: [`Camera::project`] excludes that.
     #[must_use]
     pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let factor = self.radial(x * x + y * y);
@@ -51,7 +51,7 @@ impl Lens {
         [x * factor + dx, y * factor + dy]
     }
 
-    /// Distorted over undistorted radius, by the square of the latter.
+    /// Ratio of the distorted to the undistorted radius, from the square of the latter.
     fn radial(&self, s: f64) -> f64 {
         match *self {
             Self::BrownConrady { k: [k1, k2, k3], .. } => 1.0 + s * (k1 + s * (k2 + s * k3)),
@@ -90,7 +90,7 @@ impl Lens {
         }
     }
 
-    /// Radius up to which a larger angle always lands further out, to 1/128.
+    /// Undistorted radius up to which the distorted one grows, in steps of 1/128.
     fn limit(&self) -> f64 {
         let step = MAX_TANGENT / f64::from(STEPS);
         let mut last = 0.0;
@@ -114,7 +114,7 @@ impl Lens {
     }
 }
 
-/// Which number of a camera is unusable.
+/// Number of a camera that is not usable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraError {
     /// A side of the raw image is outside 16 ..= 4096 px.
@@ -127,7 +127,7 @@ pub enum CameraError {
     Skew(f64),
     /// A lens coefficient is outside -1000 ..= 1000 or not finite.
     Lens(f64),
-    /// The lens folds the image over before this tangent of the viewing angle, which lies inside the image.
+    /// The lens folds the image over at this tangent of the viewing angle, inside the image.
     Folds(f64),
 }
 
@@ -194,7 +194,7 @@ impl Camera {
             return Err(CameraError::Lens(wrong));
         }
         let camera = Self { dims, focal, centre, skew, lens, limit: lens.limit() };
-        // The middle of each border must be visible: a lens that folds before that is no calibration of this image.
+        // The middle of each border must be in view: a lens that folds before that does not belong to this image.
         let (right, bottom) = (f64::from(dims.width - 1), f64::from(dims.height - 1));
         for border in [[0.0, cy], [right, cy], [cx, 0.0], [cx, bottom]] {
             if camera.is_inside(border) && camera.unproject(border).is_none() && camera.limit < MAX_TANGENT {
@@ -210,19 +210,19 @@ impl Camera {
         self.dims
     }
 
-    /// `[fx, fy]` in px.
+    /// Focal lengths `[fx, fy]`, px.
     #[must_use]
     pub fn focal(&self) -> [f64; 2] {
         self.focal
     }
 
-    /// `[cx, cy]` in px.
+    /// Optical centre `[cx, cy]`, px.
     #[must_use]
     pub fn centre(&self) -> [f64; 2] {
         self.centre
     }
 
-    /// Skew in px.
+    /// Skew, px.
     #[must_use]
     pub fn skew(&self) -> f64 {
         self.skew
@@ -234,13 +234,13 @@ impl Camera {
         self.lens
     }
 
-    /// Is this position between the centres of the outermost raw pixels, where an image can be interpolated?
+    /// True when this position, px, lies between the centres of the outermost raw pixels, where the image can be interpolated.
     #[must_use]
     pub fn is_inside(&self, [u, v]: [f64; 2]) -> bool {
         (0.0..=f64::from(self.dims.width - 1)).contains(&u) && (0.0..=f64::from(self.dims.height - 1)).contains(&v)
     }
 
-    /// Raw pixel of a ray in this camera's coordinates (x right, y down, z forward); may lie outside the image. `None` behind the camera,
+    /// Raw position, px, of a ray in this camera's coordinates (x right, y down, z forward); may lie outside the image. `None` behind the camera,
     /// beyond [`MAX_TANGENT`], and where the lens folds.
     #[must_use]
     pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
@@ -248,8 +248,8 @@ impl Camera {
         seen.then_some(raw)
     }
 
-    /// The same without a limit of the lens: what the formula gives there is no pixel of the ray, but goes on smoothly. And whether it is
-    /// one. `None` behind the camera.
+    /// Raw position, px, of a ray, continued smoothly beyond the limit of the lens, with a flag that is true within the limit. `None` behind the
+    /// camera.
     pub(crate) fn project_beyond(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], bool)> {
         if z <= 0.0 {
             return None;
@@ -259,7 +259,7 @@ impl Camera {
         Some((self.pixel(self.lens.distort([x, y])), radius <= self.limit))
     }
 
-    /// Tangent of the largest viewing angle that is looked at: [`MAX_TANGENT`], or where the lens starts to fold.
+    /// Tangent of the largest viewing angle that is used: [`MAX_TANGENT`], or that at which the lens starts to fold.
     pub(crate) fn limit(&self) -> f64 {
         self.limit
     }
@@ -269,7 +269,7 @@ impl Camera {
         [fx * x + self.skew * y + cx, fy * y + cy]
     }
 
-    /// ImagePosition of the normalised plane (z = 1) that lands on a raw pixel, to 1e-9; `None` where no ray does.
+    /// Point of the normalised plane (z = 1) that is projected to a raw position, px, to 1e-9; `None` where there is none.
     ///
     /// # Cost
     /// A few hundred floating-point operations: the radius by Newton's method, the tangential part by iteration.

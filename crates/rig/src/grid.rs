@@ -1,4 +1,4 @@
-//! The nodes of one camera, computed and joined: all of a mesh but its memory.
+//! Computation and interpolation of one camera's nodes: a mesh without its memory.
 //!
 //! In: a rectification and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
 //! Method and bounds: [`mesh`](crate::mesh).
@@ -12,50 +12,50 @@ use crate::rectification::Rectification;
 use linestereo::diagnostics::kernel::{X_ROUNDING, columns, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH, Span};
 
-/// How far outside the outermost raw pixels a position may lie and counts as there: 1/64 px, for what the mesh rounds.
+/// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside: 1/64 px, for the rounding of the mesh.
 const TOLERANCE: i32 = ONE / 64;
 
-/// Sizes, and how the nodes are to be joined.
+/// Sizes, and parameters of interpolation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     pub(crate) dims: Dims,
     pub(crate) raw: Dims,
     pub(crate) columns: u16,
-    /// log2 of the distance of nodes in pixels.
+    /// Distance of nodes, log2 of px.
     pub(crate) cell: u8,
-    /// log2 of the pixels of a piece.
+    /// Length of a piece, log2 of px.
     pub(crate) piece: u8,
     pub(crate) band_rows: u16,
-    /// Do all pixels of all rows lie between four raw ones?
+    /// True when all pixels of all rows lie between four raw ones.
     pub(crate) is_inner: bool,
     pub(crate) error_q16: i32,
 }
 
 impl Grid {
-    /// The rows, and what the kernel may read behind the last one.
+    /// Size of the band, bytes: its rows, and those that the kernel may read behind the last one.
     pub(crate) fn band_bytes(&self) -> usize {
         let width = usize::from(self.raw.width);
         usize::from(self.band_rows) * width + columns(width) + 1 - width
     }
 
-    /// Of no rows.
+    /// A grid without rows.
     pub(crate) const EMPTY: Self = {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
         let (columns, band_rows, error_q16) = (0, 0, 0);
         Self { dims: NOTHING, raw: NOTHING, columns, cell: 0, piece: 0, band_rows, is_inner: false, error_q16 }
     };
 
-    /// `None` when no rectified pixel has a source.
+    /// Computes the nodes and rows of one camera; `None` when no rectified pixel has a source.
     pub(crate) fn build<'a>(
         rectification: &Rectification,
         eye: Eye,
         nodes: &mut [Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Option<Self> {
-        let mut grid = Self::placed(rectification, eye, COARSE, nodes);
+        let mut grid = Self::with_nodes(rectification, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
         if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() && grid.dims.width <= MAX_WIDTH / 2 {
-            grid = Self::placed(rectification, eye, FINE, nodes);
+            grid = Self::with_nodes(rectification, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);
         }
         grid.choose_pieces(nodes, cubic);
@@ -64,8 +64,8 @@ impl Grid {
         (grid.band_rows > 0).then_some(grid)
     }
 
-    /// Nodes at a distance.
-    fn placed(rectification: &Rectification, eye: Eye, cell: u8, nodes: &mut [Node]) -> Self {
+    /// Computes nodes at this distance, log2 of px.
+    fn with_nodes(rectification: &Rectification, eye: Eye, cell: u8, nodes: &mut [Node]) -> Self {
         let (dims, raw) = (rectification.dims(), rectification.camera(eye).dims());
         let columns = nodes_along(dims.width, cell);
         let rows = usize::from(nodes_along(dims.height, cell));
@@ -84,14 +84,14 @@ impl Grid {
         nodes.chunks_exact(usize::from(self.columns).max(1)).take(rows)
     }
 
-    /// Is this node one of a pixel that is seen, or next to one?
+    /// True when this node is in view and at most a cell outside of the raw image.
     fn is_near(&self, node: Node) -> bool {
         let around = ONE << self.cell;
         let inside = |v: i32, side: u16| (-around..(i32::from(side) << 16) + around).contains(&v);
         is_seen(node) && inside(node.x, self.raw.width) && inside(node.y, self.raw.height)
     }
 
-    /// What a cubic through four nodes errs in their middle at most, 3/128 of the fourth difference, summed over both directions.
+    /// Largest error of a cubic through four nodes in their middle, px in Q16: 3/128 of the fourth difference, summed over both directions.
     fn cubic_error(&self, nodes: &[Node]) -> i32 {
         let fourth = |at: [Node; 5]| {
             if !at.iter().all(|node| self.is_near(*node)) {
@@ -125,13 +125,13 @@ impl Grid {
         a.y - 2 * b.y + c.y
     }
 
-    /// Binary digits between the second difference of nodes and h^2/16 times the second derivative, where h is the length of a piece.
+    /// Shift from the second difference of nodes to h^2/16 times the second derivative, where h is the length of a piece.
     fn bend_shift(&self, piece: u8) -> u8 {
         4 + 2 * (self.cell - piece)
     }
 
-    /// The longest pieces with which no pixel is off by more than 1/32 px: rows err by h^2/8 times the second derivative in the middle of a
-    /// piece, half of that once centred; columns by h^3/31 times the third one at most; and cubics err as well.
+    /// Chooses the longest pieces with an error of at most 1/32 px: that of rows in the middle of a piece, h^2/8 times the second derivative, half of
+    /// that once centred; that of columns, at most h^3/31 times the third one; and that of cubics.
     fn choose_pieces(&mut self, nodes: &[Node], cubic: i32) {
         let (mut second, mut third) = (0, 0);
         for row in self.node_rows(nodes) {
@@ -151,7 +151,7 @@ impl Grid {
         (self.piece, self.error_q16) = (piece, error(piece));
     }
 
-    /// Moves the nodes against the bend of their rows by half of what a line between knots errs in its middle.
+    /// Moves the nodes against the curvature of their rows by half of the error of a line between knots in its middle.
     fn centre_pieces(&self, nodes: &mut [Node]) {
         let shift = self.bend_shift(self.piece);
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
@@ -207,12 +207,12 @@ impl Grid {
     fn longest_run(&self, rectification: &Rectification, eye: Eye, nodes: &[Node], y: u16) -> Span {
         let (mut longest, mut run) = (Span::default(), Span::default());
         self.for_each_piece(nodes, y, |start, length, piece| {
-            let sight = self.sight(nodes, start >> self.cell, y >> self.cell);
+            let visibility = self.visibility(nodes, start >> self.cell, y >> self.cell);
             for (i, x) in (0..length).zip(start..) {
-                let seen = match sight {
-                    Sight::Whole => true,
-                    Sight::Part => rectification.source(eye, [f64::from(x), f64::from(y)]).is_some(),
-                    Sight::Nothing => false,
+                let seen = match visibility {
+                    Visibility::Whole => true,
+                    Visibility::Part => rectification.source(eye, [f64::from(x), f64::from(y)]).is_some(),
+                    Visibility::Nothing => false,
                 };
                 if !(seen && self.is_inside(piece.at(i))) {
                     continue;
@@ -235,15 +235,15 @@ impl Grid {
         inside(x_q16 - X_ROUNDING, self.raw.width) && inside(y_q14 << 2, self.raw.height)
     }
 
-    /// Does a position, with the rounding of pieces, lie between four raw pixels?
+    /// True when a position, with the rounding of pieces, lies between four raw pixels.
     #[inline]
     pub(crate) fn is_between(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
         let end = |side: u16| i32::from(side.saturating_sub(1));
         (0..end(self.raw.width) << 16).contains(&x_q16) && (0..end(self.raw.height) << 14).contains(&y_q14)
     }
 
-    /// What the camera sees of one cell.
-    fn sight(&self, nodes: &[Node], column: u16, row: u16) -> Sight {
+    /// Visibility of one cell to the camera.
+    fn visibility(&self, nodes: &[Node], column: u16, row: u16) -> Visibility {
         let columns = usize::from(self.columns);
         let first = usize::from(row) * columns + usize::from(column);
         let (mut seen, mut behind) = (0, false);
@@ -255,10 +255,10 @@ impl Grid {
             }
         }
         match seen {
-            _ if behind => Sight::Nothing,
-            0 => Sight::Nothing,
-            4 => Sight::Whole,
-            _ => Sight::Part,
+            _ if behind => Visibility::Nothing,
+            0 => Visibility::Nothing,
+            4 => Visibility::Whole,
+            _ => Visibility::Part,
         }
     }
 
@@ -299,7 +299,7 @@ impl Grid {
     pub(crate) fn pieces_of_cell(&self, four: &[Node; 4], mut each: impl FnMut(Piece)) {
         let length = self.piece & 15;
         let [before, mut from, to, behind] = *four;
-        // The second derivative in the middle: the mean of those at both ends.
+        // Second derivative in the middle: the mean of those at both ends.
         let bend = before.x.wrapping_sub(from.x).wrapping_sub(to.x).wrapping_add(behind.x);
         let ddx_q16 = bend >> ((2 * self.cell + 1) & 31);
         if self.cell == self.piece {
@@ -311,19 +311,19 @@ impl Grid {
         }
     }
 
-    /// Is a piece a whole cell of the kernel's size?
+    /// True when a piece is a whole cell of the kernel's size.
     pub(crate) fn has_whole_cells(&self) -> bool {
         self.piece == COARSE
     }
 
-    /// Pixels of a piece.
+    /// Number of pixels of a piece.
     pub(crate) fn length(&self) -> i32 {
         1 << (self.piece & 15)
     }
 }
 
-/// What a camera sees of a cell.
-enum Sight {
+/// Visibility of a cell to a camera.
+enum Visibility {
     Whole,
     Part,
     Nothing,

@@ -1,13 +1,13 @@
 //! Geometry of a stereo rig for linestereo: two calibrated cameras and the pose between them, and raw frames -> rectified rows.
 //!
 //! In: cameras and pose, once, in double precision. Out: a [`Rig`](linestereo::Rig) for [`Params`](linestereo::Params), and rectified
-//! rows, in integers. Firmware whose frames come rectified needs nothing of this.
+//! rows, in integers. Not needed by firmware whose frames are rectified already.
 //!
 //! ```text
 //! once, floating point:  Calibration (two cameras, the pose between them), from numbers or from the bytes of a RigImage
 //!                     -> Rectification (one virtual camera: directions, focal length, centre)
-//!                     -> Mesh, one per camera (raw positions of every 16th pixel, what each row needs)
-//! per raw row, integers: Band (the raw rows that are needed at once) -> rectified rows
+//!                     -> Mesh, one per camera (raw positions of every 16th pixel, raw rows needed by each row)
+//! per raw row, integers: Band (the raw rows needed at once) -> rectified rows
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
@@ -16,7 +16,7 @@
 
 mod calibration;
 mod camera;
-#[doc(hidden)] // of packets too
+#[doc(hidden)] // used for packets too
 pub mod checksum;
 mod grid;
 mod mesh;

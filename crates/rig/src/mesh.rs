@@ -1,13 +1,13 @@
-//! Where each rectified pixel comes from, as a coarse mesh of integers.
+//! Raw positions of rectified pixels as a coarse mesh of integers.
 //!
-//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and what a [`Band`](crate::Band) has to hold for it.
+//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and the raw rows that a [`Band`](crate::Band) has to hold.
 //!
 //! ```text
 //! set-up, floating point:
-//!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every 8th, if the cubic through those would
-//!             err by more than 1/64 px by their fourth differences, and the memory is given
-//!     pieces: how many pixels may be joined: 16, 8 or 4, their raw columns by a parabola, their raw rows by a line
-//!     nodes' rows -= their second difference along the row, scaled, so that lines err to both sides equally and half as much
+//!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every 8th, if the error of the cubic through
+//!             them, by their fourth differences, is above 1/64 px and the memory suffices
+//!     pieces: 16, 8 or 4 consecutive pixels, their raw columns by a parabola, their raw rows by a line
+//!     nodes' rows -= their second difference along the row, scaled, so that the errors of lines are centred and halved
 //!     rows:   the pixels that have a source, the last raw row they need; the most raw rows that are needed at once
 //! per row, integers:
 //!     four rows of nodes -> one, four nodes of that -> ends of pieces: the cubic through four points, twice
@@ -58,11 +58,11 @@ pub struct Mesh<const NODES: usize, const ROWS: usize> {
     grid: Grid,
     nodes: [Node; NODES],
     spans: [Span; ROWS],
-    /// Per row: the raw row with which it, and all above, can be computed.
+    /// Last raw row needed for each row and all above it.
     last: [u16; ROWS],
 }
 
-/// Why a mesh cannot be built.
+/// Reason why a mesh cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshError {
     /// The memory holds too few nodes.
@@ -104,10 +104,10 @@ impl<const NODES: usize, const ROWS: usize> Default for Mesh<NODES, ROWS> {
 }
 
 impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
-    /// Bytes of memory.
+    /// Size, bytes.
     pub const BYTES: usize = size_of::<Self>();
 
-    /// Without nodes: every raw row is refused. All zero, so that a static of it takes no flash.
+    /// An empty mesh, with which every raw row is refused. All zero, so that a static of it takes no flash.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -118,7 +118,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         }
     }
 
-    /// Fills it for one camera. After an error it is empty.
+    /// Computes the mesh of one camera. After an error it is empty.
     pub fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
         self.grid = Grid::EMPTY;
         let dims = rectification.dims();
@@ -147,19 +147,19 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         self.grid.raw
     }
 
-    /// Raw rows that have to be held at once.
+    /// Number of raw rows that have to be held at once.
     #[must_use]
     pub fn band_rows(&self) -> u16 {
         self.grid.band_rows
     }
 
-    /// Bytes that a [`Band`](crate::Band) for this mesh needs.
+    /// Size of a [`Band`](crate::Band) for this mesh, bytes.
     #[must_use]
     pub fn band_bytes(&self) -> usize {
         self.grid.band_bytes()
     }
 
-    /// Of each rectified row the pixels that have a source (the largest run of them); all others are written 0. For
+    /// Pixels of each rectified row that have a source (the largest run of them); all others become 0. For
     /// [`Gray::with_usable`](linestereo::Gray::with_usable) after [`shrink_to_usable`](linestereo::image::shrink_to_usable).
     #[must_use]
     pub fn spans(&self) -> &[Span] {
@@ -167,7 +167,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     /// Spans of usable pixels for [`Gray::with_usable`](linestereo::Gray::with_usable), in the caller's memory of as many spans as the rectified
-    /// image has rows; none when every pixel has a source.
+    /// image has rows; empty when every pixel has a source.
     pub fn usable<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
         let width = self.grid.dims.width;
         let whole = Span { start: 0, end: width };
@@ -199,7 +199,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         found
     }
 
-    /// How far the positions of pixels are off at most, px: an estimate from the differences of nodes.
+    /// Largest error of the positions of pixels, px: an estimate from the differences of nodes.
     #[must_use]
     #[expect(clippy::float_arithmetic, reason = "set-up")]
     pub fn error(&self) -> f64 {
@@ -211,7 +211,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 }
 
-/// A mesh, whatever its capacity.
+/// A mesh without its capacity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshPlan<'a> {
     pub(crate) grid: &'a Grid,
@@ -231,7 +231,7 @@ impl MeshPlan<'_> {
         self.spans.get(usize::from(y)).copied().unwrap_or_default()
     }
 
-    /// Is raw row `raw` enough to compute row `y`?
+    /// True when row `y` can be computed with the raw rows up to `raw`.
     pub(crate) fn suffices(&self, raw: u16, y: u16) -> bool {
         self.last.get(usize::from(y)).is_some_and(|last| *last <= raw)
     }

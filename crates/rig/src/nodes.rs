@@ -1,4 +1,4 @@
-//! Nodes of a mesh, and what is made of four of them: pieces of rows.
+//! Nodes of a mesh, and pieces of rows between four of them.
 //!
 //! In: raw positions of four nodes in a line. Out: the cubic through them, at sixteenths; pieces between.
 //!
@@ -7,45 +7,46 @@
 //! halves of products sum to less than 2^28, which is Q14.
 //!
 //! # Source
-//! Lagrange's interpolation. A bilinear mesh of 16 px errs by 0.16 px on a common lens, Catmull-Rom's cubic is one order worse.
+//! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens; Catmull-Rom's cubic is one order worse.
 
 use linestereo::diagnostics::kernel::{Knot, X_ROUNDING, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH};
 
-/// log2 of the distance of nodes in pixels.
+/// Distance of nodes, log2 of px.
 pub(crate) const COARSE: u8 = 4;
-/// The same of a fine mesh.
+/// Distance of nodes of a fine mesh, log2 of px.
 pub(crate) const FINE: u8 = 3;
-/// Positions further outside are not told apart: they are outside of any image.
+/// Limit of positions, px: beyond any image.
 const FAR: f64 = 8192.0;
-/// One pixel.
+/// One pixel, Q16.
 pub(crate) const ONE: i32 = 1 << 16;
-/// Nodes that a [`Mesh`](crate::Mesh) needs for rectified images of this size.
+
+/// Number of nodes that a [`Mesh`](crate::Mesh) needs for rectified images of this size.
 #[must_use]
 pub const fn mesh_nodes(dims: Dims) -> usize {
     nodes_along(dims.width, COARSE) as usize * nodes_along(dims.height, COARSE) as usize
 }
 
-/// Nodes with which a [`Mesh`](crate::Mesh) can halve their distance, where a lens asks for it: very wide ones, and images below 200 px.
+/// Number of nodes with which a [`Mesh`](crate::Mesh) can halve their distance, where a lens needs it: very wide ones, and images below 200 px.
 #[must_use]
 pub const fn fine_mesh_nodes(dims: Dims) -> usize {
     nodes_along(dims.width, FINE) as usize * nodes_along(dims.height, FINE) as usize
 }
 
-/// One before the first pixel, and two from the last one's cell on.
+/// Number of nodes along a side: one before the first pixel, two behind the start of the last pixel's cell.
 pub(crate) const fn nodes_along(side: u16, cell: u8) -> u16 {
     (side.saturating_sub(1) >> cell) + 4
 }
 
 /// Raw position, px in Q16.
 ///
-/// The last bits hold, until the rows are known: x: the camera cannot see this; y: it is behind the camera.
+/// During set-up the last bits are flags: x: outside of the camera's view; y: behind the camera.
 pub(crate) type Node = Knot;
 
-/// A node of a mesh that holds nothing.
+/// Node of an empty mesh.
 pub(crate) const NO_NODE: Node = Node { x: 0, y: 0 };
 
-/// Node of a raw position, px, and whether the camera sees it; without one it is behind the camera.
+/// Node of a raw position, px, with a flag that is true in view of the camera; `None` is behind the camera.
 #[expect(clippy::float_arithmetic, reason = "set-up")]
 pub(crate) fn node_at(source: Option<([f64; 2], bool)>) -> Node {
     let Some(([x, y], seen)) = source else { return BEHIND };
@@ -53,7 +54,7 @@ pub(crate) fn node_at(source: Option<([f64; 2], bool)>) -> Node {
     Node { x: nearest(x) | i32::from(!seen), y: nearest(y) }
 }
 
-/// Neither seen nor in front of the camera.
+/// Node behind the camera.
 pub(crate) const BEHIND: Node = Node { x: 1, y: 1 };
 
 pub(crate) fn is_seen(node: Node) -> bool {
@@ -72,14 +73,14 @@ fn weighted(nodes: [Node; 4], weights: [i32; 4]) -> Node {
     sum
 }
 
-/// Middle of the inner two of four nodes: (-1, 9, 9, -1) / 16.
+/// Node in the middle of the inner two of four: (-1, 9, 9, -1) / 16.
 #[inline]
 fn middle([a, b, c, d]: [Node; 4]) -> Node {
     let of = |a: i32, b: i32, c: i32, d: i32| ((b + c) >> 1) + ((b + c - a - d) >> 4);
     Node { x: of(a.x, b.x, c.x, d.x), y: of(a.y, b.y, c.y, d.y) }
 }
 
-/// Weights of the cubic through values at -1, 0, 1 and 2, at every sixteenth from 0 to 1: Q30.
+/// Weights, Q30, of the cubic through values at -1, 0, 1 and 2, at every sixteenth from 0 to 1.
 pub(crate) const CUBIC: [[i32; 4]; 16] = {
     let mut table = [[0; 4]; 16];
     let mut t = 0;
@@ -99,7 +100,7 @@ pub(crate) const CUBIC: [[i32; 4]; 16] = {
     table
 };
 
-/// The one at a quarter.
+/// Weights of [`CUBIC`] at a quarter.
 const QUARTER: [i32; 4] = CUBIC[4];
 
 /// Most nodes along a row: a mesh is not fine above half of the largest width.
@@ -108,24 +109,24 @@ pub(crate) const MOST_COLUMNS: usize = nodes_along(MAX_WIDTH, COARSE) as usize;
 /// Memory for the nodes along one row.
 pub(crate) type Knots = [Node; MOST_COLUMNS];
 
-/// Q12 divided, as Q30.
+/// A Q12 value divided by `by`, rounded, Q30.
 const fn rounded(value: i32, by: i64) -> i32 {
     let value = (value as i64) << 18;
     ((value + if value < 0 { -by / 2 } else { by / 2 }) / by) as i32
 }
 
-/// Pixels that follow each other: their raw columns by a polynomial of the second degree, their raw rows on a straight line.
+/// Consecutive pixels: their raw columns by a polynomial of the second degree, their raw rows on a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
-    /// Position of the first pixel, px in Q16, half a step of the kernel's fraction added.
+    /// Raw column of the first pixel, px in Q16, plus half a step of the kernel's fraction.
     pub(crate) x_q16: i32,
-    /// From the first pixel to the second.
+    /// Step from the first pixel to the second, px in Q16.
     pub(crate) dx_q16: i32,
-    /// What each step is longer than the one before.
+    /// Change from each step to the next, px in Q16.
     pub(crate) ddx_q16: i32,
-    /// Position of the first pixel, px in Q14.
+    /// Raw row of the first pixel, px in Q14.
     pub(crate) y_q14: i32,
-    /// From pixel to pixel.
+    /// Step from pixel to pixel, px in Q14.
     pub(crate) dy_q14: i32,
 }
 
@@ -133,13 +134,13 @@ impl Piece {
     #[inline]
     pub(crate) fn between(from: Node, to: Node, ddx_q16: i32, shift: u8) -> Self {
         let (x_q16, y_q14) = (from.x.wrapping_add(X_ROUNDING), from.y >> 2);
-        // The first step is as much shorter than the mean one as the sum of what the steps grow.
+        // First step: the mean one minus the mean growth of the steps.
         let growth = ddx_q16.wrapping_mul(((1 << shift) - 1) << shift >> 1);
         let dx_q16 = to.x.wrapping_sub(from.x).wrapping_sub(growth) >> shift;
         Self { x_q16, dx_q16, ddx_q16, y_q14, dy_q14: ((to.y >> 2) - y_q14) >> shift }
     }
 
-    /// The same from a later pixel on.
+    /// The piece from pixel `i` on.
     #[inline]
     pub(crate) fn from(self, i: i32) -> Self {
         let Self { x_q16, dx_q16, ddx_q16, y_q14, dy_q14 } = self;
@@ -152,7 +153,7 @@ impl Piece {
         }
     }
 
-    /// Position of a pixel of it.
+    /// Raw position of pixel `i`: column in Q16, row in Q14.
     pub(crate) fn at(self, i: u16) -> [i32; 2] {
         let piece = self.from(i.into());
         [piece.x_q16, piece.y_q14]

@@ -1,7 +1,7 @@
-//! A calibrated pair -> two virtual cameras that look alike: same direction, focal length and centre, points on the same row.
+//! Rectification of a calibrated pair: two virtual cameras with the same direction, focal length and centre, corresponding points on one row.
 //!
-//! In: a [`Calibration`], the size of the rectified images, how much of the view to keep. Out: for every rectified pixel its place in the
-//! raw image, in floating point. [`Mesh`](crate::Mesh) makes it integer.
+//! In: a [`Calibration`], the size of the rectified images, the part of the view to keep. Out: the raw position of every rectified pixel, in
+//! floating point. [`Mesh`](crate::Mesh) has it in integers.
 //!
 //! # Source
 //! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the same, so that disparity 0 is infinity.
@@ -14,23 +14,23 @@ use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::{Rig, RigError};
 use nalgebra::{Matrix3, Vector3};
 
-/// Stretches of each border of the raw image between points that are looked at.
+/// Number of stretches of each border of the raw image between sampled points.
 const STRETCHES: u16 = 16;
-/// Times the stretches around the outermost and innermost points are halved.
+/// Number of times that the stretches around the outermost and innermost points are halved.
 const HALVINGS: u16 = 6;
-/// Directions in which the edge of what a lens sees is looked at.
+/// Number of directions in which the edge of a lens's view is sampled.
 const DIRECTIONS: i16 = 64;
-/// How far inside the outermost raw pixels the view ends that is to hold no pixel without source: more than a mesh errs, px.
+/// Margin inside the outermost raw pixels of a view without pixels that lack a source, px: more than the error of a mesh.
 const MARGIN: f64 = 1.0 / 32.0;
-/// Points along each border of a rectified image that are looked at where the raw borders do not tell.
+/// Number of points sampled along each border of a rectified image where the raw borders do not determine the view.
 const CHECKED: u16 = 64;
 
-/// How much of the view the rectified images keep.
+/// Part of the view that the rectified images keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// 0: as much as fits without a pixel that has no source; 1: every raw pixel of both cameras is seen; between them: between.
+    /// 0: as much as fits without a pixel that has no source; 1: every raw pixel of both cameras is in view; interpolated between.
     Alpha(f64),
-    /// This focal length in px, around the middle of the common view.
+    /// Focal length, px, around the middle of the common view.
     Focal(f64),
 }
 
@@ -40,14 +40,14 @@ impl Default for View {
     }
 }
 
-/// Why a pair cannot be rectified.
+/// Reason why a pair cannot be rectified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RectifyError {
     /// The rectified size is outside the core's limits.
     Dims(Dims),
     /// Alpha is outside 0 ..= 1.
     Alpha(f64),
-    /// The two cameras share no view.
+    /// The two cameras have no common view.
     NoCommonView,
     /// Focal length or baseline are outside the limits of [`Rig`].
     Rig(RigError),
@@ -72,11 +72,11 @@ impl fmt::Display for RectifyError {
 
 impl core::error::Error for RectifyError {}
 
-/// The common virtual camera and the way back to both raw images.
+/// The common virtual camera, and the mapping to both raw images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectification {
     cameras: [Camera; 2],
-    /// From common to each camera's coordinates.
+    /// Rotations from common to each camera's coordinates.
     to_camera: [Matrix3<f64>; 2],
     dims: Dims,
     focal: f64,
@@ -85,7 +85,7 @@ pub struct Rectification {
 }
 
 impl Calibration {
-    /// Chooses the common view for rectified images of this size.
+    /// Computes the common view for rectified images of this size.
     pub fn rectify(&self, dims: Dims, view: View) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
         let [left, right] = Eye::BOTH.map(|eye| found.bounds(eye));
@@ -112,8 +112,8 @@ impl Calibration {
         Ok(found)
     }
 
-    /// With rotations, focal length and centre chosen elsewhere (OpenCV's R1, R2, P1, P2): each rotation by rows, from the camera's
-    /// coordinates to common ones.
+    /// A rectification with given rotations, focal length and centre (OpenCV's R1, R2, P1, P2): each rotation by rows, from the camera's coordinates
+    /// to common ones.
     pub fn rectify_as(
         &self,
         dims: Dims,
@@ -157,25 +157,25 @@ impl Rectification {
         self.dims
     }
 
-    /// Focal length of both rectified images in px.
+    /// Focal length of both rectified images, px.
     #[must_use]
     pub fn focal(&self) -> f64 {
         self.focal
     }
 
-    /// Centre of both rectified images in px.
+    /// Centre of both rectified images, px.
     #[must_use]
     pub fn centre(&self) -> [f64; 2] {
         self.centre
     }
 
-    /// Distance between the cameras in metres.
+    /// Distance between the cameras, m.
     #[must_use]
     pub fn baseline(&self) -> f64 {
         self.baseline
     }
 
-    /// What turns disparities into depths, and pixels into positions in space.
+    /// The rig that converts disparities to depths, and pixels to positions in space.
     pub fn rig(&self) -> Result<Rig, RigError> {
         Rig::new(self.focal, self.baseline, 0.0)?.with_principal_point(self.centre)
     }
@@ -205,18 +205,18 @@ impl Rectification {
         }
     }
 
-    /// Raw position of a rectified one, px; may lie outside the raw image. `None` where the camera cannot see.
+    /// Raw position of a rectified one, px; may lie outside the raw image. `None` outside of the camera's view.
     #[must_use]
     pub fn source(&self, eye: Eye, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         self.camera(eye).project(self.ray(eye, [x, y]))
     }
 
-    /// The same as [`Camera::project_beyond`] has it.
+    /// Raw position of a rectified one by [`Camera::project_beyond`].
     pub(crate) fn extended_source(&self, eye: Eye, position: [f64; 2]) -> Option<([f64; 2], bool)> {
         self.camera(eye).project_beyond(self.ray(eye, position))
     }
 
-    /// Of a rectified position, in the camera's coordinates.
+    /// Ray of a rectified position, in the camera's coordinates.
     fn ray(&self, eye: Eye, [x, y]: [f64; 2]) -> [f64; 3] {
         let [cx, cy] = self.centre;
         (self.turn(eye) * Vector3::new((x - cx) / self.focal, (y - cy) / self.focal, 1.0)).into()
@@ -235,13 +235,13 @@ impl Rectification {
         self.common(eye, [x, y, 1.0])
     }
 
-    /// Where a ray in a camera's coordinates meets the common normalised plane.
+    /// Intersection of a ray in a camera's coordinates with the common normalised plane.
     fn common(&self, eye: Eye, ray: [f64; 3]) -> Option<[f64; 2]> {
         let ray = self.turn(eye).tr_mul(&Vector3::from(ray));
         (ray.z > 1e-3).then(|| [ray.x / ray.z, ray.y / ray.z])
     }
 
-    /// What one camera sees of the common normalised plane; `None` when it sees nothing of it.
+    /// View of one camera on the common normalised plane; `None` when it is empty.
     fn bounds(&self, eye: Eye) -> Option<Bounds> {
         let camera = self.camera(eye);
         let mut bounds = Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING, is_closed: true };
@@ -249,19 +249,19 @@ impl Rectification {
             self.walk(eye, border, &mut bounds);
         }
         if !bounds.is_closed {
-            self.look_at_the_limit(eye, &mut bounds);
+            self.extend_to_limit(eye, &mut bounds);
         }
-        // The borders were looked at inside of the outermost pixels.
+        // The borders were sampled inside of the outermost pixels.
         bounds.outer = bounds.outer.grown(camera.dims());
         (bounds.outer.low[0] < bounds.outer.high[0])
             .then(|| Bounds { inner: bounds.inner.limited(bounds.outer), ..bounds })
     }
 
-    /// Looks at points along a border, and closer where it reaches furthest to the inside or outside, or starts to be seen.
+    /// Samples points along a border, more densely where it reaches furthest to the inside or outside, or enters the view.
     fn walk(&self, eye: Eye, border: Border, bounds: &mut Bounds) {
         let (mut innermost, mut outermost) = (None, None);
-        let mut look = |share: f64| {
-            // A border that is not seen (a fisheye beyond the limit) cuts nothing off.
+        let mut sample = |share: f64| {
+            // A border out of view (a fisheye beyond the limit) does not limit the window.
             let point = self.normalised(eye, border.point(self.camera(eye).dims(), share));
             bounds.is_closed &= point.is_some();
             if let Some(point) = point {
@@ -278,15 +278,15 @@ impl Rectification {
             (point.is_some(), innermost, outermost)
         };
         let mut step = 1.0 / f64::from(STRETCHES);
-        let (mut was_seen, mut inner, mut outer) = look(0.0);
+        let (mut was_seen, mut inner, mut outer) = sample(0.0);
         for i in 1..=STRETCHES {
             let share = f64::from(i) * step;
             let is_seen;
-            (is_seen, inner, outer) = look(share);
+            (is_seen, inner, outer) = sample(share);
             let (mut here, mut there) = (share - step, share);
             for _ in 0..if is_seen == was_seen { 0 } else { 2 * HALVINGS } {
                 let middle = (here + there) / 2.0;
-                if look(middle).0 == was_seen {
+                if sample(middle).0 == was_seen {
                     here = middle;
                 } else {
                     there = middle;
@@ -299,19 +299,19 @@ impl Rectification {
             for middle in [inner, outer].into_iter().flatten().map(|(_, share): (f64, f64)| share) {
                 for share in [middle - step, middle + step] {
                     if (0.0..=1.0).contains(&share) {
-                        (_, inner, outer) = look(share);
+                        (_, inner, outer) = sample(share);
                     }
                 }
             }
         }
     }
 
-    /// Where a border is not seen, the view ends at the angle up to which the lens can be used.
-    fn look_at_the_limit(&self, eye: Eye, bounds: &mut Bounds) {
+    /// Extends the view to the angle up to which the lens can be used, where borders are out of view.
+    fn extend_to_limit(&self, eye: Eye, bounds: &mut Bounds) {
         let camera = self.camera(eye);
         let radius = camera.limit() * 0.9999;
         for i in 0..DIRECTIONS {
-            // Around a square.
+            // Directions around a square.
             let along = f64::from(i % (DIRECTIONS / 4)) / f64::from(DIRECTIONS / 8) - 1.0;
             let [x, y] = match i / (DIRECTIONS / 4) {
                 0 => [along, -1.0],
@@ -354,7 +354,7 @@ impl Rectification {
         fits
     }
 
-    /// Do the border pixels of both rectified images have a source? What lies inside of them has one then.
+    /// True when the border pixels of both rectified images have a source: then all others have.
     fn is_filled(&self) -> bool {
         let [right, bottom] = [self.dims.width - 1, self.dims.height - 1].map(f64::from);
         Eye::BOTH.into_iter().all(|eye| {
@@ -394,7 +394,7 @@ impl Border {
         }
     }
 
-    /// How far inside a point of the normalised plane lies, from this side.
+    /// Coordinate of a point of the normalised plane that grows from this border inwards.
     fn depth(self, [x, y]: [f64; 2]) -> f64 {
         match self {
             Self::Left => x,
@@ -405,12 +405,12 @@ impl Border {
     }
 }
 
-/// Rectangles of the normalised plane that hold only, and all, of what a camera sees.
+/// Rectangles of the normalised plane inside of a camera's view, and around it.
 #[derive(Clone, Copy)]
 struct Bounds {
     inner: Window,
     outer: Window,
-    /// Is every border of the raw image seen?
+    /// True when every border of the raw image is in view.
     is_closed: bool,
 }
 
@@ -424,7 +424,7 @@ impl Window {
     const EVERYTHING: Self = Self { low: [f64::MIN; 2], high: [f64::MAX; 2] };
     const NOTHING: Self = Self { low: [f64::MAX; 2], high: [f64::MIN; 2] };
 
-    /// A flat image shows no more than [`MAX_TANGENT`].
+    /// Extends the window to a point, limited to [`MAX_TANGENT`].
     fn extend(&mut self, point: [f64; 2]) {
         let [x, y] = point.map(|v| v.clamp(-MAX_TANGENT, MAX_TANGENT));
         self.low = [self.low[0].min(x), self.low[1].min(y)];
@@ -447,7 +447,7 @@ impl Window {
         }
     }
 
-    /// With an eighth of a raw pixel more on each side.
+    /// The window with an eighth of a raw pixel more on each side.
     fn grown(self, raw: Dims) -> Self {
         let more = |i: usize, side: u16| -> f64 {
             let (Some(low), Some(high)) = (self.low.get(i), self.high.get(i)) else { return 0.0 };
@@ -457,7 +457,7 @@ impl Window {
         Self { low: [self.low[0] - x, self.low[1] - y], high: [self.high[0] + x, self.high[1] + y] }
     }
 
-    /// What both hold, if that is anything.
+    /// The intersection of both; `None` when it is empty.
     fn common(self, other: Self) -> Option<Self> {
         let both = self.limited(other);
         (both.high[0] - both.low[0] > 1e-3 && both.high[1] - both.low[1] > 1e-3).then_some(both)
@@ -470,14 +470,14 @@ impl Window {
         both
     }
 
-    /// Least focal length at which the image lies inside, and its centre.
+    /// Least focal length, px, at which the image lies inside of the window, and its centre.
     fn filling(self, dims: Dims) -> (f64, [f64; 2]) {
         let [fx, fy] = self.focals(dims);
         let focal = fx.max(fy);
         (focal, self.centred(dims, focal))
     }
 
-    /// Largest focal length at which the image shows all of it, and its centre.
+    /// Largest focal length, px, at which the image contains the window, and its centre.
     fn holding(self, dims: Dims) -> (f64, [f64; 2]) {
         let [fx, fy] = self.focals(dims);
         let focal = fx.min(fy);

@@ -1,7 +1,7 @@
-//! The rig as a board keeps it: cameras, pose, rectified view and disparity range in [`RigImage::BYTES`] bytes.
+//! Binary image of a rig for storage on a board: cameras, pose, rectified view and disparity range in [`RigImage::BYTES`] bytes.
 //!
-//! In: a calibration and what is wanted of it. Out: bytes; from bytes the same bits again, so that a board and a PC rectify alike, or a name
-//! for what is wrong with them.
+//! In: a calibration, a view and a disparity range. Out: bytes. Decoding gives the same bits again, so that a board and a PC rectify alike, or the
+//! error in the bytes.
 //!
 //! ```text
 //! offset  bytes                      all numbers little endian
@@ -22,10 +22,10 @@
 //!    264      4  CRC-32              of all bytes before it
 //! ```
 //!
-//! Magic, version, length, sequence and a CRC-32 at the end stay where they are in every version, so that a later one is known as such.
+//! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version, so that a later one is recognised.
 //!
 //! # Bounds
-//! A CRC-32 finds every one, two or three damaged bits of an image this short; of other damage it lets one in 4 * 10^9 pass, whose
+//! A CRC-32 detects one, two or three damaged bits in an image this short; other damage passes with a probability of 1 / (4 * 10^9), and its
 //! numbers then still have to be those of a usable rig.
 //!
 //! # Cost
@@ -40,14 +40,14 @@ use core::fmt;
 use linestereo::{Dims, ParamError, Params};
 use serde::{Deserialize, Serialize};
 
-/// The first bytes of every image.
+/// First bytes of every image.
 const MAGIC: [u8; 4] = *b"LSRG";
-/// The version that is written.
+/// Version that is written.
 const VERSION: u16 = 1;
-/// What flash holds where nothing was written.
+/// Value of erased flash.
 const ERASED: u8 = 0xff;
 
-/// A rig that a board can use: its cameras rectify to this size and view, its disparity range fits that.
+/// A rig that a board can use: its cameras can be rectified to this size and view, and the disparity range fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigImage {
     calibration: Calibration,
@@ -57,7 +57,7 @@ pub struct RigImage {
     rectification: Rectification,
 }
 
-/// What stands at the start of an image.
+/// Start of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RigImageHead {
     /// Version of the layout.
@@ -66,39 +66,39 @@ pub struct RigImageHead {
     pub length: u16,
     /// Number of the image among those that a board wrote.
     pub sequence: u32,
-    /// The checksum in it is that of its bytes.
+    /// True when the checksum is that of the bytes.
     pub is_whole: bool,
 }
 
-/// Why bytes are no rig that a board can use.
+/// Reason why bytes are no rig that a board can use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RigImageError {
-    /// Nothing was written there: erased memory.
+    /// Erased memory.
     Empty,
-    /// The first bytes are those of something else.
+    /// The first bytes are not those of an image.
     Foreign,
     /// The image ends too early.
     Truncated {
         /// Bytes of the image.
         needed: usize,
-        /// Bytes there.
+        /// Bytes given.
         given: usize,
     },
     /// Bytes follow the image.
     Surplus {
         /// Bytes of the image.
         needed: usize,
-        /// Bytes there.
+        /// Bytes given.
         given: usize,
     },
-    /// The checksum is another.
+    /// The checksum is not that of the bytes.
     Damaged,
     /// A whole image of another version.
     OtherVersion {
         /// Its version.
         found: u16,
     },
-    /// It says that it is of another length than those of this version: damaged, or a later version that does not fit here.
+    /// The length field is not that of this version: a damaged image, or one of a later version.
     Length {
         /// Its length.
         found: u16,
@@ -107,9 +107,9 @@ pub enum RigImageError {
     LensKind(Eye, u32),
     /// A kind of view that this version does not have.
     ViewKind(u32),
-    /// A camera in it is none.
+    /// A camera is not usable.
     Camera(Eye, CameraError),
-    /// Its cameras are no pair.
+    /// The cameras are no stereo pair.
     Pair(CalibrationError),
     /// The pair cannot be rectified to this size and view.
     View(RectifyError),
@@ -143,7 +143,7 @@ impl fmt::Display for RigImageError {
 impl core::error::Error for RigImageError {}
 
 impl RigImageHead {
-    /// Reads the start of an image. Nothing but the first bytes is checked.
+    /// Reads the start of an image. Only the magic is checked.
     pub fn read(bytes: &[u8]) -> Result<Self, RigImageError> {
         if !bytes.is_empty() && bytes.iter().all(|&byte| byte == ERASED) {
             return Err(RigImageError::Empty);
@@ -161,7 +161,7 @@ impl RigImageHead {
         Ok(Self { version, length, sequence, is_whole })
     }
 
-    /// Reads the start of an image of this version, whose bytes are those that were written.
+    /// Reads the start of an image of this version, and checks its length and checksum.
     pub fn check(bytes: &[u8]) -> Result<Self, RigImageError> {
         let head = Self::read(bytes)?;
         let (needed, given) = (RigImage::BYTES, bytes.len());
@@ -170,7 +170,7 @@ impl RigImageHead {
             RigImage::BYTES if given > needed => return Err(RigImageError::Surplus { needed, given }),
             RigImage::BYTES if !head.is_whole => return Err(RigImageError::Damaged),
             RigImage::BYTES if head.version == VERSION => return Ok(head),
-            // Only a whole image can be believed to be of another version.
+            // The version field is valid only with a valid checksum.
             _ if head.is_whole && head.version != VERSION => {}
             _ => return Err(RigImageError::Length { found: head.length }),
         }
@@ -179,10 +179,10 @@ impl RigImageHead {
 }
 
 impl RigImage {
-    /// Bytes of an image.
+    /// Size of an image, bytes.
     pub const BYTES: usize = 268;
 
-    /// A rig whose images are rectified to this size and view and searched for disparities from the first to before the second.
+    /// A rig whose images are rectified to this size and view and searched at disparities `min_disparity .. max_disparity`, px.
     pub fn new(
         calibration: Calibration,
         dims: Dims,
@@ -224,7 +224,7 @@ impl RigImage {
         bytes
     }
 
-    /// The image that these bytes are.
+    /// Decodes an image.
     ///
     /// ```
     /// use linestereo::Dims;
@@ -261,7 +261,7 @@ impl RigImage {
         &self.calibration
     }
 
-    /// How much of the view is kept.
+    /// Part of the view that is kept.
     #[must_use]
     pub fn view(&self) -> View {
         self.view
@@ -273,7 +273,7 @@ impl RigImage {
         (self.min_disparity, self.max_disparity)
     }
 
-    /// The common view, and the way back to the raw images.
+    /// The common view, and the mapping to the raw images.
     #[must_use]
     pub fn rectification(&self) -> &Rectification {
         &self.rectification
@@ -287,7 +287,7 @@ impl RigImage {
     }
 }
 
-/// What stands at the same place in every version.
+/// Fields at the same offsets in every version.
 #[derive(Serialize, Deserialize)]
 struct Head {
     magic: [u8; 4],
@@ -299,7 +299,7 @@ struct Head {
     sequence: u32,
 }
 
-/// Everything but the checksum, unchecked.
+/// All fields but the checksum, unchecked.
 #[derive(Serialize, Deserialize)]
 struct Numbers {
     head: Head,

@@ -1,14 +1,14 @@
-//! Raw rows, one after the other -> rectified rows.
+//! Rectification row by row: raw rows -> rectified rows.
 //!
-//! In: raw rows as the camera delivers them. Out: rectified rows, in order, each as soon as the last raw row it needs has come.
+//! In: raw rows in the order of the camera. Out: rectified rows, in order, each as soon as the last raw row that it needs is given.
 //!
 //! ```text
 //! push(raw row):
-//!     into the band, a ring of as many raw rows as any rectified row needs at once, over the oldest
-//!     for each rectified row that is complete now:
+//!     store it in the band, a ring of as many raw rows as any rectified row needs at once, over the oldest
+//!     for each rectified row that can be computed now:
 //!         for each piece of it (see Mesh):
 //!             split where the raw row changes; bilinear_runs
-//!             at the border of the raw image pixel by pixel, held inside
+//!             at the border of the raw image pixel by pixel, positions clamped
 //! ```
 //!
 //! # Bounds
@@ -24,37 +24,37 @@ use linestereo::diagnostics::kernel::{Ring, Run, bilinear, bilinear_cells, bilin
 #[derive(Clone, Debug)]
 pub struct Band<const BYTES: usize> {
     bytes: Bytes<BYTES>,
-    place: Place,
+    progress: Progress,
     work: Work,
 }
 
-/// On a word, so that rows are copied by words.
+/// Bytes aligned to 4, so that rows are copied by words.
 #[derive(Clone, Debug)]
 #[repr(align(4))]
 struct Bytes<const BYTES: usize>([u8; BYTES]);
 
-/// What is needed while a row is computed.
+/// Working memory for a row.
 #[derive(Clone, Debug)]
 struct Work {
     knots: Knots,
     runs: [Run; RUNS],
 }
 
-/// Runs that are painted at once.
+/// Largest number of runs interpolated at once.
 const RUNS: usize = 48;
 /// Most runs of a cell of the mesh: one for each pixel.
 const MOST_OF_CELL: usize = 16;
 
-/// How far a frame has come.
+/// Progress in a frame.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
-    /// The raw row that is expected.
+struct Progress {
+    /// Next raw row.
     raw: u16,
-    /// The rectified row that is expected.
+    /// Next rectified row.
     row: u16,
 }
 
-/// Why a raw row was refused. The frame stands where it stood.
+/// Reason why a raw row is refused. The progress in the frame does not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowError {
     /// The mesh is empty: build it first.
@@ -63,17 +63,17 @@ pub enum RowError {
     Band {
         /// Bytes needed: [`Mesh::band_bytes`].
         needed: usize,
-        /// Bytes there are.
+        /// Bytes given.
         given: usize,
     },
-    /// The raw row is not as long as the mesh says.
+    /// The raw row does not have the width of the mesh's raw images.
     Width {
         /// Pixels of a raw row.
         needed: u16,
         /// Pixels given.
         given: usize,
     },
-    /// All raw rows of this frame have come: restart for the next one.
+    /// All raw rows of this frame have been given: restart for the next one.
     TooMany,
     /// The memory for the rectified frame is too small.
     Frame {
@@ -105,45 +105,45 @@ impl<const BYTES: usize> Default for Band<BYTES> {
 }
 
 impl<const BYTES: usize> Band<BYTES> {
-    /// An empty one.
+    /// An empty band.
     #[must_use]
     pub const fn new() -> Self {
         const NOTHING: Run =
             Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, ddx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
         let work = Work { knots: [NO_NODE; _], runs: [NOTHING; RUNS] };
-        Self { bytes: Bytes([0; BYTES]), place: Place { raw: 0, row: 0 }, work }
+        Self { bytes: Bytes([0; BYTES]), progress: Progress { raw: 0, row: 0 }, work }
     }
 
-    /// Forgets the frame: the next raw row is the first of another one.
+    /// Starts a new frame: the next raw row is its first.
     pub fn restart(&mut self) {
-        self.place = Place::default();
+        self.progress = Progress::default();
     }
 
-    /// Takes the next raw row, writes the rectified rows that can be computed now to their places in `frame` (as wide as the rectified
-    /// image, row after row), and says which they are. Pixels outside a row's [`Mesh::spans`] become 0.
+    /// Stores the next raw row, writes the rectified rows that can be computed now to `frame` (row-major, as wide as the rectified image), and
+    /// returns their range. Pixels outside a row's [`Mesh::spans`] become 0.
     pub fn push<const NODES: usize, const ROWS: usize>(
         &mut self,
         mesh: &Mesh<NODES, ROWS>,
         raw_row: &[u8],
         frame: &mut [u8],
     ) -> Result<Range<u16>, RowError> {
-        self.place.push(&mesh.plan(), &mut self.bytes.0, &mut self.work, raw_row, frame)
+        self.progress.push(&mesh.plan(), &mut self.bytes.0, &mut self.work, raw_row, frame)
     }
 
-    /// Is every row of the rectified frame written?
+    /// True when every row of the rectified frame is written.
     #[must_use]
     pub fn is_complete<const NODES: usize, const ROWS: usize>(&self, mesh: &Mesh<NODES, ROWS>) -> bool {
-        self.place.row >= mesh.dims().height
+        self.progress.row >= mesh.dims().height
     }
 
-    /// Raw rows of this frame that have come.
+    /// Number of raw rows of this frame given so far.
     #[must_use]
     pub fn raw_rows(&self) -> u16 {
-        self.place.raw
+        self.progress.raw
     }
 }
 
-impl Place {
+impl Progress {
     #[inline(never)]
     fn push(
         &mut self,
@@ -186,37 +186,37 @@ impl Place {
     }
 }
 
-/// Where a raw row lies in the ring.
+/// Index at which a raw row starts in the ring.
 fn slot(row: u16, mesh: &MeshPlan<'_>) -> Option<usize> {
     Some(usize::from(row.checked_rem(mesh.grid.band_rows)?) * usize::from(mesh.grid.raw.width))
 }
 
-/// The band as it is while a row is computed.
+/// The band during the computation of a row.
 struct Rows<'a> {
     mesh: MeshPlan<'a>,
     bytes: &'a [u8],
-    /// The raw row at the start of the ring: those before it lie at its end.
+    /// Raw row at the start of the ring: those before it lie at its end.
     lap: u16,
 }
 
 impl Rows<'_> {
-    /// Where raw row `y` and the next one start.
+    /// Indices at which raw row `y` and the next one start.
     #[inline]
-    fn places(&self, y: i32) -> (u32, u32) {
+    fn starts(&self, y: i32) -> (u32, u32) {
         let grid = self.mesh.grid;
         let (width, rows) = (u32::from(grid.raw.width), i32::from(grid.band_rows));
-        let place = y - i32::from(self.lap);
-        let place = if place < 0 { place + rows } else { place };
-        let top = (place as u32).wrapping_mul(width);
-        (top, if place + 1 == rows { 0 } else { top.wrapping_add(width) })
+        let index = y - i32::from(self.lap);
+        let index = if index < 0 { index + rows } else { index };
+        let top = (index as u32).wrapping_mul(width);
+        (top, if index + 1 == rows { 0 } else { top.wrapping_add(width) })
     }
 
     /// Raw row `y`, if it is held.
     fn raw(&self, y: i32) -> &[u8] {
         let width = usize::from(self.mesh.grid.raw.width);
-        let place = y - i32::from(self.lap);
-        let place = if place < 0 { place + i32::from(self.mesh.grid.band_rows) } else { place };
-        let start = (place as usize).wrapping_mul(width);
+        let index = y - i32::from(self.lap);
+        let index = if index < 0 { index + i32::from(self.mesh.grid.band_rows) } else { index };
+        let start = (index as usize).wrapping_mul(width);
         self.bytes.get(start..start.wrapping_add(width)).unwrap_or(&[])
     }
 
@@ -239,7 +239,7 @@ impl Rows<'_> {
         list.paint();
     }
 
-    /// A row all of whose pixels lie between four raw ones.
+    /// Rectifies a row all of whose pixels lie between four raw ones.
     fn rectify_inner(&self, y: u16, work: &mut Work, out: &mut [u8]) {
         let width = usize::from(self.mesh.grid.raw.width);
         let mut knots = self.mesh.knots(y, &mut work.knots);
@@ -260,7 +260,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Makes a list of as many whole cells as it holds, up to a number of pixels.
+    /// Lists the runs of as many whole cells as fit, up to `most` pixels.
     fn list(&self, knots: &[Node], most: i32, runs: &mut [Run; RUNS]) -> Listed {
         let (mut left, mut cells) = (most, 0);
         let mut slots = runs.iter_mut();
@@ -289,7 +289,7 @@ impl Rows<'_> {
         while left > 0 {
             let Piece { x_q16, dx_q16, ddx_q16, y_q14, dy_q14 } = piece;
             let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
-            let (top, bottom) = self.places(row);
+            let (top, bottom) = self.starts(row);
             let mut run = Run { top, bottom, x_q16, dx_q16, ddx_q16, fy_q14, dfy_q14: dy_q14, length: left as u32 };
             if y_q14.wrapping_add(dy_q14.wrapping_mul(left - 1)) >> 14 == row {
                 return put(run);
@@ -302,14 +302,14 @@ impl Rows<'_> {
         }
     }
 
-    /// Pixel by pixel, held inside.
+    /// Interpolates pixel by pixel, at clamped positions.
     fn paint_border(&self, piece: Piece, out: &mut [u8]) {
         let raw = self.mesh.grid.raw;
         let (ends_x, ends_y) = ((i32::from(raw.width) - 1) << 16, (i32::from(raw.height) - 1) << 14);
         for (pixel, i) in out.iter_mut().zip(0..) {
             let [x, y] = piece.at(i);
             let (x, y) = (x.min(ends_x).max(0), y.min(ends_y).max(0));
-            // The last pixel is one to the right of the last but one.
+            // The last column and row are interpolated from the last two, with the full fraction.
             let (column, row) = ((x >> 16).min(i32::from(raw.width) - 2), (y >> 14).min(i32::from(raw.height) - 2));
             let two = |row: &[u8]| row.get(column as usize..).and_then(|row| row.first_chunk::<2>()).copied();
             *pixel = match (two(self.raw(row)), two(self.raw(row + 1))) {
@@ -320,19 +320,19 @@ impl Rows<'_> {
     }
 }
 
-/// What a list of runs holds.
+/// Content of a list of runs.
 struct Listed {
     runs: usize,
     pixels: i32,
     cells: usize,
 }
 
-/// Runs that are to be painted, and where to.
+/// Runs to be interpolated, and their target.
 struct List<'a> {
     rows: &'a Rows<'a>,
     runs: &'a mut [Run; RUNS],
     count: usize,
-    /// Of all runs.
+    /// Number of pixels of all runs.
     pixels: usize,
     left: &'a mut [u8],
 }
@@ -342,7 +342,7 @@ impl List<'_> {
     fn add(&mut self, piece: Piece, length: u16) {
         let grid = self.rows.mesh.grid;
         let last = piece.from(i32::from(length) - 1);
-        // Columns that do not turn back lie between the first and the last one.
+        // Monotonic columns lie between the first and the last one.
         let is_straight = piece.dx_q16 >= 0 && last.dx_q16 >= 0;
         if is_straight && grid.is_between(piece.at(0)) && grid.is_between(last.at(0)) {
             if self.count + MOST_OF_CELL > RUNS {
@@ -377,7 +377,7 @@ impl List<'_> {
     }
 }
 
-/// Pixels, at least one, before a position that starts at a fraction of a row and moves by `step` leaves the row.
+/// Number of pixels, at least one, before a position that starts at a fraction of a row and moves by `step` leaves the row.
 fn before_next_row(fraction: i32, step: i32) -> i32 {
     let distance = if step < 0 { fraction } else { (1 << 14) - 1 - fraction };
     distance.checked_div(step.wrapping_abs()).map_or(i32::MAX, |steps| steps.wrapping_add(1))

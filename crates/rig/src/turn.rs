@@ -1,4 +1,4 @@
-//! Rotations as unit quaternions `[w, x, y, z]`: no trigonometry, so that they are the same numbers on every machine.
+//! Rotations as unit quaternions `[w, x, y, z]`: no trigonometry, so that results are equal on every machine.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use nalgebra::Matrix3;
@@ -9,7 +9,7 @@ pub(crate) fn half([w, x, y, z]: [f64; 4]) -> [f64; 4] {
     [length / 2.0, x / length, y / length, z / length]
 }
 
-/// As a matrix.
+/// Rotation matrix of a unit quaternion.
 pub(crate) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         1.0 - 2.0 * (y * y + z * z),

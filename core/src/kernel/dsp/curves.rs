@@ -1,9 +1,9 @@
 //! Curves of costs over disparity.
 //!
-//! In: eight pixels or a census code, and the row they are sought in; or curves. Out: sums per disparity; or one curve of several.
+//! In: eight pixels or a census code, and the row in which they are searched; or curves. Out: sums per disparity; or one curve of several.
 //!
 //! ```text
-//! sad:     every fourth disparity in one go: the second word read for one is the first of the next; two strips a go
+//! sad:     every fourth disparity in one pass: the second word read for one is the first of the next; two strips a pass
 //! hamming: four disparities a word; bits are counted in nibbles, which hold three points, then in bytes, which hold 31
 //! others:  two entries a word
 //! ```
@@ -211,7 +211,7 @@ two_operands!(
 #[inline(always)]
 fn lower(a: u32, b: u32) -> u32 {
     let result: u32;
-    // SAFETY: registers alone, as in `two_operands`; the flags between the two instructions are nobody else's.
+    // SAFETY: registers alone, as in `two_operands`; no other code uses the flags between the two instructions.
     unsafe {
         asm!("usub16 {r}, {a}, {b}", "sel {r}, {b}, {a}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
             options(pure, nomem, nostack));

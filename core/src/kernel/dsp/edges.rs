@@ -1,6 +1,6 @@
 //! Steps along a row or column, and gradients where an edge crosses two of them.
 //!
-//! In: pixels of an image, the first one's index, the distance from one to the next. Out: the largest step; the strongest of three places.
+//! In: pixels of an image, the first one's index, the distance from one to the next. Out: the largest step; the strongest of three positions.
 //!
 //! ```text
 //! step:     size above, distance from the end below, in one word: the first of equals is the largest
@@ -17,7 +17,7 @@ use super::super::portable::{self, Crossing, LargestStep};
 use super::two_operands;
 
 two_operands!(
-    /// Of two bytes.
+    /// Absolute difference of two bytes.
     absolute_difference,
     "usad8 {r}, {a}, {b}"
 );
@@ -57,7 +57,7 @@ pub fn crossing_of_rows(pixels: &[u8], first: usize, stride: usize, sign: i32) -
     if first.checked_add(stride)?.checked_add(7)? > pixels.len() {
         return None;
     }
-    // SAFETY: the seventh pixel of the second row was just found to exist, and is behind all others; `crossing` asks for seven.
+    // SAFETY: the seventh pixel of the second row was just found to exist, and is behind all others; `crossing` reads seven.
     unsafe {
         let above = pixels.as_ptr().add(first);
         let below = above.add(stride);
@@ -71,7 +71,7 @@ pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32
     if stride.checked_mul(6)?.checked_add(first)?.checked_add(2)? > pixels.len() {
         return None;
     }
-    // SAFETY: the second pixel of the seventh row was just found to exist, and is behind all others; `crossing` asks for seven rows.
+    // SAFETY: the second pixel of the seventh row was just found to exist, and is behind all others; `crossing` reads seven rows.
     unsafe {
         let at = pixels.as_ptr().add(first);
         Some(portable::crossing(|u| *at.add(u * stride), |u| *at.add(u * stride + 1), sign))

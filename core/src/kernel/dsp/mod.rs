@@ -1,18 +1,19 @@
 //! Kernels for cores with Arm's DSP extension (Armv7E-M: Cortex-M4 and M7; Armv8-M Mainline with it: Cortex-M33 and above): four bytes or
 //! two half words per instruction.
 //!
-//! In and out as the [`portable`](super::portable) versions, the same bits for every input: what a loop here cannot do goes to them.
+//! In and out as the [`portable`](super::portable) versions, the same bits for every input: they do what a loop here cannot.
 //!
 //! ```text
 //! rows    gradient, census, reversal of a row
-//! curves  costs over disparity: sums of strips and points, and what is made of several curves
-//! pixels  grey levels between the pixels of two rows
+//! curves  costs over disparity: sums of strips and points, operations on curves
+//! pixels  bilinear interpolation between two rows
 //! support ranks, costs of windows of ranks, paths
 //! edges   the largest step along a row or column, gradients where an edge crosses
 //! ```
 //!
 //! # Bounds
-//! Words are read and written at any address, which these cores do for single words (Armv7-M Architecture Reference Manual, A3.2.1; Armv8-M the same).
+//! Words are read and written at any address, which these cores allow for single words (Armv7-M Architecture Reference Manual, A3.2.1; Armv8-M
+//! the same).
 //! `firmware/src/programs/kernels.rs` compares every kernel with its portable version between fences of forbidden memory.
 //!
 //! # Cost

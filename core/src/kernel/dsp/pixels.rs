@@ -1,16 +1,16 @@
-//! Pixels between pixels.
+//! Bilinear interpolation between the pixels of two rows.
 //!
 //! In: two rows, positions on a line between them. Out: a grey level each.
 //!
 //! ```text
 //! two pixels of either row -> left ones in one word, right ones in another
 //! both + (right - left) * fraction, in one multiplication: a row in each half of the word
-//! SMLAD weighs both rows and rounds; USAT holds the column inside
+//! SMLAD weighs both rows and rounds; USAT clamps the column
 //! ```
 //!
 //! # Bounds
-//! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative difference comes back with the sum, which
-//! is none.
+//! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative difference returns with the sum, which
+//! is not negative.
 //!
 //! # Cost
 //! Instructions under QEMU: 16.5 a pixel. Runs: 8 to check one and 18 to start it. Cells: 28 for each, 42 for each of its parts that lies
@@ -100,7 +100,7 @@ macro_rules! pixels_of_run {
 /// written as all runs have pixels.
 #[inline(never)]
 unsafe fn pixels<const BITS: usize>(rows: *const u8, runs: &[Run], out: *mut u8) {
-    // SAFETY: the caller's: USAT holds a column between 0 and 2^BITS - 1. The end of the list, and while a run lasts the list and the rows,
+    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1. The end of the list, and while a run lasts the list and the rows,
     // are on the stack, below what is kept of the two registers that cannot be named.
     unsafe {
         asm!(
@@ -140,17 +140,17 @@ unsafe fn pixels<const BITS: usize>(rows: *const u8, runs: &[Run], out: *mut u8)
     }
 }
 
-/// A row of cells, and how far it has come.
+/// Progress in a row of cells.
 #[repr(C)]
 struct Cells {
     knots: *const Knot,
-    /// Pixels that are left, but for those of the current cell.
+    /// Number of remaining pixels, without those of the current cell.
     pixels: u32,
     bytes: *const u8,
     width: u32,
     rows: u32,
     first: i32,
-    /// Of the rest of the current cell: row and its step, px in Q14, and pixels.
+    /// Rest of the current cell: row and its step, px in Q14, and number of pixels.
     y: i32,
     dy: i32,
     rest: u32,
@@ -264,7 +264,7 @@ macro_rules! split_at_next_row {
 /// bytes and one more can be read.
 #[inline(never)]
 unsafe fn paint_cells<const BITS: usize>(cells: &mut Cells, out: *mut u8) {
-    // SAFETY: the caller's: USAT holds a column between 0 and 2^BITS - 1, and a row that is not held is the first one. The two registers that
+    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1, and a row that is not held is the first one. The two registers that
     // cannot be named are kept on the stack.
     unsafe {
         asm!(

@@ -139,8 +139,8 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
 #[inline(always)]
 unsafe fn census_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
     let [top, row, bottom] = rows;
-    // SAFETY: the caller's. Step i reads from 4 i to 4 i + 8 and writes four bytes from 4 i on; the flags between two instructions are
-    // nobody else's.
+    // SAFETY: the caller's. Step i reads from 4 i to 4 i + 8 and writes four bytes from 4 i on; no other code uses the flags between
+    // two instructions.
     unsafe {
         asm!(
             "2:",

@@ -5,7 +5,7 @@
 //! ```text
 //! rank    each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
 //! columns four of them a round
-//! costs   four places a round, a column of four ranks an instruction; a column is loaded for all places that it counts for
+//! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
 //! path    two words a round; the entries before and behind four are cut out of three words
 //! ```
 //!
@@ -20,7 +20,7 @@ use core::arch::asm;
 #[inline(always)]
 fn lower(a: u32, b: u32) -> u32 {
     let result: u32;
-    // SAFETY: registers alone; the flags between the two instructions are nobody else's.
+    // SAFETY: registers alone; no other code uses the flags between the two instructions.
     unsafe {
         asm!("usub8 {r}, {a}, {b}", "sel {r}, {b}, {a}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
             options(pure, nomem, nostack));
@@ -79,7 +79,7 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
             options(nostack),
         );
     }
-    // What is left: the border, and a few pixels before it.
+    // The rest: the border, and a few pixels before it.
     if let Some(border) = out.get_mut(..2) {
         border.fill(RANK_FLAT);
     }
@@ -109,7 +109,7 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
     {
         return portable::rank_columns(rows, columns);
     }
-    // SAFETY: so many words of each of the four rows are read, and four times as many written, at aligned addresses.
+    // SAFETY: `words` words of each of the four rows are read, and four times as many written, at aligned addresses.
     unsafe {
         asm!(
             "2:",
@@ -166,17 +166,17 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
     unsafe {
         fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
         if !length.is_multiple_of(4) {
-            // What is left, and some of those before it again.
+            // The rest, and some of those before it again.
             fours(at_window, at_columns.add(behind), costs.as_mut_ptr().add(behind), 1);
         }
     }
 }
 
-/// Costs of four places each, `rounds` times.
+/// Costs of four disparities each, `rounds` times.
 ///
 /// # Safety
 /// There is a round at least. The window holds eight words, the columns four a round and seven more; both are aligned. As many costs can be written
-/// as there are places.
+/// as there are disparities.
 #[inline(always)]
 unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds: usize) {
     // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last round end seven words behind its four.
@@ -401,7 +401,7 @@ pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
             "3:",
             at = inout(reg) at,
             words = inout(reg) words => _,
-            out("r3") found, // a low one, as `cbnz` wants it
+            out("r3") found, // a low one, as `cbnz` requires
             bounds = in(reg) u32::from_le_bytes([bound; 4]),
             ones = in(reg) 0x0101_0101,
             zero = in(reg) 0,
