@@ -18,6 +18,7 @@ mod kernels;
 mod layers;
 mod layouts;
 mod lines;
+mod machine;
 mod no_panic;
 mod objects;
 mod obstacles;

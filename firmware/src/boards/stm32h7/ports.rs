@@ -74,13 +74,20 @@ async fn tick() -> ! {
     }
 }
 
+/// Bytes of one write to a UART: fewer than its buffer, which is empty before.
+const CHUNK: usize = 64;
+
 /// From the program to a UART.
+///
+/// embassy-stm32 0.6 waits for ever in a write for which its buffer lacks room: it registers no waker there. So every write finds it empty.
 #[embassy_executor::task(pool_size = 2)]
 async fn send_uart(mut uart: BufferedUartTx<'static>, pipe: &'static Pipe<OUT>) -> ! {
-    let mut bytes = [0; 64];
+    let mut bytes = [0; CHUNK];
     loop {
         let count = pipe.read(&mut bytes).await;
-        let _ = uart.write_all(&bytes[..count]).await; // a UART cannot fail to send
+        // A UART cannot fail to send.
+        let _ = uart.write_all(bytes.get(..count).unwrap_or_default()).await;
+        let _ = uart.flush().await;
     }
 }
 

@@ -1,0 +1,302 @@
+"""A Cortex-M7 by Unicorn 2.1.4: memory, time by instructions, NVIC, exceptions entered and left by hand, events.
+
+Not in it: caches, bus contention, MPU faults (its regions are recorded), wait states, priority grouping, lazy FPU state.
+Time is an estimate, `MHZ` instructions a microsecond; sleep (WFE, WFI) jumps to the next event.
+"""
+import ctypes, heapq, os, struct, subprocess, tempfile
+from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_INTR, UC_HOOK_MEM_UNMAPPED, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn.arm_const import *
+from unicorn.unicorn_py3.unicorn import uclib
+
+FLASH, FLASH_BYTES = 0x08000000, 0x200000
+MHZ = 400.0
+IT_BITS = 0x0600FC00
+LOW = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR)
+FOREVER = 1e18
+
+# Called for every block of code: in C, because it is most of the time that a run takes.
+HOOK = """
+#include <stdint.h>
+#include <string.h>
+struct clock { double now, stop, step; int (*end)(void *); uint8_t *covered; uint64_t first, bytes; };
+void on_block(void *uc, uint64_t at, uint32_t size, struct clock *c) {
+    c->now += (size / 3 + 1) * c->step;
+    if (at - c->first < c->bytes) memset(c->covered + (at - c->first), 1, size);
+    if (c->now >= c->stop) c->end(uc);
+}
+"""
+
+
+class Clock(ctypes.Structure):
+    _fields_ = [("now", ctypes.c_double), ("stop", ctypes.c_double), ("step", ctypes.c_double), ("end", ctypes.c_void_p),
+                ("covered", ctypes.c_void_p), ("first", ctypes.c_uint64), ("bytes", ctypes.c_uint64)]
+
+
+def load(path):
+    """Segments (address, bytes) and functions {address: (bytes, name)} of an ELF file."""
+    d = open(path, "rb").read()
+    u32 = lambda at: struct.unpack_from("<I", d, at)[0]
+    u16 = lambda at: struct.unpack_from("<H", d, at)[0]
+    segments = [struct.unpack_from("<8I", d, u32(28) + i * u16(42)) for i in range(u16(44))]
+    segments = [(s[3], d[s[1]:s[1] + s[4]]) for s in segments if s[0] == 1 and s[4]]
+    sections = [struct.unpack_from("<10I", d, u32(32) + i * u16(46)) for i in range(u16(48))]
+    functions = {}
+    for s in (s for s in sections if s[1] == 2):
+        names = sections[s[6]][4]
+        for at in range(s[4], s[4] + s[5], 16):
+            name, value, size, info = struct.unpack_from("<IIIB", d, at)
+            if size and info & 15 == 2:
+                functions[value & ~1] = (size, d[names + name:d.index(b"\0", names + name)].decode())
+    return segments, functions
+
+
+class Core:
+    """`read(address)` and `write(address, value)` of the chip serve words of 0x40000000 .. 0x60000000."""
+
+    def __init__(self, path, ram, read, write, bytewise):
+        self.segments, self.functions = load(path)
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self.uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M7)
+        for start, size in [(FLASH, FLASH_BYTES)] + ram:
+            self.uc.mem_map(start, size)
+        self.uc.mem_write(FLASH, b"\xff" * FLASH_BYTES)
+        for start, data in self.segments:
+            self.uc.mem_write(start, data)
+        self.registers, self.chip_read, self.chip_write, self.bytewise = {}, read, write, bytewise
+        self.uc.mmio_map(0x40000000, 0x20000000, self._read, 0x40000000, self._write, 0x40000000)
+        self.uc.mmio_map(0xE0000000, 0x100000, self._read, 0xE0000000, self._write, 0xE0000000)
+        self._hooks()
+        self.events, self.order = [], 0
+        self.longest_handler_stack, self.interrupts, self.ending = 0, {}, None
+        self.reset()
+
+    def _hooks(self):
+        folder = tempfile.mkdtemp()
+        source, library = os.path.join(folder, "hook.c"), os.path.join(folder, "hook.so")
+        open(source, "w").write(HOOK)
+        subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", library, source], check=True)
+        self.covered = ctypes.create_string_buffer(FLASH_BYTES)
+        end = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
+        self.clock = Clock(0.0, 0.0, 1 / MHZ, end, ctypes.addressof(self.covered), FLASH, FLASH_BYTES)
+        self.hook = ctypes.CDLL(library).on_block
+        uclib.uc_hook_add(self.uc._uch, ctypes.byref(ctypes.c_size_t()), UC_HOOK_BLOCK, ctypes.cast(self.hook, ctypes.c_void_p),
+                          ctypes.byref(self.clock), ctypes.c_uint64(1), ctypes.c_uint64(0))
+        self.uc.hook_add(UC_HOOK_INTR, self._on_interrupt)
+        self.uc.hook_add(UC_HOOK_MEM_UNMAPPED, self._on_unmapped)
+        for start, data in self.segments:
+            for at in range(0, len(data) - 1, 2):
+                if data[at] in (0x20, 0x30) and data[at + 1] == 0xBF:  # WFE, WFI; data that looks so is never executed
+                    self.uc.hook_add(UC_HOOK_CODE, self._on_sleep, None, start + at, start + at)
+
+    def reset(self):
+        """Power stays: RAM keeps what it holds."""
+        self.enabled, self.pending, self.active, self.frames = set(), set(), [], []
+        self.registers.clear()
+        self.registers[0xE000ED08] = FLASH
+        self.regions, self.event, self.ending = {}, False, None
+        self.events.clear()
+        sp, pc = struct.unpack("<2I", self.uc.mem_read(FLASH, 8))
+        for register in (UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK):
+            self.uc.reg_write(register, 0)
+        self.uc.reg_write(UC_ARM_REG_MSP, sp)
+        self.uc.reg_write(UC_ARM_REG_SP, sp)
+        self.uc.reg_write(UC_ARM_REG_PC, pc)
+        self.stack_top = sp
+
+    @property
+    def now(self):
+        return self.clock.now
+
+    def wait(self, us):
+        self.clock.now += us
+
+    def at(self, time, call):
+        self.order += 1
+        heapq.heappush(self.events, (time, self.order, call))
+        self.clock.stop = min(self.clock.stop, time)
+
+    def raise_interrupt(self, number):
+        self.pending.add(number)
+        self.clock.stop = 0
+
+    def where(self, address):
+        address &= ~1
+        return next((name for start, (size, name) in self.functions.items() if start <= address < start + size), hex(address))
+
+    def coverage(self):
+        """Bytes of functions executed, bytes of all, names and bytes of the largest that were not."""
+        total, executed, never = 0, 0, []
+        for start, (size, name) in self.functions.items():
+            done = sum(self.covered.raw[start - FLASH:start - FLASH + size]) if FLASH <= start < FLASH + FLASH_BYTES else 0
+            total, executed = total + size, executed + min(done, size)
+            if not done:
+                never.append((size, name))
+        return executed, total, sorted(never, reverse=True)[:25]
+
+    # Memory-mapped registers.
+
+    def _read(self, _, offset, size, base):
+        address = base + offset
+        word = self._system_read(address & ~3) if base == 0xE0000000 else self.chip_read(address & ~3)
+        return (word >> ((address & 3) * 8)) & ((1 << size * 8) - 1)
+
+    def _write(self, _, offset, size, value, base):
+        address, word = base + offset, (base + offset) & ~3
+        if size < 4 and word not in self.bytewise:
+            shift = (address & 3) * 8
+            mask = ((1 << size * 8) - 1) << shift
+            value = (self.registers.get(word, 0) & ~mask) | (value << shift)
+        (self._system_write if base == 0xE0000000 else self.chip_write)(word, value & 0xFFFFFFFF)
+
+    def _system_read(self, at):
+        mask = lambda numbers, first: sum(1 << (n - first) for n in numbers if first <= n < first + 32)
+        if 0xE000E100 <= at < 0xE000E120 or 0xE000E180 <= at < 0xE000E1A0:
+            return mask(self.enabled, (at & 0x1F) * 8)
+        if 0xE000E200 <= at < 0xE000E220:
+            return mask(self.pending, (at & 0x1F) * 8)
+        if at == 0xE000ED04:
+            return (self.active[-1] + 16 if self.active else 0) | (len(self.active) < 2) << 11
+        constants = {0xE000ED90: 16 << 8, 0xE000ED00: 0x411FC271, 0xE000ED80: 0xF00FE019, 0xE000ED78: 0x09000003}
+        return constants.get(at, self.registers.get(at, 0))
+
+    def _system_write(self, at, value):
+        self.registers[at] = value
+        numbers = {(at & 0x1F) * 8 + i for i in range(32) if value >> i & 1}
+        if 0xE000E100 <= at < 0xE000E120:
+            self.enabled |= numbers
+        elif 0xE000E180 <= at < 0xE000E1A0:
+            self.enabled -= numbers
+        elif 0xE000E200 <= at < 0xE000E220:
+            self.pending |= numbers
+        elif 0xE000E280 <= at < 0xE000E2A0:
+            self.pending -= numbers
+        elif at == 0xE000EF00:
+            self.pending.add(value & 0x1FF)
+        elif at == 0xE000EDA0 and value & 1:  # MPU: RASR
+            address, number = self.registers.get(0xE000ED9C, 0), self.registers.get(0xE000ED98, 0)
+            number = address & 15 if address & 16 else number
+            self.regions[number] = (address & ~0x1F, 1 << ((value >> 1 & 31) + 1), value >> 16 & 0x3F)  # start, bytes, TEX S C B
+        elif at == 0xE000ED0C and value >> 2 & 1:
+            self._end("reset")
+        self.clock.stop = 0
+
+    def _end(self, why):
+        self.ending = why
+        self.uc.emu_stop()
+
+    # Exceptions.
+
+    def _on_interrupt(self, uc, number, _):
+        self.number = number
+        uc.emu_stop()
+
+    def _on_sleep(self, uc, *_):
+        self.sleeping = True
+        uc.emu_stop()
+
+    def _on_unmapped(self, uc, access, address, size, *_):
+        self.fault = "access to %#x" % address
+        return False
+
+    def _priority(self, number):
+        return self.registers.get(0xE000E400 + (number & ~3), 0) >> ((number & 3) * 8) & 0xFF
+
+    def _next(self):
+        if self.uc.reg_read(UC_ARM_REG_PRIMASK) & 1 or self.uc.reg_read(UC_ARM_REG_FAULTMASK) & 1:
+            return None
+        ready = [(self._priority(n), n) for n in self.pending & self.enabled if n not in self.active]
+        best = min(ready, default=None)
+        running = min((self._priority(n) if n >= 0 else -1 for n in self.active), default=256)
+        return best[1] if best and best[0] < running else None
+
+    def enter(self, number):
+        """Enters an interrupt, or with a negative number the exception 16 + number."""
+        uc, read = self.uc, self.uc.reg_read
+        control, thread = read(UC_ARM_REG_CONTROL), read(UC_ARM_REG_IPSR) & 0x1FF == 0
+        floats, own_stack, sp = control >> 2 & 1, thread and control >> 1 & 1, read(UC_ARM_REG_SP)
+        frame = (sp - (0x68 if floats else 0x20)) & ~7
+        status = (read(UC_ARM_REG_XPSR) & ~0x200) | 1 << 24 | (sp >> 2 & 1) << 9
+        words = struct.pack("<8I", *map(read, LOW), read(UC_ARM_REG_PC), status)
+        if floats:
+            words += struct.pack("<16I", *(read(UC_ARM_REG_S0 + i) for i in range(16)))
+            words += struct.pack("<2I", read(UC_ARM_REG_FPSCR), 0)
+        uc.mem_write(frame, words)
+        uc.reg_write(UC_ARM_REG_SP, frame)
+        self.active.append(number)
+        self.frames.append((thread, own_stack, floats))
+        uc.reg_write(UC_ARM_REG_IPSR, number + 16)
+        uc.reg_write(UC_ARM_REG_CONTROL, control & ~(6 if own_stack else 4))
+        uc.reg_write(UC_ARM_REG_LR, 0xFFFFFFE1 | (0 if floats else 0x10) | thread << 3 | (4 if own_stack else 0))
+        vector = self.registers[0xE000ED08] + 4 * (16 + number)
+        uc.reg_write(UC_ARM_REG_PC, struct.unpack("<I", uc.mem_read(vector, 4))[0] | 1)
+        self.interrupts[number] = self.interrupts.get(number, 0) + 1
+        if own_stack or not thread:
+            self.longest_handler_stack = max(self.longest_handler_stack, self.stack_top - read(UC_ARM_REG_MSP))
+
+    def _leave(self):
+        uc, (thread, own_stack, floats), _ = self.uc, self.frames.pop(), self.active.pop()
+        uc.reg_write(UC_ARM_REG_IPSR, 0 if thread else self.active[-1] + 16)
+        if thread:
+            uc.reg_write(UC_ARM_REG_CONTROL, (uc.reg_read(UC_ARM_REG_CONTROL) & ~6) | (2 if own_stack else 0))
+        sp, count = uc.reg_read(UC_ARM_REG_SP), 26 if floats else 8
+        words = struct.unpack("<%dI" % count, uc.mem_read(sp, 4 * count))
+        for register, word in zip(LOW, words):
+            uc.reg_write(register, word)
+        if floats:
+            for i in range(16):
+                uc.reg_write(UC_ARM_REG_S0 + i, words[8 + i])
+            uc.reg_write(UC_ARM_REG_FPSCR, words[24])
+        uc.reg_write(UC_ARM_REG_SP, sp + 4 * count + (4 if words[7] >> 9 & 1 else 0))
+        if floats:
+            uc.reg_write(UC_ARM_REG_CONTROL, uc.reg_read(UC_ARM_REG_CONTROL) | 4)
+        uc.reg_write(UC_ARM_REG_APSR, words[7] & 0xF80F0000)
+        uc.reg_write(UC_ARM_REG_PC, words[6] | 1)
+
+    # Running.
+
+    def run(self, limit, after_exception):
+        """Until a time, us, or what ends it: `ending` says what. `after_exception` is called when one is left: levels ask again."""
+        uc = self.uc
+        while self.now < limit and not self.ending:
+            while self.events and self.events[0][0] <= self.now:
+                heapq.heappop(self.events)[2]()
+            number, count = self._next(), 0
+            if number is not None and uc.reg_read(UC_ARM_REG_XPSR) & IT_BITS:
+                number, count = None, 1  # Unicorn cannot come back into an IT block: a step, and again
+            if number is not None:
+                self.pending.discard(number)
+                self.enter(number)
+                self.event = True
+            self.clock.stop = min(self.events[0][0] if self.events else limit, limit)
+            if self.pending & self.enabled:
+                self.clock.stop = min(self.clock.stop, self.now + 2.0)  # masked, or of lower priority
+            self.number, self.sleeping, self.fault = None, False, None
+            try:
+                uc.emu_start(uc.reg_read(UC_ARM_REG_PC) | 1, 0xFFFFFFFE, 0, count)
+            except UcError as error:
+                if uc.reg_read(UC_ARM_REG_PC) >= 0xFFFFFF00:
+                    self.number = 8
+                else:
+                    self.ending = "%s in %s" % (self.fault or error, self.where(uc.reg_read(UC_ARM_REG_PC)))
+                    return
+            if self.number == 8:
+                self._leave()
+                self.event = True
+                after_exception()
+            elif self.number is not None:
+                self.ending = "exception %d in %s" % (self.number, self.where(uc.reg_read(UC_ARM_REG_PC)))
+            elif self.sleeping:
+                uc.reg_write(UC_ARM_REG_PC, (uc.reg_read(UC_ARM_REG_PC) + 2) | 1)
+                self._sleep(limit)
+
+    def _sleep(self, limit):
+        if self.event:
+            self.event = False
+            return
+        while not self.pending & self.enabled:
+            if not self.events or self.now > limit:
+                self.clock.now = max(self.now, limit)
+                return
+            time, _, call = heapq.heappop(self.events)
+            self.clock.now = max(self.now, time)
+            call()

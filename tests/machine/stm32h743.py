@@ -1,0 +1,432 @@
+"""The board of docs/boards/stm32h743.md: an STM32H743 and two MT9V034 that share its DCMI, with a host on USART3 and an autopilot on USART2.
+
+    python3 stm32h743.py IMAGE SCENARIO.json RESULT.json
+
+In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, bank 2 of the flash,
+watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes.
+
+Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's rig sectors or absent;
+erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `main`.
+"""
+import json, sys
+from cortex_m7 import FOREVER, Core
+
+WIDTH, HEIGHT, ROW_US = 320, 240, 27.5
+RAM = [(0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
+RIG_FLASH, RIG_BYTES = 0x081C0000, 0x40000
+I2C1, TIM5, DMA1, DCMI, EXTI, FLASH2 = 0x40005400, 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100
+TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
+bit = lambda value, at: value >> at & 1
+
+
+def sensor_row(camera, frame, y):
+    """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine.rs."""
+    shift = 10 if camera == "right" else 0
+    grey = lambda x: 40 + ((x // 8 * 73 + y // 8 * 151 + frame // 2 * 29) * 2654435761 >> 13) % 180
+    return bytes(grey(x + shift) for x in range(WIDTH))
+
+
+class Sensor:
+    """Registers of an MT9V034."""
+
+    def __init__(self, name):
+        self.name, self.registers, self.pointer, self.frame = name, {0x00: 0x1324, 0xBB: 200, 0xBA: 16}, 0, 0
+
+    def write(self, data):
+        self.pointer = data[0]
+        if len(data) >= 3:
+            self.registers[self.pointer] = data[1] << 8 | data[2]
+
+    def read(self, count):
+        value = self.registers.get(self.pointer, 0)
+        return [value >> 8, value & 255][:count]
+
+    def waits_for_trigger(self):
+        return self.registers.get(0x07, 0) >> 3 & 3 == 3
+
+    def exposure_us(self):
+        chosen = self.registers.get(0xAF, 3) & 3
+        return (self.registers[0xBB] if chosen else self.registers.get(0x0B, 200)) * ROW_US
+
+
+class I2c:
+    def __init__(self, sensors):
+        self.sensors, self.registers, self.flags, self.mode, self.left, self.data, self.answer = sensors, {}, 1, None, 0, [], []
+
+    def _finish(self):
+        if self.mode == "write" and self.data:
+            self.sensors[self.address].write(self.data)
+        self.data, self.mode = [], None
+
+    def _stop(self):
+        self.flags = (self.flags | 1 << 5) & ~(1 << 15 | 1 << 6 | 6)
+        self._finish()
+
+    def _complete(self):
+        if bit(self.registers.get(4, 0), 25):
+            self._stop()
+        else:
+            self.flags |= 1 << 6
+
+    def read(self, at):
+        if at == 0x18:
+            return self.flags
+        if at != 0x24:
+            return self.registers.get(at, 0)
+        value = self.answer.pop(0) if self.answer else 0
+        if not self.answer:
+            self.flags &= ~4
+            self._complete()
+        return value
+
+    def write(self, at, value):
+        self.registers[at] = value
+        if at == 4 and bit(value, 13):
+            self._finish()
+            self.address, self.left, self.flags = value >> 1 & 0x7F, value >> 16 & 0xFF, 1 | 1 << 15
+            if self.address not in self.sensors:
+                self.flags |= 1 << 4 | 1 << 5
+            elif bit(value, 10):
+                self.mode, self.answer = "read", self.sensors[self.address].read(self.left)
+                self.flags |= 4
+            else:
+                self.mode, self.flags = "write", self.flags | 2
+            self.registers[4] = value & ~(1 << 13)
+        elif at == 4 and bit(value, 14):
+            self._stop()
+        elif at == 0x1C:
+            self.flags &= ~(value & 0x3F38)
+        elif at == 0x28:
+            self.data.append(value & 255)
+            self.left -= 1
+            if self.left <= 0:
+                self.flags &= ~2
+                self._complete()
+
+
+class Uart:
+    def __init__(self, core, base, irq, baud):
+        self.core, self.base, self.irq, self.byte_us = core, base, irq, 10e6 / baud
+        self.sent, self.times, self.received = bytearray(), [], []
+        self.restart()
+
+    def restart(self):
+        self.control, self.empty, self.idle = 0, 1, 0
+
+    def flags(self):
+        return self.empty << 7 | self.empty << 6 | 3 << 21 | bool(self.received) << 5 | self.idle << 4
+
+    def signal(self):
+        if self.control & self.flags() & (1 << 7 | 1 << 6 | 1 << 5 | 1 << 4):
+            self.core.raise_interrupt(self.irq)
+
+    def receive(self, byte):
+        self.received.append(byte)
+        self.idle = 0
+        self.signal()
+
+    def read(self, at):
+        if at == 0x24:
+            value = self.received.pop(0) if self.received else 0
+            self.idle = int(not self.received)
+            return value
+        return {0x00: self.control, 0x1C: self.flags()}.get(at, 0)
+
+    def write(self, at, value):
+        if at == 0x00:
+            self.control = value
+            self.signal()
+        elif at == 0x20 and bit(value, 4):
+            self.idle = 0
+        elif at == 0x28:
+            self.sent.append(value & 255)
+            self.times.append(round(self.core.now))
+            self.empty = 0
+            self.core.at(self.core.now + self.byte_us, self._is_empty)
+
+    def _is_empty(self):
+        self.empty = 1
+        self.signal()
+
+
+class Timer:
+    """TIM5 as the clock of embassy-time: 16 bits of 1 MHz, interrupts at 0, at half, and at an alarm."""
+
+    def __init__(self, core):
+        self.core = core
+        self.restart()
+
+    def restart(self):
+        self.start, self.flags, self.wanted, self.compare, self.generation = None, 0, 0, [0] * 4, 0
+
+    def count(self):
+        return 0 if self.start is None else int(self.core.now - self.start) & 0xFFFF
+
+    def signal(self):
+        if self.flags & self.wanted & 0x1F:
+            self.core.raise_interrupt(TIM5_IRQ)
+
+    def _arm(self):
+        if self.start is None:
+            return
+        self.generation += 1
+        generation, elapsed = self.generation, int(self.core.now - self.start)
+
+        def every_turn(flag):
+            if self.generation == generation:
+                self.flags |= flag
+                self.signal()
+                self.core.at(self.core.now + 65536, lambda: every_turn(flag))
+
+        for flag, count in ((1, 0), (2, 0x8000), (4, self.compare[1])):
+            turn = elapsed // 65536 * 65536 + count
+            self.core.at(self.start + (turn if turn > elapsed else turn + 65536), lambda flag=flag: every_turn(flag))
+
+    def read(self, at):
+        self.core.wait(0.02)
+        if 0x34 <= at <= 0x40:
+            return self.compare[(at - 0x34) // 4]
+        return {0x24: self.count(), 0x10: self.flags, 0x0C: self.wanted}.get(at, self.core.registers.get(TIM5 + at, 0))
+
+    def write(self, at, value):
+        self.core.registers[TIM5 + at] = value
+        if at == 0 and value & 1 and self.start is None:
+            self.start = self.core.now
+            self._arm()
+        elif at == 0x10:
+            self.flags &= value
+        elif at == 0x0C:
+            self.wanted = value & 0x1F
+            self.signal()
+        elif 0x34 <= at <= 0x40:
+            self.compare[(at - 0x34) // 4] = value & 0xFFFF
+            self._arm()
+
+
+class Capture:
+    """DCMI and the DMA stream behind it."""
+
+    def __init__(self, core):
+        self.core, self.targets = core, set()
+        self.restart()
+
+    def restart(self):
+        self.flags, self.wanted, self.control, self.capturing, self.armed = 0, 0, 0, False, False
+        self.in_blanking, self.between_frames, self.dma, self.place, self.words, self.carry = 1, 1, False, 0, 0, b""
+
+    def signal(self, flags=0):
+        self.flags |= flags
+        if self.flags & self.wanted:
+            self.core.raise_interrupt(DCMI_IRQ)
+
+    def put(self, data):
+        if not (self.armed and self.dma):
+            return
+        base, size = self.core.registers[DMA1 + 0x1C], self.words * 4
+        self.targets.add((base, size))
+        self.carry += data
+        data, self.carry = self.carry[:len(self.carry) & ~3], self.carry[len(self.carry) & ~3:]
+        while data:
+            part = data[:size - self.place]
+            self.core.uc.mem_write(base + self.place, bytes(part))
+            self.place, data = (self.place + len(part)) % size, data[len(part):]
+
+    def read(self, at):
+        status = self.in_blanking | self.between_frames << 1
+        return {0: self.control, 4: status, 8: self.flags, 0x0C: self.wanted, 0x10: self.flags & self.wanted}.get(at, 0)
+
+    def write(self, at, value):
+        if at == 0:
+            self.control, self.capturing = value, bool(value & 1 and bit(value, 14))
+            self.armed &= self.capturing
+        elif at == 0x0C:
+            self.wanted = value
+            self.signal()
+        elif at == 0x14:
+            self.flags &= ~value
+
+    def switch_dma(self, value):
+        if value & 1 and not self.dma:
+            self.words, self.place = self.core.registers.get(DMA1 + 0x14, 0) & 0xFFFF, 0
+        self.dma = bool(value & 1)
+
+
+class Board:
+    def __init__(self, image, scenario):
+        uarts = {0x40004828, 0x40004428, I2C1 + 0x28}
+        self.core = Core(image, RAM, self.read, self.write, uarts)
+        self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
+        self.erase_us = scenario.get("erase_us", 1e6)
+        self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
+        self.host, self.autopilot = Uart(self.core, 0x40004800, 39, 921600), Uart(self.core, 0x40004400, 38, 57600)
+        self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.sensors)
+        self.pins, self.vsync, self.reset_flags = {}, 0, 0x00EE0000
+        self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
+
+    def restart(self):
+        """After a reset that the program asked for."""
+        self.core.reset()
+        for part in (self.host, self.autopilot, self.timer, self.capture):
+            part.restart()
+        self.pins, self.vsync, self.reset_flags, self.last_feed = {}, 0, 1 << 24, None
+
+    def levels(self):
+        self.host.signal()
+        self.autopilot.signal()
+        self.timer.signal()
+
+    # Cameras.
+
+    def selected(self):
+        return "right" if bit(self.pins.get("D", 0), 15) else "left"
+
+    def trigger(self):
+        self.triggers += 1
+        for sensor in self.sensors.values():
+            if sensor.waits_for_trigger():
+                self.play(sensor)
+
+    def play(self, sensor):
+        """One frame of a sensor; its pins reach the DCMI while it is selected."""
+        core, capture, name, frame = self.core, self.capture, sensor.name, sensor.frame
+        fault, start = self.faults.get((name, frame)), core.now + sensor.exposure_us()
+        sensor.frame += 1
+        on_bus = lambda: self.selected() == name
+
+        def begin():
+            if on_bus():
+                capture.between_frames, capture.armed, capture.carry = 0, capture.capturing, b""
+                if bit(core.registers.get(EXTI, 0), 7):
+                    self.vsync |= 1 << 7
+                    if bit(core.registers.get(EXTI + 0x80, 0), 7):
+                        core.raise_interrupt(VSYNC_IRQ)
+
+        def row_begins():
+            if on_bus():
+                capture.in_blanking = 0
+
+        def row_ends(y):
+            if on_bus():
+                data = sensor_row(name, frame, y)
+                capture.put(data[:300] if fault == "short" and y == 77 else data)
+                capture.in_blanking = 1
+                capture.signal(16 | (2 if fault == "overrun" and y == 50 else 0))
+
+        def end():
+            if on_bus():
+                capture.between_frames = 1
+                capture.signal(8 | 1)
+
+        rows = 200 if fault == "few" else HEIGHT
+        core.at(start, begin)
+        for y in range(rows):
+            core.at(start + ROW_US * y + 1, row_begins)
+            core.at(start + ROW_US * y + 25, lambda y=y: row_ends(y))
+        core.at(start + ROW_US * rows, end)
+
+    # Registers.
+
+    def read(self, at):
+        core = self.core
+        for base, part in ((I2C1, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)):
+            if base <= at < base + 0x400:
+                return part.read(at - base)
+        value = core.registers.get(at, 0)
+        if DCMI <= at < DCMI + 0x40:
+            return self.capture.read(at - DCMI)
+        if 0x58020000 <= at < 0x58022C00 and at & 0x3FF == 0x14:
+            return self.pins.get(chr(65 + (at - 0x58020000 >> 10)), 0)
+        if 0x40080900 <= at < 0x40080D00 and at & 0x1F == 8:
+            return 0  # USB: no interrupt of an endpoint
+        ready = lambda pairs: value | sum(bit(value, on) << done for on, done in pairs)
+        special = {
+            0x58024400: lambda: ready(((0, 2), (7, 8), (12, 13), (16, 17), (24, 25), (26, 27), (28, 29))) | 0xC005,  # RCC
+            0x58024474: lambda: ready(((0, 1),)), 0x58024470: lambda: ready(((0, 1),)),
+            0x58024410: lambda: (value & ~0x38) | (value & 7) << 3,
+            0x580244D0: lambda: self.reset_flags,
+            0x58024804: lambda: value | 1 << 13, 0x5802480C: lambda: value | 1 << 26 | 1 << 16, 0x58024818: lambda: value | 1 << 13,
+            0x58000420: lambda: ready(((0, 8),)), 0x5C001000: lambda: 0x20036450,
+            DMA1 + 0x10: lambda: (value & ~1) | self.capture.dma,
+            DMA1 + 0x14: lambda: (self.capture.words * 4 - self.capture.place) // 4,
+            EXTI + 0x88: lambda: self.vsync,
+            0x40080010: lambda: value & ~0x30 | 1 << 31, 0x40080014: lambda: 0, 0x40080818: lambda: 0, 0x4008003C: lambda: 0x2300,
+        }
+        return special[at]() if at in special else value
+
+    def write(self, at, value):
+        core = self.core
+        for base, part in ((I2C1, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)):
+            if base <= at < base + 0x400:
+                return part.write(at - base, value)
+        core.registers[at] = value
+        if DCMI <= at < DCMI + 0x40:
+            self.capture.write(at - DCMI, value)
+        elif at == DMA1 + 0x10:
+            self.capture.switch_dma(value)
+        elif at == 0x580244D0 and bit(value, 16):
+            self.reset_flags = 0
+        elif at == 0x58004800 and value == 0xAAAA:
+            self.feed()
+        elif at == EXTI + 0x88:
+            self.vsync &= ~value
+        elif at == FLASH2 + 0x0C and bit(value, 7) and bit(value, 2):
+            self.erase(value)
+        elif 0x58020000 <= at < 0x58022C00:
+            self.set_pins(chr(65 + (at - 0x58020000 >> 10)), at & 0x3FF, value)
+        elif at == 0x58024484 and value & 1:
+            self.capture.restart()
+
+    def feed(self):
+        if self.last_feed is not None:
+            self.longest_unfed = max(self.longest_unfed, self.core.now - self.last_feed)
+        self.last_feed = self.core.now
+
+    def erase(self, command):
+        """Nothing runs meanwhile: the other bank's code could, and it waits for this one."""
+        sector = command >> 8 & 7
+        self.core.uc.mem_write(0x08100000 + sector * 0x20000, b"\xff" * 0x20000)
+        self.core.wait(self.erase_us)
+        self.core.registers[FLASH2 + 0x0C] = command & ~0x80
+        self.erases += 1
+
+    def set_pins(self, port, at, value):
+        before = self.pins.get(port, 0)
+        if at == 0x14:
+            self.pins[port] = value & 0xFFFF
+        elif at == 0x18:
+            self.pins[port] = (before & ~(value >> 16)) | (value & 0xFFFF)
+        if port == "D" and self.pins.get(port, 0) & ~before & 1 << 14:
+            self.trigger()
+
+
+def main(image, scenario, result):
+    scenario = json.load(open(scenario))
+    board = Board(image, scenario)
+    core = board.core
+    if scenario.get("flash"):
+        core.uc.mem_write(RIG_FLASH, bytes.fromhex(scenario["flash"]))
+    for time, data in scenario.get("host", []):
+        for i, byte in enumerate(bytes.fromhex(data)):
+            core.at(time + board.host.byte_us * i, lambda byte=byte: board.host.receive(byte))
+    if scenario.get("hard_fault_us"):
+        core.at(scenario["hard_fault_us"], lambda: core.enter(-13))
+    resets = []
+    while True:
+        core.run(scenario["until_us"], board.levels)
+        if core.ending != "reset" or len(resets) >= scenario.get("resets", 0):
+            break
+        resets.append(round(core.now))
+        board.restart()
+    executed, total, never = core.coverage()
+    json.dump({
+        "ending": core.ending, "at": core.where(core.uc.reg_read(11)), "us": core.now, "resets_us": resets,
+        "host": bytes(board.host.sent).hex(), "host_us": board.host.times,
+        "autopilot": bytes(board.autopilot.sent).hex(), "autopilot_us": board.autopilot.times,
+        "triggers": board.triggers, "erases": board.erases, "longest_unfed_us": board.longest_unfed,
+        "handler_stack": core.longest_handler_stack, "regions": list(core.regions.values()), "dma": sorted(board.capture.targets),
+        "flash": bytes(core.uc.mem_read(RIG_FLASH, RIG_BYTES)).hex(), "executed": executed, "code": total, "never": never,
+    }, open(result, "w"))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:4])
