@@ -5,9 +5,8 @@
 //! # Cost
 //! 0.6 KB; instructions in `docs/board-numbers.toml`.
 
-use crate::ports::ByteSink;
+use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;
-use core::convert::Infallible;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::{HealthFlags, Matched};
 use linestereo_mavlink::AutopilotStream;
@@ -61,10 +60,7 @@ impl Autopilot {
     /// Writes what is due.
     pub fn turn(&mut self, time_us: u64, port: &mut impl ByteSink) {
         if let Some((plan, stream)) = &mut self.view {
-            let Ok(()) = stream.turn(&self.obstacles, plan, time_us, &mut |frame| {
-                port.write(frame);
-                Ok::<(), Infallible>(())
-            });
+            let Ok(()) = stream.turn(&self.obstacles, plan, time_us, &mut packets(port));
         }
     }
 }

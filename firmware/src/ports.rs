@@ -1,6 +1,7 @@
 //! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
 
 use crate::memory::Memory;
+use core::convert::Infallible;
 use linestereo::Dims;
 use linestereo_wire::{CaptureReport, Reset};
 
@@ -50,6 +51,14 @@ pub trait ByteSource {
 pub trait ByteSink {
     /// Writes all of `bytes`.
     fn write(&mut self, bytes: &[u8]);
+}
+
+/// A port as the function that encoders write packets with; it cannot fail.
+pub fn packets(port: &mut impl ByteSink) -> impl FnMut(&[u8]) -> Result<(), Infallible> {
+    |packet| {
+        port.write(packet);
+        Ok(())
+    }
 }
 
 /// Where pairs come from: a camera, or what stands for one.

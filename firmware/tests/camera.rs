@@ -49,13 +49,7 @@ fn assert_trace(name: &str, said: &[Transaction]) {
 const FIXED: Exposure = Exposure { rows: 200, gain_code: 0x20 };
 
 fn config(width: u16, height: u16, binning: Binning) -> Config {
-    Config {
-        dims: Dims { width, height },
-        binning,
-        start: FrameStart::Free,
-        exposure: ExposureControl::Auto,
-        test_pattern: false,
-    }
+    Config::new(Dims { width, height }, binning, FrameStart::Free)
 }
 
 /// What a sensor's tests need to know of it.

@@ -3,7 +3,7 @@
 //! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte of a row says from which camera, frame
 //! and row it is, so that a row of another frame cannot go unnoticed. What is injected is counted where it is injected.
 
-use crate::support::random::Random;
+use crate::support::{random::Random, rectification};
 use core::cell::RefCell;
 use linestereo::Matcher;
 use linestereo::{Dims, HealthFlags};
@@ -224,6 +224,12 @@ impl RowRing for FakeRing {
         pass(&self.hardware, self.look_us);
         self.hardware.borrow().now_us
     }
+}
+
+/// The hardware as a source of pairs; a microsecond passes with every look at its clock.
+fn source(hardware: &Rc<RefCell<Hardware>>, start: FrameStart, patience_us: u64) -> CameraSource<FakeRing> {
+    let rings = rings(hardware).map(|ring| FakeRing { look_us: 1, ..ring });
+    CameraSource::new(rings, FreeCameras, Capture::new(LIMITS, start), DIMS, patience_us as u32)
 }
 
 fn hardware(first_row: u32) -> Rc<RefCell<Hardware>> {
@@ -565,9 +571,7 @@ fn running(frames: u32, later_us: u64, longer_us: u64) -> Rc<RefCell<Hardware>> 
 #[test]
 fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
     let hardware = running(400, 0, 1);
-    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
-    let capture = Capture::new(LIMITS, FrameStart::Free);
-    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 200 * PERIOD_US as u32);
+    let mut source = source(&hardware, FrameStart::Free, 200 * PERIOD_US);
     let mut memory = Box::new(Workspace::new());
     let mut skews = Vec::new();
     while let Some(pair) = source.next_pair(&mut *memory, None) {
@@ -586,8 +590,7 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
 #[test]
 fn no_pair_for_long_is_a_pair_that_is_missing() {
     let hardware = hardware(0);
-    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
-    let mut source = CameraSource::new(rings, FreeCameras, Capture::new(LIMITS, FrameStart::Triggered), DIMS, 5000);
+    let mut source = source(&hardware, FrameStart::Triggered, 5000);
     assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
     assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     assert!((5000..5010).contains(&hardware.borrow().now_us));
@@ -596,9 +599,7 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
 #[test]
 fn cameras_that_nobody_asked_have_not_stopped() {
     let hardware = hardware(0);
-    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
-    let capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, PERIOD_US as u32);
+    let mut source = source(&hardware, FrameStart::Triggered, PERIOD_US);
     let mut memory = Box::new(Workspace::new());
     // Two frames, far more than the longest silence apart, each just after it was asked for.
     for frame in [2, 40] {
@@ -621,10 +622,8 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
         let eye = camera.eye;
         camera.steps.extend((2..6).flat_map(|frame| script(eye, frame, Injected::Nothing, None)));
     }
-    let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
     // The first call ends two rows after frame 2 has started.
-    let capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 2 * PERIOD_US as u32 + 25);
+    let mut source = source(&hardware, FrameStart::Triggered, 2 * PERIOD_US + 25);
     let mut memory = Box::new(Workspace::new());
     let mut next = || {
         let pair = source.next_pair(&mut *memory, None);
@@ -640,10 +639,8 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
     let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
     for (later_us, middle_us, is_refused) in [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)] {
         let hardware = running(3, later_us, 0);
-        let rings = rings(&hardware).map(|ring| FakeRing { look_us: 1, ..ring });
-        let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
-        capture.set_middle_us(middle_us);
-        let mut source = CameraSource::new(rings, FreeCameras, capture, DIMS, 1000);
+        let mut source = source(&hardware, FrameStart::Triggered, 1000);
+        source.capture.set_middle_us(middle_us);
         let mut memory = Box::new(Workspace::new());
         let pair = source.next_pair(&mut *memory, None).unwrap();
         let matched = memory.run(&mut Matcher::new(plan), None, pair.times_us, &mut ()).unwrap();
@@ -658,12 +655,7 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
 
 #[test]
 fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trace() {
-    use linestereo_rig::{Calibration, Camera, Lens, View};
-    let dims = Dims { width: 64, height: 48 };
-    let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
-    let camera = || Camera::new(dims, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();
-    let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0]).unwrap();
-    let rectification = rig.rectify(dims, View::default()).unwrap();
+    let (dims, rectification) = (Dims { width: 64, height: 48 }, rectification());
     let grey = |eye: Eye, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
     let rectified = |torn_after: usize| {
         let mut memory = Box::new(Workspace::new());

@@ -3,6 +3,7 @@
 //!
 //! The interpreter knows only what the datasheet says of the instructions that are used, and panics at any other.
 
+use crate::support::random::Random;
 use core::cell::RefCell;
 use linestereo::Dims;
 use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, nibbles};
@@ -330,10 +331,15 @@ impl Bench {
         let before = self.reports.len();
         self.send(frames);
         assert!(matches!(self.reports[before..], [Report::Pair(_)]), "{:?}", &self.reports[before..]);
+        self.assert_kept(frames, "good");
+    }
+
+    /// Both frames lie there, byte for byte.
+    fn assert_kept(&self, frames: [Frame; 2], what: impl core::fmt::Display) {
         for (frame, kept) in frames.iter().zip(&self.kept.frames) {
             let inside = |side: u32| BORDER..side - BORDER;
-            let drawn = inside(rows).flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
-            assert!(drawn.eq(kept.iter().copied()), "bytes of frame {seed}");
+            let drawn = inside(frame.rows).flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
+            assert!(drawn.eq(kept.iter().copied()), "{what}: {frames:?}");
         }
     }
 
@@ -521,17 +527,7 @@ fn more_signals_than_are_kept_are_lost_and_said_to_be() {
     assert_eq!(counter.written(400 % RING_ROWS as u32 + 1), 400);
 }
 
-/// Marsaglia's xorshift.
-struct Chance(u32);
-
-impl Chance {
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0 % end
-    }
-
+impl Random {
     /// A frame, and whether what comes behind it may suffer as well.
     fn frame(&mut self, seed: u32) -> (Frame, bool) {
         let good = Frame::good(seed, ROWS_SENT);
@@ -550,14 +546,14 @@ impl Chance {
 
 #[test]
 fn no_chance_of_faults_hands_on_a_wrong_pair_or_loses_the_second_next_one() {
-    const SEED: u32 = 2350;
-    let mut chance = Chance(SEED);
+    const SEED: u64 = 2350;
+    let mut random = Random(SEED);
     let mut bench = Bench::new(ROWS_SENT as u16);
     let (mut pairs, mut bad, mut may_suffer) = (0, 0, false);
     for n in 0..80 {
-        let latency = if chance.below(20) == 0 { 400_000 } else { chance.below(3000) };
+        let latency = if random.below(20) == 0 { 400_000 } else { random.below(3000) };
         bench.cameras.iter().for_each(|camera| camera.borrow_mut().latency = latency);
-        let [(left, is_left_hard), (right, is_right_hard)] = [2 * n, 2 * n + 1].map(|seed| chance.frame(seed));
+        let [(left, is_left_hard), (right, is_right_hard)] = [2 * n, 2 * n + 1].map(|seed| random.frame(seed));
         let is_good = [left, right].iter().all(|frame| {
             frame.odd.is_none_or(|(_, halves)| halves == 2 * ROW_BYTES as u32)
                 && frame.rows == ROWS_SENT
@@ -566,10 +562,11 @@ fn no_chance_of_faults_hands_on_a_wrong_pair_or_loses_the_second_next_one() {
         });
         let reports = bench.send([left, right]);
         let is_pair = reports.iter().any(|report| matches!(report, Report::Pair(_)));
-        for (frame, kept) in [left, right].iter().zip(&bench.kept.frames).filter(|_| is_pair) {
-            let inside = |side: u32| BORDER..side - BORDER;
-            let drawn = inside(ROWS_SENT).flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
-            assert!(drawn.eq(kept.iter().copied()), "seed {SEED}, frame {n}: {left:?} {right:?}");
+        if is_pair {
+            bench.assert_kept(
+                [left, right].map(|frame| Frame { rows: ROWS_SENT, ..frame }),
+                format!("seed {SEED}, frame {n}"),
+            );
         }
         if is_good && latency < 3000 && !may_suffer {
             assert!(is_pair, "seed {SEED}, frame {n}: {reports:?}");

@@ -1,5 +1,6 @@
 //! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows come; and what happens when they fail.
 
+use crate::support::rectification;
 use crate::support::sensor::Fake;
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
@@ -8,12 +9,12 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::{
-    Binning, Chip, Config, ExposureControl, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
+    Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
 };
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
-use linestereo_rig::{Calibration, Camera, Eye, Lens, Rectification, View};
+use linestereo_rig::Eye;
 use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -112,13 +113,6 @@ fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
     let rings = Eye::BOTH.map(|eye| Ring(bench.clone(), eye));
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
     (bench.clone(), CameraSource::new(rings, Sensors(bench), capture, DIMS, PATIENCE_US))
-}
-
-fn rectification() -> Rectification {
-    let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
-    let camera = || Camera::new(DIMS, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();
-    let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0]).unwrap();
-    *rig.rectify(DIMS, View::default()).as_ref().unwrap()
 }
 
 #[test]
@@ -356,13 +350,7 @@ fn held(late_us: [Option<u64>; 2], limits: Limits) -> (Rc<Timed>, CameraSource<T
     let fakes = [Fake::of::<Hm01b0Nibbles>(), Fake::of::<Hm01b0Nibbles>()];
     let [left, right] = fakes.clone().map(|fake| Chip::new(fake, Hm01b0Nibbles::ADDRESS, NoReset));
     let config = StereoConfig {
-        config: Config {
-            dims: Dims { width: 324, height: 244 },
-            binning: Binning::One,
-            start: FrameStart::Triggered,
-            exposure: ExposureControl::Auto,
-            test_pattern: false,
-        },
+        config: Config::new(Dims { width: 324, height: 244 }, Binning::One, FrameStart::Triggered),
         exposure: PairExposure::LeftChooses,
         row_ns: 125_333,
         readout_us: 30_500,

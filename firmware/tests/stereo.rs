@@ -32,13 +32,7 @@ fn stereo(pulses: usize, start: FrameStart) -> (Stereo, [Fake; 2], Pin) {
         [State::Low].into_iter().chain([State::Low, State::High, State::Low].into_iter().cycle().take(3 * pulses));
     let pin = Pin::new(&states.map(Edge::set).collect::<Vec<_>>());
     let config = StereoConfig {
-        config: Config {
-            dims: Dims { width: 320, height: 240 },
-            binning: Binning::Two,
-            start,
-            exposure: ExposureControl::Auto,
-            test_pattern: false,
-        },
+        config: Config::new(Dims { width: 320, height: 240 }, Binning::Two, start),
         exposure: PairExposure::LeftChooses,
         row_ns: 27_500,
         readout_us: 6600,

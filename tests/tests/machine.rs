@@ -12,8 +12,9 @@ use std::sync::OnceLock;
 
 /// A Python that has Unicorn: the system's, or one of a folder of its own.
 fn python() -> Option<PathBuf> {
-    let has_unicorn =
-        |python: &Path| Command::new(python).args(["-c", "import unicorn"]).output().is_ok_and(|out| out.status.success());
+    let has_unicorn = |python: &Path| {
+        Command::new(python).args(["-c", "import unicorn"]).output().is_ok_and(|out| out.status.success())
+    };
     let system = PathBuf::from("python3");
     if has_unicorn(&system) {
         return Some(system);
@@ -75,7 +76,10 @@ impl Run {
     }
 
     fn frames(&self) -> Vec<&linestereo_wire::FrameHead> {
-        self.records.iter().filter_map(|(_, record)| if let Message::Frame(head) = record { Some(head) } else { None }).collect()
+        self.records
+            .iter()
+            .filter_map(|(_, record)| if let Message::Frame(head) = record { Some(head) } else { None })
+            .collect()
     }
 }
 
@@ -96,11 +100,16 @@ fn host(requests: &[(u64, Request)]) -> Value {
 
 #[test]
 fn live_runs() {
-    let Some(run) = Run::of(&json!({ "until_us": 1_500_000, "host": host(&[(100_000, Request::Start)]) })) else { return };
-    let kinds: Vec<String> = run.records.iter().map(|(t, record)| format!("{t} {record:?}").chars().take(150).collect()).collect();
+    let Some(run) = Run::of(&json!({ "until_us": 1_500_000, "host": host(&[(100_000, Request::Start)]) })) else {
+        return;
+    };
+    let kinds: Vec<String> =
+        run.records.iter().map(|(t, record)| format!("{t} {record:?}").chars().take(150).collect()).collect();
     println!("{}", kinds.join("\n"));
     let mut short = run.result.clone();
-    for key in ["host", "host_us", "autopilot", "autopilot_us", "flash", "never"] { short[key] = Value::Null; }
+    for key in ["host", "host_us", "autopilot", "autopilot_us", "flash", "never"] {
+        short[key] = Value::Null;
+    }
     println!("{short}");
     panic!("{} {}", run.damaged, run.frames().len());
 }

@@ -133,44 +133,23 @@ pub struct PointRecord {
     /// Probability that the disparity is within 1 px, 1/65536.
     pub confidence_q16: u16,
     /// Kind and position of the hypothesis that it comes from.
-    pub source: PointSource,
+    #[serde(with = "SourceOrder")]
+    pub source: Source,
 }
 
-/// A [`Source`]; the first two are encoded as the `Option` of a position that stood here before there were support points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PointSource {
-    /// A segment that is not in the frame's list.
+/// Order of a [`Source`] on the wire; the first two are encoded as the `Option` of a position that stood here before there were support points.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Source")]
+enum SourceOrder {
     Side,
-    /// A segment at this position of the frame's list.
     Segment(u16),
-    /// A support point.
     Support,
-}
-
-impl From<Source> for PointSource {
-    fn from(source: Source) -> Self {
-        match source {
-            Source::Side => Self::Side,
-            Source::Segment(position) => Self::Segment(position),
-            Source::Support => Self::Support,
-        }
-    }
-}
-
-impl From<PointSource> for Source {
-    fn from(source: PointSource) -> Self {
-        match source {
-            PointSource::Side => Self::Side,
-            PointSource::Segment(position) => Self::Segment(position),
-            PointSource::Support => Self::Support,
-        }
-    }
 }
 
 impl From<&Point> for PointRecord {
     fn from(point: &Point) -> Self {
         let Point { x, y, disparity, confidence, source } = *point;
-        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source: source.into() }
+        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source }
     }
 }
 
@@ -181,7 +160,7 @@ impl From<&PointRecord> for Point {
             y: record.y,
             disparity: Disparity::from_bits(record.disparity_q6),
             confidence: Confidence::from_bits(record.confidence_q16),
-            source: record.source.into(),
+            source: record.source,
         }
     }
 }
@@ -198,7 +177,8 @@ pub struct Segment {
     /// Probability that the disparity is within 1 px, 1/65536.
     pub confidence_q16: u16,
     /// Which sides carry the disparity.
-    pub owner: SegmentOwner,
+    #[serde(with = "OwnerOrder")]
+    pub owner: Owner,
     /// Depth at each end, 1/65536 m; `i32::MAX` is infinite.
     pub depth_q16: Option<[i32; 2]>,
     /// Standard deviation of depth at each end, 1/65536 m.
@@ -211,14 +191,12 @@ pub struct Segment {
     pub census_q6: i16,
 }
 
-/// The core's [`Owner`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SegmentOwner {
-    /// [`Owner::Left`].
+/// Order of an [`Owner`] on the wire.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Owner")]
+enum OwnerOrder {
     Left,
-    /// [`Owner::Right`].
     Right,
-    /// [`Owner::Both`].
     Both,
 }
 
@@ -229,11 +207,7 @@ impl From<&Match> for Segment {
             disparity_q6: found.disparity.map(Disparity::to_bits),
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
-            owner: match found.owner {
-                Owner::Left => SegmentOwner::Left,
-                Owner::Right => SegmentOwner::Right,
-                Owner::Both => SegmentOwner::Both,
-            },
+            owner: found.owner,
             depth_q16: found.depth.map(|ends| ends.map(Depth::to_bits)),
             depth_sigma_q16: found.depth_sigma.map(|ends| ends.map(Depth::to_bits)),
             feature_q6: found.techniques.feature.map(Disparity::to_bits),
@@ -251,11 +225,7 @@ impl From<&Segment> for Match {
             disparity: segment.disparity_q6.map(Disparity::from_bits),
             sigma: Disparity::from_bits(segment.sigma_q6),
             confidence: Confidence::from_bits(segment.confidence_q16),
-            owner: match segment.owner {
-                SegmentOwner::Left => Owner::Left,
-                SegmentOwner::Right => Owner::Right,
-                SegmentOwner::Both => Owner::Both,
-            },
+            owner: segment.owner,
             depth: segment.depth_q16.map(|ends| ends.map(Depth::from_bits)),
             depth_sigma: segment.depth_sigma_q16.map(|ends| ends.map(Depth::from_bits)),
             techniques: Techniques {

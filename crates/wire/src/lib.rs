@@ -59,10 +59,7 @@ pub use command::{
     Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,
     RigUpdate, name,
 };
-pub use frame::{
-    Counts, FrameHead, POINTS_PER_PACKET, PointRecord, PointSource, Points, SEGMENTS_PER_PACKET, Segment, SegmentOwner,
-    Segments,
-};
+pub use frame::{Counts, FrameHead, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments};
 pub use health::{CameraReport, Health, PairReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};

@@ -198,7 +198,7 @@ fn the_layout_of_this_version_is_exactly_this() {
         disparity_q6: [5, -6],
         sigma_q6: 7,
         confidence_q16: 8,
-        owner: SegmentOwner::Right,
+        owner: linestereo::Owner::Right,
         depth_q16: Some([9, 10]),
         depth_sigma_q16: None,
         feature_q6: Some(11),

@@ -3,6 +3,7 @@
 
 #[cfg(target_os = "none")]
 fn bench() -> linestereo_boards::Exit {
+    use core::fmt::Write as _;
     use linestereo::Matcher;
     use linestereo_boards::Exit;
     use linestereo_firmware::boards::{
@@ -28,16 +29,15 @@ fn bench() -> linestereo_boards::Exit {
             bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };
             let [see, send, bytes] = bench::measure_autopilot(&matched, &clock, &view);
-            let _ =
-                core::fmt::Write::write_fmt(&mut table, format_args!("autopilot\t{case}\t{see}\t{send}\t{bytes}\n"));
+            let _ = writeln!(table, "autopilot\t{case}\t{see}\t{send}\t{bytes}");
         }
     }
     let [left, right] = memory.frames();
     Scene::Bricks.paint(selected::BOARD.largest, left, right);
     for KernelCost { kernel, chosen, portable } in kernel_costs::measure(&clock, left).into_iter().flatten() {
-        let _ = core::fmt::Write::write_fmt(&mut table, format_args!("kernel\t{kernel}\t{chosen}\t{portable}\n"));
+        let _ = writeln!(table, "kernel\t{kernel}\t{chosen}\t{portable}");
     }
-    let _ = core::fmt::Write::write_fmt(&mut table, format_args!("stack\t{}\n", stack::depth()));
+    let _ = writeln!(table, "stack\t{}", stack::depth());
     Exit::Success
 }
 

@@ -26,8 +26,7 @@ mod wired {
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
-        Binning, Chip, Config, ExposureControl, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
-        Trigger,
+        Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
     use crate::ports::{FrameStart, PairSource, Peripherals};
@@ -51,13 +50,7 @@ mod wired {
         Limits { rows: DIMS.height, row_bytes: RAW.width, row_gap_us: 1000, silence_us: 100_000, pair_us: 2000 };
 
     const CAMERAS: StereoConfig = StereoConfig {
-        config: Config {
-            dims: RAW,
-            binning: Binning::One,
-            start: FrameStart::Triggered,
-            exposure: ExposureControl::Auto,
-            test_pattern: false,
-        },
+        config: Config::new(RAW, Binning::One, FrameStart::Triggered),
         exposure: PairExposure::LeftChooses,
         row_ns: ROW_NS,
         readout_us: RAW.height as u32 * (ROW_NS / 1000),

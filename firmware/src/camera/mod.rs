@@ -58,6 +58,14 @@ pub struct Config {
     pub test_pattern: bool,
 }
 
+impl Config {
+    /// A mode in which the sensor chooses its exposure, and no test pattern.
+    #[must_use]
+    pub const fn new(dims: Dims, binning: Binning, start: FrameStart) -> Self {
+        Self { dims, binning, start, exposure: ExposureControl::Auto, test_pattern: false }
+    }
+}
+
 /// Pixels of the sensor, in each direction, that become one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binning {

@@ -181,12 +181,18 @@ impl fmt::Display for Fault {
 
 const _: () = assert!(Fault::ALL.len() == CaptureReport::KINDS.len());
 
+/// One of two, by the camera that it is of.
+fn of<T>(eye: Eye, [left, right]: &mut [T; 2]) -> &mut T {
+    match eye {
+        Eye::Left => left,
+        Eye::Right => right,
+    }
+}
+
 impl Fault {
     /// Counts this fault of a camera.
     fn count(self, eye: Eye, losses: &mut CaptureReport) {
-        let [left, right] = &mut losses.faults;
-        let counts = if eye == Eye::Left { left } else { right };
-        if let Some(count) = counts.get_mut(self as usize) {
+        if let Some(count) = of(eye, &mut losses.faults).get_mut(self as usize) {
             *count = count.saturating_add(1);
         }
     }

@@ -15,7 +15,7 @@
 //! # Cost
 //! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals that nobody has fetched.
 
-use super::{RowRing, Signal};
+use super::{RowRing, Signal, of};
 use crate::ports::Cameras;
 use core::cell::RefCell;
 use core::fmt;
@@ -196,8 +196,7 @@ impl<S: Stream, W: Switch> Connected<S, W> {
             }
             Signal::Overrun { .. } | Signal::Lost => self.come = None,
         }
-        let [left, right] = &mut self.waiting;
-        let waiting = if self.eye == Eye::Left { left } else { right };
+        let waiting = of(self.eye, &mut self.waiting);
         if waiting.push_back(signal).is_err() {
             waiting.clear();
             let _ = waiting.push_back(Signal::Lost); // there is room
@@ -211,8 +210,7 @@ impl<S: Stream, W: Switch> Connected<S, W> {
         if self.eye == Eye::Left && self.come == Some(self.rows) && !self.stream.is_in_frame() {
             self.shoot(Eye::Right); // a switch that fails is a silent camera, and that is reported
         }
-        let [left, right] = &mut self.waiting;
-        if eye == Eye::Left { left.pop_front() } else { right.pop_front() }
+        of(eye, &mut self.waiting).pop_front()
     }
 }
 

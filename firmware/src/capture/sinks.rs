@@ -1,6 +1,6 @@
 //! Where captured rows go: into frames as they are, or through the rectifiers of a board's memory.
 
-use super::RowSink;
+use super::{RowSink, of};
 use crate::memory::Memory;
 use linestereo::Dims;
 use linestereo_rig::{Eye, RowError};
@@ -21,11 +21,8 @@ impl<'a> FrameRows<'a> {
     }
 
     fn of(&mut self, eye: Eye) -> (&mut [u8], &mut u16) {
-        let ([left, right], [left_rows, right_rows]) = (&mut self.frames, &mut self.rows);
-        match eye {
-            Eye::Left => (left, left_rows),
-            Eye::Right => (right, right_rows),
-        }
+        let frame = of(eye, &mut self.frames);
+        (frame, of(eye, &mut self.rows))
     }
 }
 

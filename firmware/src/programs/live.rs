@@ -2,9 +2,8 @@
 
 use crate::autopilot::Autopilot;
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, packets};
 use crate::session::{Reply, Session, failed_frame};
-use core::convert::Infallible;
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome,
@@ -254,10 +253,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         }
         let head = FrameHead { sequence: self.session.next_sequence(), ..head };
         let Some((matches, objects)) = found else { return self.write(&Message::Frame(head)) };
-        let mut write = |packet: &[u8]| {
-            self.port.write(packet);
-            Ok::<(), Infallible>(())
-        };
+        let mut write = packets(&mut self.port);
         let _ = send_frame(&head, matches, &mut write);
         let _ = send_objects(head.sequence, objects, &mut write);
     }
@@ -271,10 +267,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     }
 
     fn write(&mut self, message: &Message) {
-        let _ = send(message, &mut |packet: &[u8]| {
-            self.port.write(packet);
-            Ok::<(), Infallible>(())
-        });
+        let _ = send(message, &mut packets(&mut self.port));
     }
 }
 

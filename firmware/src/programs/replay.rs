@@ -10,7 +10,7 @@
 
 use super::bench::{self, Costs};
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, Clock};
+use crate::ports::{ByteSink, ByteSource, Clock, packets};
 use crate::session::{self, Reply, Session};
 use linestereo::{Dims, Matched};
 use linestereo_rig::Eye;
@@ -73,10 +73,7 @@ pub fn run(
                         let objects = clock.elapsed(from, clock.now());
                         report(&Event::Matched { sequence, rectification, costs, objects });
                         write_results(&mut matched, sequence, &head, output);
-                        let _ = send_objects(sequence, &found, &mut |packet: &[u8]| {
-                            output.write(packet);
-                            Ok::<(), core::convert::Infallible>(())
-                        });
+                        let _ = send_objects(sequence, &found, &mut packets(output));
                         Outcome::Accepted
                     }
                     Err(why) => {
@@ -181,10 +178,7 @@ fn write_results(matched: &mut Matched<'_>, sequence: u32, pair: &PairHead, outp
     let head = FrameHead::new(sequence, pair.capture_time_us, matched.dims(), Health::GOOD, matched.counts());
     let mut head = head.with_pair(matched.health());
     head.counts.points = points;
-    let mut write = |packet: &[u8]| {
-        output.write(packet);
-        Ok::<(), core::convert::Infallible>(())
-    };
+    let mut write = packets(output);
     // Neither the packets nor this port can fail.
     let _ = send_frame(&head, matched.segments(), &mut write);
     let mut stream = PointStream::new(sequence);
@@ -195,10 +189,7 @@ fn write_results(matched: &mut Matched<'_>, sequence: u32, pair: &PairHead, outp
 }
 
 fn write(message: &Message, output: &mut impl ByteSink) {
-    let _ = send(message, &mut |packet: &[u8]| {
-        output.write(packet);
-        Ok::<(), core::convert::Infallible>(())
-    });
+    let _ = send(message, &mut packets(output));
 }
 
 /// Bytes one by one, without asking the source for each.

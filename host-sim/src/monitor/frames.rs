@@ -116,7 +116,8 @@ impl Assembler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo_wire::{Counts, Health, Segment, SegmentOwner};
+    use linestereo::Owner;
+    use linestereo_wire::{Counts, Health, Segment};
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let (health, counts) = (Health::GOOD, Counts::default());
@@ -129,7 +130,7 @@ mod tests {
             disparity_q6: [0; 2],
             sigma_q6: 0,
             confidence_q16: 0,
-            owner: SegmentOwner::Both,
+            owner: Owner::Both,
             depth_q16: None,
             depth_sigma_q16: None,
             feature_q6: None,

@@ -56,7 +56,7 @@ pub(crate) fn longest_segment() -> Segment {
         disparity_q6: [i16::MIN; 2],
         sigma_q6: i16::MIN,
         confidence_q16: u16::MAX,
-        owner: SegmentOwner::Both,
+        owner: Owner::Both,
         depth_q16: Some([i32::MIN; 2]),
         depth_sigma_q16: Some([i32::MIN; 2]),
         feature_q6: Some(i16::MIN),
@@ -192,7 +192,7 @@ pub(crate) fn messages() -> Vec<Message> {
         y: u16::MAX,
         disparity_q6: i16::MIN,
         confidence_q16: u16::MAX,
-        source: linestereo_wire::PointSource::Segment(u16::MAX),
+        source: linestereo::Source::Segment(u16::MAX),
     };
     list.extend([
         Message::Points(Points { sequence: 1, first: 0, list: heapless::Vec::new() }),

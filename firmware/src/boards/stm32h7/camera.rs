@@ -4,9 +4,7 @@
 //! in rows: 27.5 us at 26.67 MHz, 29.4 us at 25 MHz. Frames of 240 rows of that are 6.6 and 7.0 ms; should a sensor take twice as long for
 //! binned rows, all limits below still hold.
 
-use crate::camera::{
-    Binning, Chip, Config, ExposureControl, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig, Trigger,
-};
+use crate::camera::{Binning, Chip, Config, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig, Trigger};
 use crate::capture::{Limits, RingLayout};
 use crate::ports::FrameStart;
 use core::cell::RefCell;
@@ -89,13 +87,7 @@ pub fn sensors<T: Instance, RL: ResetLine, RR: ResetLine>(
         (Chip::new(RefCellDevice::new(bus), left, left_reset), Chip::new(RefCellDevice::new(bus), right, right_reset));
     let row_ns = (u64::from(ROW_CLOCKS) * 1_000_000_000 / u64::from(clock_hz)) as u32;
     let config = StereoConfig {
-        config: Config {
-            dims: DIMS,
-            binning: Binning::Two,
-            start: FrameStart::Triggered,
-            exposure: ExposureControl::Auto, // replaced by what follows
-            test_pattern: false,
-        },
+        config: Config::new(DIMS, Binning::Two, FrameStart::Triggered),
         exposure: PairExposure::LeftChooses,
         row_ns,
         readout_us: row_ns / 1000 * u32::from(DIMS.height),
