@@ -1,7 +1,7 @@
 //! Images drawn in the test: one hex digit per pixel, `0` black to `f` white.
 
 use linestereo::Dims;
-use linestereo_sim::engine::GrayImage;
+use linestereo_baselines::GrayImage;
 
 /// Grey levels per hex digit.
 const STEP: u8 = 17;

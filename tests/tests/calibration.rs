@@ -2,12 +2,13 @@
 
 use linestereo::Dims;
 use linestereo::rectify::{Calibration, Camera, Eye, Lens};
+use linestereo_baselines::GrayImage;
 use linestereo_sim::calibration::{
     Board, BoardFinder, BoardPair, ChessFinder, Estimate, EstimateError, LensModel, NotFound, Options, Verdict, assess,
-    estimate, find_pairs, quaternion,
+    estimate, find_pairs,
 };
-use linestereo_sim::engine::GrayImage;
-use linestereo_sim::frames::load_gray;
+use linestereo_sim::input::load_gray;
+use linestereo_sim::input::rig_file::quaternion;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 use std::path::Path;
@@ -126,7 +127,7 @@ fn truth(rig: &Calibration, name: &str) -> f64 {
     let (part, name) = name.split_once('.').unwrap();
     if part == "pose" {
         let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis)).unwrap();
-        let vector = linestereo_sim::calibration::rotation_vector(rig.rotation());
+        let vector = linestereo_sim::input::rig_file::rotation_vector(rig.rotation());
         return if name.starts_with('r') { vector[axis] } else { rig.translation()[axis] };
     }
     let camera = rig.camera(if part == "left" { Eye::Left } else { Eye::Right });

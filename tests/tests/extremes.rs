@@ -4,7 +4,8 @@ use linestereo::{
     Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
     mark_words, most_support_points, row_bytes,
 };
-use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::{Random, painted};
 use std::collections::HashSet;

@@ -6,7 +6,7 @@
 use core::time::Duration;
 use linestereo::Dims;
 use linestereo::rectify::{Calibration, Eye, Lens, View};
-use linestereo_sim::interchange::{
+use linestereo_sim::input::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
 use linestereo_tests::captured;

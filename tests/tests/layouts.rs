@@ -3,7 +3,7 @@
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb};
 use linestereo::{Dims, HealthFlags, Params, Rig};
 use linestereo_sim::engine::Engine;
-use linestereo_sim::frames::{
+use linestereo_sim::input::{
     Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, load_disparities, load_scene,
 };
 use linestereo_tests::captured;

@@ -5,10 +5,11 @@ use linestereo::{
     Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Scratch,
     Span, mark_words, most_candidates, row_bytes,
 };
-use linestereo_sim::engine::{Engine, GrayImage};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
-use linestereo_sim::frames::{Perturbation, Scene};
+use linestereo_sim::input::{Perturbation, Scene};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use std::path::PathBuf;

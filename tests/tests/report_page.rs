@@ -2,12 +2,13 @@
 
 use linestereo::Area;
 use linestereo::{Dims, Params, Rejection, Rig};
-use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
-use linestereo_sim::listing;
-use linestereo_sim::pinhole::Pinhole;
-use linestereo_sim::regions::{Object, Pixels};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::input::pinhole::Pinhole;
+use linestereo_sim::input::regions::{Object, Pixels};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
+use linestereo_sim::results::listing;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use linestereo::image::{MARGIN, shrink_to_usable};
 use linestereo::{
     Confidence, Dims, Gray, Match, Params, Point, Scratch, Span, mark_words, most_support_points, row_bytes,
 };
-use linestereo_sim::engine::GrayImage;
+use linestereo_baselines::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::Random;
 

@@ -10,7 +10,7 @@ use linestereo::rectify::{Calibration, Camera, Eye, Lens, View};
 use linestereo::{Dims, Params};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, Costs, Machine, update};
-use linestereo_sim::rectify::PairRectifier;
+use linestereo_sim::input::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_wire::RigImage;
 use serde::{Deserialize, Serialize};

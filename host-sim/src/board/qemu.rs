@@ -2,7 +2,8 @@
 //!
 //! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and every run is the same.
 
-use super::{Board, packages, process};
+use super::Board;
+use crate::programs::{packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo_firmware::boards::Device;

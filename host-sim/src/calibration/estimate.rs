@@ -21,7 +21,8 @@ use super::board::Board;
 use super::bundle::{Belief, BoardView, Bundle, RIG, camera_numbers};
 use super::initial::{self, Sightings};
 use super::model::{FX, FY, Intrinsics, K1, LensModel, Pose, SKEW};
-use super::rig_file::quaternion;
+use crate::input::rig_file::quaternion;
+use crate::statistics::upper_median;
 use core::fmt;
 use linestereo::Dims;
 use linestereo::rectify::{Calibration, CalibrationError, CameraError, Eye};
@@ -362,9 +363,7 @@ fn root_mean_square(errors: &[f64]) -> f64 {
 }
 
 fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
+    upper_median(values.to_vec(), f64::total_cmp).unwrap_or(f64::INFINITY)
 }
 
 /// The cameras' pose that most views agree with; the others are dropped.

@@ -3,17 +3,18 @@
 use super::print;
 use crate::calibration::{
     Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
-    PhotoPair, Quality, RigFile, ViewReport, assess, estimate, find_pairs, json, summary,
+    PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use crate::draw;
-use crate::engine::GrayImage;
-use crate::frames::load_gray;
+use crate::input::load_gray;
+use crate::input::rig_file::{Quality, RigFile};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::Dims;
+use linestereo_baselines::GrayImage;
 use std::path::PathBuf;
 use std::thread;
 

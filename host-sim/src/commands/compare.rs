@@ -2,18 +2,21 @@
 
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
+use super::pairs::{for_each_pair, progress_bar};
 use super::{engine_with, print};
-use crate::compare::{
+use crate::draw;
+use crate::engine::{Engine, FrameResult};
+use crate::evaluate::{ShardFile, ShardHead};
+use crate::input::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
+use crate::output::OutputFiles;
+use crate::rivals::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
 };
-use crate::draw;
-use crate::engine::{Engine, FrameResult, GrayImage};
-use crate::evaluate::{ShardFile, ShardHead, for_each_pair, progress_bar};
-use crate::frames::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
-use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
-use linestereo_baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
+use linestereo_baselines::{
+    Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, GrayImage, Matcher, Method, Shape, Window,
+};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

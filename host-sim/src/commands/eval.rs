@@ -2,17 +2,17 @@
 
 use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
+use super::pairs::{for_each_pair, progress_bar};
 use super::{does_not_fit, engine_with, print};
 use crate::board::{self, Machine};
-use crate::engine::{Engine, GrayImage};
-use crate::evaluate::{
-    FrameScore, ShardFile, ShardHead, Summary, cell_table, for_each_pair, progress_bar, report, scene_table,
-};
-use crate::frames::{Perturbation, Scene, StoredPair, Truth, check_usable};
+use crate::engine::Engine;
+use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, cell_table, report, scene_table};
+use crate::input::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
+use linestereo_baselines::GrayImage;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Instant;

@@ -3,10 +3,10 @@
 use super::batch::collect;
 use super::method::MethodArgs;
 use super::{engine_with, print};
-use crate::engine::Engine;
+use crate::engine::{Engine, FittedModels};
 use crate::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
-use crate::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::frames::Scene;
+use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
+use crate::input::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};

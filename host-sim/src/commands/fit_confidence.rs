@@ -2,10 +2,12 @@
 
 use super::batch::collect;
 use super::method::MethodArgs;
+use super::pairs::for_each_pair;
 use super::{engine_with, print};
-use crate::evaluate::{FrameScore, Summary, cell_table, for_each_pair, report, scene_table};
-use crate::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, scene_samples, source_text, support_source_text};
-use crate::frames::{Perturbation, Scene};
+use crate::engine::FittedModels;
+use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
+use crate::input::{Perturbation, Scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;

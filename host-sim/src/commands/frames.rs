@@ -1,8 +1,8 @@
 //! `linestereo frames`: real pairs for a machine that has none.
 
+use super::pairs::progress_bar;
 use super::print;
-use crate::evaluate::progress_bar;
-use crate::frames::registry::{Package, packages};
+use crate::input::registry::{Package, packages};
 use anyhow::{Result, bail};
 use clap::Subcommand;
 use std::fs;

@@ -12,7 +12,7 @@ const STACK_BYTES: usize = 64 << 20;
 
 /// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error
 /// to appear ends it.
-pub fn for_each_pair<I: Sync, T: Send>(
+pub(super) fn for_each_pair<I: Sync, T: Send>(
     items: &[I],
     threads: Option<usize>,
     name: impl Fn(&I) -> String + Sync,
@@ -38,7 +38,7 @@ pub fn for_each_pair<I: Sync, T: Send>(
 
 /// On stderr, and only when that is a terminal.
 #[must_use]
-pub fn progress_bar(length: usize) -> ProgressBar {
+pub(super) fn progress_bar(length: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} of about {duration} {msg}");
     ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

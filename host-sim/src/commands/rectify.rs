@@ -3,13 +3,13 @@
 use super::print;
 use super::view::ViewArgs;
 use crate::draw;
-use crate::engine::GrayImage;
-use crate::frames::{check_same_size, find_pairs, load_gray};
+use crate::input::rectify::PairRectifier;
+use crate::input::{check_same_size, find_pairs, load_gray};
 use crate::output::OutputFiles;
-use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::rectify::{Eye, Rectification};
+use linestereo_baselines::GrayImage;
 use std::path::{Path, PathBuf};
 
 /// What the rig image needs and rectification does not use.

@@ -4,7 +4,7 @@ use super::input::InputArgs;
 use super::objects::ObjectArgs;
 use super::print;
 use super::sequence::Player;
-use crate::frames::{PairFiles, Sequence, SequencePair};
+use crate::input::{PairFiles, Sequence, SequencePair};
 use crate::output::OutputFiles;
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};

@@ -5,10 +5,11 @@ use super::objects::{Asked, ObjectArgs};
 use super::print;
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::evaluate::{NearestSummary, Surveyed, median, nearest_disparity, surveyed};
-use crate::frames::{PairFiles, Sequence, SequencePair, halves, load_gray};
-use crate::listing;
+use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
+use crate::input::{PairFiles, Sequence, SequencePair, halves, load_gray};
 use crate::output::{LineFile, OutputFiles};
+use crate::results::listing;
+use crate::statistics::upper_median;
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::{Dims, Disparity};
@@ -211,7 +212,7 @@ fn compare(
     let known: Vec<(u64, f64, Option<f64>)> = known.collect();
     let zero = setup.map_or(0.0, |setup| setup.zero);
     let products = known.iter().filter_map(|(_, z, d)| Some(((*d)? - zero) * z));
-    let fitted = median(&products.collect::<Vec<_>>());
+    let fitted = upper_median(products.collect(), f64::total_cmp);
     let rig = setup.and_then(|setup| setup.params.rig);
     let metres = |disparity: f64| match (rig, fitted) {
         (Some(rig), _) => listing::finite_metres(rig.depth(Disparity::saturating_from_num(disparity))),

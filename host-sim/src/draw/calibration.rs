@@ -3,9 +3,9 @@
 use super::sheet::{BACKGROUND, INK, Sheet};
 use super::text::Align;
 use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
-use crate::engine::GrayImage;
 use image::RgbImage;
 use linestereo::rectify::{Eye, Rectification};
+use linestereo_baselines::GrayImage;
 
 const WIDTH: u32 = 1280;
 const FAINT: [u8; 3] = [90, 90, 96];

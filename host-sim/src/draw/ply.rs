@@ -3,16 +3,16 @@
 //! x right, y down, z forward, in metres, from the left camera. Vertices are the points, then both ends of every segment; edges are the
 //! segments. The colour stands at the vertices, where every program looks for it. Text, because some programs read one byte order only.
 
-use crate::draw::{ColourRange, colour};
+use super::colour::{Range, colour};
 use crate::engine::FrameResult;
-use crate::listing::finite_metres;
-use crate::pinhole::Pinhole;
+use crate::input::pinhole::Pinhole;
+use crate::results::listing::finite_metres;
 use core::fmt::Write;
 use linestereo::Rig;
 
 /// What is infinitely far is left out, and segments of which one end is.
 #[must_use]
-pub fn ply(result: &FrameResult, rig: &Rig, pinhole: &Pinhole, colours: &ColourRange) -> String {
+pub fn ply(result: &FrameResult, rig: &Rig, pinhole: &Pinhole, colours: &Range) -> String {
     let vertex = |position: [f64; 2], disparity: linestereo::Disparity| {
         let [x, y, z] = pinhole.point(position, finite_metres(rig.depth(disparity))?);
         let [red, green, blue] = colour(colours, disparity.to_num());

@@ -4,9 +4,10 @@
 //! place: every method gives one number a cell, however many points it lists. Cells are taken in the order of their probability, those of
 //! all frames together; a cell whose claim has no truth takes its place and is neither right nor wrong.
 
-use crate::frames::Truth;
+use super::packed::{self, Floats};
+use crate::input::Truth;
 use linestereo::Point;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Side of a cell, px; those at the right and lower border may be cut off.
 pub(super) const CELL: usize = 16;
@@ -22,12 +23,25 @@ pub struct CellClaim {
     pub error: Option<f32>,
 }
 
+/// No truth is stored as a NaN.
+impl Floats<2> for CellClaim {
+    fn to_floats(self) -> [f32; 2] {
+        [self.confidence, self.error.unwrap_or(f32::NAN)]
+    }
+
+    fn from_floats([confidence, error]: [f32; 2]) -> Self {
+        Self { confidence, error: (!error.is_nan()).then_some(error) }
+    }
+}
+
 /// The claims of a frame, and how many cells it has.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellClaims {
     /// Of the cells with a claim, row by row.
+    #[serde(rename = "cell_claims", with = "packed")]
     pub claims: Vec<CellClaim>,
     /// All cells.
+    #[serde(rename = "all_cells")]
     pub cells: usize,
 }
 

@@ -1,9 +1,10 @@
 //! The score of one frame.
 
 use super::cells::{CELL, CellClaims};
-use super::packed::PackedScore;
+use super::packed::{self, Floats};
 use crate::engine::FrameResult;
-use crate::frames::Truth;
+use crate::input::Truth;
+use crate::statistics::median;
 use linestereo::Match;
 use serde::{Deserialize, Serialize};
 
@@ -37,27 +38,65 @@ pub(super) struct CellScore {
     pub(super) best: Option<f32>,
 }
 
+/// The error is stored as negative where the true match is hidden.
+impl Floats<2> for PointScore {
+    fn to_floats(self) -> [f32; 2] {
+        [self.confidence, if self.visible { self.error } else { -self.error }]
+    }
+
+    fn from_floats([confidence, signed]: [f32; 2]) -> Self {
+        Self { confidence, error: signed.abs(), visible: signed.is_sign_positive() }
+    }
+}
+
+impl Floats<2> for SegmentScore {
+    fn to_floats(self) -> [f32; 2] {
+        [self.confidence, self.median_error]
+    }
+
+    fn from_floats([confidence, median_error]: [f32; 2]) -> Self {
+        Self { confidence, median_error }
+    }
+}
+
+/// Nothing claimed is stored as a NaN.
+impl Floats<1> for CellScore {
+    fn to_floats(self) -> [f32; 1] {
+        [self.best.unwrap_or(f32::NAN)]
+    }
+
+    fn from_floats([best]: [f32; 1]) -> Self {
+        Self { best: (!best.is_nan()).then_some(best) }
+    }
+}
+
 /// What one frame's result is worth against its truth; as JSON it keeps every bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "PackedScore", try_from = "PackedScore")]
 pub struct FrameScore {
     /// Name of the scene.
     pub name: String,
     /// Segments reported, with truth or without.
     pub segments: usize,
     /// Confidence of every point, with truth or without.
+    #[serde(with = "packed")]
     pub confidences: Vec<f32>,
     /// Segments with truth.
+    #[serde(with = "packed")]
     pub scored_segments: Vec<SegmentScore>,
     /// Points with truth.
+    #[serde(with = "packed")]
     pub scored_points: Vec<PointScore>,
+    #[serde(with = "packed")]
+    pub(super) cells: Vec<CellScore>,
+    /// The most probable claim of each cell.
+    #[serde(flatten)]
+    pub cell_claims: CellClaims,
     /// Time of the pair in milliseconds, if it was measured.
+    #[serde(rename = "milliseconds_bits", with = "packed::bits", default, skip_serializing_if = "Option::is_none")]
     pub milliseconds: Option<f64>,
     /// Instructions of the pair, if it was matched on a board.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions: Option<u64>,
-    /// The most probable claim of each cell.
-    pub cell_claims: CellClaims,
-    pub(super) cells: Vec<CellScore>,
 }
 
 impl FrameScore {
@@ -140,14 +179,6 @@ fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
         2 * visible >= CELL * CELL
     };
     (0..columns * rows).filter(|&cell| counts(cell)).map(|cell| CellScore { best: best[cell] }).collect()
-}
-
-/// Median, the mean of the two middle values for an even count; `None` of nothing.
-pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
-    values.sort_by(f32::total_cmp);
-    let middle = values.len() / 2;
-    let upper = *values.get(middle)?;
-    Some(if values.len() % 2 == 1 { upper } else { 0.5 * (values[middle - 1] + upper) })
 }
 
 #[cfg(test)]

@@ -15,7 +15,6 @@
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
 //! [`for_each_pair`] uses all cores, [`ShardFile`] splits an evaluation and merges it exactly.
 
-mod batch;
 mod cells;
 mod frame;
 mod nearest;
@@ -26,10 +25,9 @@ mod shard;
 mod summary;
 mod table;
 
-pub use batch::{for_each_pair, progress_bar};
 pub use cells::{CellClaim, CellClaims, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
-pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
+pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, nearest_disparity, surveyed};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use pixels::{AskedPixel, PixelScore, ask_pixels, pixel_report};
 pub use shard::{Shard, ShardError, ShardFile, ShardHead};

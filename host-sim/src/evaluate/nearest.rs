@@ -8,6 +8,7 @@
 //! ```
 
 use crate::engine::FrameResult;
+use crate::statistics::{quantile, upper_median};
 use core::fmt;
 use csv::ReaderBuilder;
 use serde::Serialize;
@@ -72,18 +73,6 @@ pub fn nearest_disparity(result: &FrameResult) -> Option<f64> {
     found.get(WITNESSES - 1).copied()
 }
 
-/// The middle value; the upper one of two.
-#[must_use]
-pub fn median(values: &[f64]) -> Option<f64> {
-    quantile(values, 0.5)
-}
-
-fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(((share * sorted.len() as f64) as usize).min(sorted.len().checked_sub(1)?)).copied()
-}
-
 /// Errors of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NearestSummary {
@@ -108,9 +97,9 @@ impl NearestSummary {
         Self {
             frames: distances.len(),
             missed: distances.len() - ratios.len(),
-            median_error: median(&errors),
-            p90_error: quantile(&errors, 0.9),
-            median_ratio: median(&ratios),
+            median_error: upper_median(errors.clone(), f64::total_cmp),
+            p90_error: quantile(errors, 0.9, f64::total_cmp),
+            median_ratio: upper_median(ratios, f64::total_cmp),
         }
     }
 }

@@ -4,11 +4,11 @@
 //! table. A wrong answer is more than 1 px outside of the object's own 5-95 % range of true disparities; a covered object has an answer.
 //! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
 
-use super::frame::median;
-use super::packed::PackedObject;
+use super::packed::{packed, unpacked};
 use crate::engine::Engine;
-use crate::frames::{FrameError, Scene, load_values};
-use crate::outline::{Mask, RefinedOutline, refine};
+use crate::input::{FrameError, Scene, load_values};
+use crate::results::outline::{Mask, RefinedOutline, refine};
+use crate::statistics::{interpolated_quantile, median};
 use core::fmt::Write;
 use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
@@ -146,6 +146,57 @@ pub struct ObjectScore {
     pub support: u16,
     /// Overlap of what was told, and of what it was refined to, with the truth: 1 is the same.
     pub overlap: [f64; 2],
+}
+
+/// [`ObjectScore`] as it is stored: lists of floats as their bits.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct PackedObject {
+    name: String,
+    outline: Outline,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+    wrong: bool,
+    support: u16,
+    /// Both ends of the range, disparity, error, relative error, standard deviation, probability.
+    values: String,
+    overlap_bits: [u64; 2],
+}
+
+impl From<ObjectScore> for PackedObject {
+    fn from(score: ObjectScore) -> Self {
+        let ObjectScore { name, outline, refused, range, disparity, wrong, error, relative, .. } = score;
+        let refused = refused.map(|reason| reason.name().to_owned());
+        let values = packed([range.0, range.1, disparity, error, relative, score.sigma, score.confidence]);
+        let overlap_bits = score.overlap.map(f64::to_bits);
+        Self { name, outline, refused, wrong, support: score.support, values, overlap_bits }
+    }
+}
+
+impl TryFrom<PackedObject> for ObjectScore {
+    type Error = &'static str;
+
+    fn try_from(stored: PackedObject) -> Result<Self, Self::Error> {
+        let named = |name: String| NoDepth::ALL.into_iter().find(|reason| reason.name() == name);
+        let refused = stored.refused.map(|name| named(name).ok_or("a reason that is not known")).transpose()?;
+        let values = <[f32; 7]>::try_from(unpacked(&stored.values)?).map_err(|_| "an object has other values")?;
+        let [low, high, disparity, error, relative, sigma, confidence] = values;
+        let PackedObject { name, outline, wrong, support, .. } = stored;
+        let (range, overlap) = ((low, high), stored.overlap_bits.map(f64::from_bits));
+        Ok(Self {
+            name,
+            outline,
+            refused,
+            range,
+            disparity,
+            wrong,
+            error,
+            relative,
+            sigma,
+            confidence,
+            support,
+            overlap,
+        })
+    }
 }
 
 /// The scores of one kind of outline together.
@@ -317,18 +368,10 @@ fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, m
         dims: scene.left.dims,
         label,
         told,
-        range: (quantile(&values, 0.05)?, quantile(&values, 0.95)?),
-        median: quantile(&values, 0.5)?,
+        range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
+        median: interpolated_quantile(&values, 0.5)?,
         mask: Arc::clone(mask),
     })
-}
-
-/// Straight between the two nearest of sorted values.
-fn quantile(sorted: &[f32], share: f64) -> Option<f32> {
-    let place = share * sorted.len().checked_sub(1)? as f64;
-    let (low, part) = (place.floor() as usize, place.fract() as f32);
-    let next = sorted[(low + 1).min(sorted.len() - 1)];
-    Some(sorted[low] + part * (next - sorted[low]))
 }
 
 #[derive(Deserialize)]

@@ -4,7 +4,8 @@
 //! too, because a robot does not know which are which.
 
 use crate::engine::Engine;
-use crate::frames::{SplitMix64, Truth};
+use crate::input::{SplitMix64, Truth};
+use crate::statistics::upper_median;
 use core::fmt::Write;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
 use linestereo::{Confidence, PixelRejection};
@@ -124,14 +125,12 @@ impl PixelScore {
         let visible = || answers().filter(|rated| rated.is_visible);
         let (seen, all) = (visible().count(), answers().count());
         let bad = |error: f64, limit: f64| error > limit;
-        let mut errors: Vec<f64> = visible().map(|rated| rated.error).collect();
-        errors.sort_by(f64::total_cmp);
         Answered {
             visible_percent: percent(seen, self.visible),
             hidden_percent: percent(all - seen, self.hidden),
             visible_bad: [1.0, 2.0].map(|limit| percent(visible().filter(|r| bad(r.error, limit)).count(), seen)),
             all_bad: [1.0, 2.0].map(|limit| percent(answers().filter(|r| bad(r.error, limit)).count(), all)),
-            median: errors.get(errors.len() / 2).copied(),
+            median: upper_median(visible().map(|rated| rated.error).collect(), f64::total_cmp),
             within_sigma: [1.0, 2.0].map(|k| percent(answers().filter(|r| r.error <= k * r.sigma).count(), all)),
         }
     }

@@ -1,7 +1,8 @@
 //! Scores of any number of frames, pooled.
 
 use super::cells::{self, CellRow};
-use super::frame::{FrameScore, PointScore, median};
+use super::frame::{FrameScore, PointScore};
+use crate::statistics::{median, upper_median};
 use serde::Serialize;
 
 /// Points per frame at which the error-against-yield curve is read.
@@ -115,8 +116,7 @@ impl Summary {
         let visible: Vec<f32> = points.iter().filter(|point| point.visible).map(|point| point.error).collect();
         let squares: f64 = visible.iter().map(|&error| f64::from(error).powi(2)).sum();
         let times: Vec<f32> = scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
-        let mut instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
-        instructions.sort_unstable();
+        let instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
         let calibration: Vec<BinRow> =
             PROBABILITY_EDGES.windows(2).map(|edges| bin_row(&points, edges[0], edges[1])).collect();
         Self {
@@ -133,7 +133,7 @@ impl Summary {
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
             median_error_px: median(visible).map(f64::from),
             milliseconds: median(times).map(f64::from),
-            instructions: instructions.get(instructions.len() / 2).copied(),
+            instructions: upper_median(instructions, Ord::cmp),
         }
     }
 }

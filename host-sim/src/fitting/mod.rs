@@ -16,7 +16,8 @@ pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models, SUPPORT_EVIDENCE};
+use crate::engine::FittedModels;
+use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models};
 use logistic::Line;
 use rayon::prelude::*;
 use sample::{Sample, SampleKind};
@@ -27,15 +28,6 @@ use std::collections::BTreeMap;
 const CLAIMS_PENALTY: f64 = 100.0;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;
-
-/// Every model of the core that is fitted on claims.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FittedModels {
-    /// Of the sides of segments.
-    pub segments: Models,
-    /// Of support points.
-    pub support: Model<SUPPORT_EVIDENCE>,
-}
 
 /// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]

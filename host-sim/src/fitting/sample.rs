@@ -1,7 +1,7 @@
 //! Claims with evidence and truth.
 
 use crate::engine::Engine;
-use crate::frames::Truth;
+use crate::input::Truth;
 use linestereo::diagnostics::{Evidence, Kind, Observer, PixelEvidence, StageEvent, SupportEvidence, ValidPixels};
 use linestereo::{Params, Support};
 

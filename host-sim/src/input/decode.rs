@@ -4,11 +4,11 @@
 //! Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is), transparency is ignored, 16 bits
 //! become 8 by `round(v / 257)`.
 
-use super::FrameError;
-use crate::engine::GrayImage;
+use super::error::FrameError;
 use image::{DynamicImage, ImageDecoder, ImageReader};
 use linestereo::Dims;
 use linestereo::image::ViewError;
+use linestereo_baselines::GrayImage;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -80,6 +80,14 @@ pub fn check_usable(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
         }
     }
     Ok(())
+}
+
+/// Both images have the same size.
+pub fn check_same_size(first: (&Path, Dims), second: (&Path, Dims)) -> Result<(), FrameError> {
+    if first.1 == second.1 {
+        return Ok(());
+    }
+    Err(FrameError::SizesDiffer { first: (first.0.to_path_buf(), first.1), second: (second.0.to_path_buf(), second.1) })
 }
 
 /// Refuses an image of a size the core does not take.

@@ -18,9 +18,8 @@
 //! PFM: Debevec's Portable FloatMap as the Middlebury benchmark uses it (`vision.middlebury.edu/stereo/submit3/upload-format.html`: only the
 //! sign of the scale counts, rows from below, infinity = unknown). NPY and NPZ: [`numpy`](super::numpy).
 
-use super::FrameError;
+use super::error::{DisparityFault, FrameError};
 use super::numpy::array;
-use core::fmt;
 use linestereo::Dims;
 use std::fs;
 use std::io::{Cursor, Read};
@@ -35,69 +34,6 @@ const ARRAY_NAMES: [&str; 4] = ["disp", "disparity", "gt", "arr_0"];
 const PLAUSIBLE_PX: core::ops::Range<f32> = 1e-4..1e5;
 /// Larger arrays are no images.
 const MAX_ARRAY_BYTES: u64 = 1 << 30;
-
-/// What is wrong with a file of disparities.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DisparityFault {
-    /// Its first lines are not those of a PFM file.
-    Header(&'static str),
-    /// It has three channels.
-    Coloured,
-    /// The line that tells the byte order holds 0 or no number.
-    NoByteOrder(String),
-    /// The values are absurd in the byte order that the file states, and plausible in the other one.
-    ByteOrder {
-        /// It says big endian.
-        says_big: bool,
-    },
-    /// It ends too early.
-    Truncated {
-        /// Bytes of values that its size asks for.
-        needed: u64,
-        /// Those that are there.
-        found: u64,
-    },
-    /// No pixel has a finite value.
-    NothingKnown,
-    /// An array of other than two dimensions, or too large.
-    Shape(Vec<u64>),
-    /// An array of something else than numbers.
-    ElementType(String),
-    /// The array or its archive cannot be read.
-    Array(String),
-    /// An archive holds several arrays and none by a known name, or none at all.
-    Arrays(Vec<String>),
-}
-
-impl fmt::Display for DisparityFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Header(what) => write!(f, "it is no PFM file ({what}); it starts with Pf, width and height, scale"),
-            Self::Coloured => write!(f, "it is a PFM file with three channels (PF); store one (Pf)"),
-            Self::NoByteOrder(text) => {
-                write!(f, "its third line is \"{text}\" and tells no byte order; write -1 (little endian) or 1 (big)")
-            }
-            Self::ByteOrder { says_big } => {
-                let [said, is] = if *says_big { ["big", "little"] } else { ["little", "big"] };
-                let sign = if *says_big { "negative" } else { "positive" };
-                write!(f, "its third line says {said} endian, its values are {is} endian; make the scale {sign}")
-            }
-            Self::Truncated { needed, found } => {
-                write!(f, "it ends after {found} of {needed} bytes of values; copy or download it again")
-            }
-            Self::NothingKnown => write!(f, "no pixel has a finite disparity; give another file, or remove it"),
-            Self::Shape(shape) => write!(f, "an array of {shape:?} is no image; store (height, width)"),
-            Self::ElementType(name) => write!(f, "an array of {name} holds no disparities; store floats or integers"),
-            Self::Array(what) => write!(f, "it cannot be read as NumPy's ({what}); store it again with numpy.save"),
-            Self::Arrays(names) if names.is_empty() => write!(f, "it holds no array; store one with numpy.savez"),
-            Self::Arrays(names) => {
-                write!(f, "it holds the arrays {}; call the one with disparities disp", names.join(", "))
-            }
-        }
-    }
-}
-
-impl core::error::Error for DisparityFault {}
 
 /// A file of this name is read by [`load_disparities`].
 pub(super) fn is_float_file(path: &Path) -> bool {
@@ -173,7 +109,7 @@ fn is_plausible(values: &[f32]) -> bool {
 }
 
 fn zipped(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
-    let broken = |error: &dyn fmt::Display| DisparityFault::Array(error.to_string());
+    let broken = |error: &dyn core::fmt::Display| DisparityFault::Array(error.to_string());
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
     let names: Vec<String> =
         archive.file_names().filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned())).collect();

@@ -14,7 +14,7 @@
 //! NumPy enhancement proposal 1. The header is read here and not by a library: the ones at hand bring a parser of all Python literals, and
 //! take memory for what a header claims.
 
-use super::DisparityFault;
+use super::error::DisparityFault;
 use linestereo::Dims;
 
 /// Longer headers are no plain array's; NumPy itself reads no longer ones.

@@ -2,7 +2,7 @@
 //!
 //! Applied in the order in which light meets them: optics (blur), rig (rows off), exposure (gain, bias), sensor (noise), cabling (swap).
 
-use crate::engine::GrayImage;
+use linestereo_baselines::GrayImage;
 
 /// What is done to a pair; the default does nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]

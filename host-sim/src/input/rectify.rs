@@ -3,10 +3,10 @@
 //! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more here than there, so that both give the
 //! same bytes; larger ones as much as they can use.
 
-use crate::engine::GrayImage;
 use core::fmt;
-use linestereo::rectify::{Band, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
+use linestereo::rectify::{Band, Calibration, Camera, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
 use linestereo::{Dims, Span};
+use linestereo_baselines::GrayImage;
 use linestereo_firmware::boards;
 
 /// The largest images that a board rectifies.
@@ -145,4 +145,40 @@ fn rectified<const NODES: usize, const ROWS: usize>(
         band.push(mesh, row, &mut pixels).map_err(|error| RectifierError::Row(eye, error))?;
     }
     Ok(GrayImage { dims, pixels })
+}
+
+/// The same rig for raw images of another size that show the same: whole pixels are centres, so borders are half a pixel outside.
+pub fn reduced(calibration: &Calibration, dims: Dims) -> anyhow::Result<Calibration> {
+    let camera = |eye| {
+        let camera = calibration.camera(eye);
+        let [sx, sy] = [
+            f64::from(dims.width) / f64::from(camera.dims().width),
+            f64::from(dims.height) / f64::from(camera.dims().height),
+        ];
+        let ([fx, fy], [cx, cy]) = (camera.focal(), camera.centre());
+        let centre = [(cx + 0.5) * sx - 0.5, (cy + 0.5) * sy - 0.5];
+        Camera::new(dims, [fx * sx, fy * sy], centre, camera.skew() * sx, camera.lens())
+    };
+    let (left, right) = (camera(Eye::Left)?, camera(Eye::Right)?);
+    Ok(Calibration::new(left, right, calibration.rotation(), calibration.translation())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::rectify::Lens;
+
+    #[test]
+    fn a_ray_stays_at_its_place_in_the_image() {
+        let dims = Dims { width: 640, height: 480 };
+        let lens = Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [1e-3, 0.0] };
+        let camera = Camera::new(dims, [500.0, 510.0], [300.0, 250.0], 2.0, lens).unwrap();
+        let pair = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
+        let small = reduced(&pair, Dims { width: 320, height: 160 }).unwrap();
+        for ray in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-0.25, 0.1, 1.0]] {
+            let [[u, v], [x, y]] = [&pair, &small].map(|rig| rig.camera(Eye::Right).project(ray).unwrap());
+            assert!(((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9 && ((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9);
+        }
+        assert_eq!(reduced(&pair, dims).unwrap(), pair);
+    }
 }

@@ -9,8 +9,8 @@
 //! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a package file may be given, brought by
 //! whatever way there is to a machine without a network.
 
-use crate::board::process;
 use crate::output::OutputFiles;
+use crate::programs::process;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt;
 use core::time::Duration;

@@ -3,9 +3,9 @@
 //! # Bounds
 //! A sum of weights is `width * height` of the input, below 2^32; times 255 fits `u64`.
 
-use super::FrameError;
-use crate::engine::GrayImage;
+use super::error::FrameError;
 use linestereo::Dims;
+use linestereo_baselines::GrayImage;
 
 /// Height that goes with `width` when the aspect ratio is kept, rounded, at least 1.
 #[must_use]

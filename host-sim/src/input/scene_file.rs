@@ -5,19 +5,16 @@
 //! `left_valid_normalized`: left, top, right, bottom border of the left image's content as shares of its sides). What is visible in
 //! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
 
-use super::layouts::{Layout, folder_name};
-use super::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
-use super::{FrameError, PairFiles, Truth};
-use crate::engine::GrayImage;
+use super::error::FrameError;
+use super::folder::{folder_name, image_path};
+use super::layout::Layout;
+use super::sequence::PairFiles;
+use super::stored::{Scale, Scene, StoredPair, StoredRig, StoredTruth, Visibility};
 use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
 use serde::Deserialize;
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// Derived disparity ranges are multiples of this.
-const RANGE_STEP: u16 = 16;
-pub(super) const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+use std::path::Path;
 
 /// What `scene.json` says; fields it does not have are `None`.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -101,66 +98,6 @@ impl SceneInfo {
     }
 }
 
-/// A pair with what is known about it, ready for the core.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// Name of the scene: from `scene.json`, else the folder's.
-    pub name: String,
-    /// Its folder.
-    pub folder: PathBuf,
-    /// Left image, the reference.
-    pub left: GrayImage,
-    /// Right image.
-    pub right: GrayImage,
-    /// Disparities to search, 0 .. this, in px.
-    pub max_disparity: u16,
-    /// Rectified rig, if known.
-    pub rig: Option<Rig>,
-    /// The numbers behind it.
-    pub rig_numbers: Option<RigUpdate>,
-    /// Ground truth, if any.
-    pub truth: Option<Truth>,
-}
-
-/// Every folder at or below `root` that holds a `scene.json`, sorted.
-pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
-    let mut found = Vec::new();
-    let mut pending = vec![root.to_path_buf()];
-    while let Some(folder) = pending.pop() {
-        let read_error = |error| FrameError::Read(folder.clone(), error);
-        for entry in fs::read_dir(&folder).map_err(read_error)? {
-            let path = entry.map_err(read_error)?.path();
-            if path.is_dir() {
-                pending.push(path);
-            } else if path.file_name().is_some_and(|name| name == "scene.json") {
-                found.push(folder.clone());
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-/// Every folder at or below `root` that holds a left and a right image, sorted, with the paths of both.
-pub fn find_pairs(root: &Path) -> Result<Vec<(PathBuf, [PathBuf; 2])>, FrameError> {
-    let mut found = Vec::new();
-    let mut pending = vec![root.to_path_buf()];
-    while let Some(folder) = pending.pop() {
-        if let (Some(left), Some(right)) = (image_path(&folder, "left"), image_path(&folder, "right")) {
-            found.push((folder.clone(), [left, right]));
-        }
-        let read_error = |error| FrameError::Read(folder.clone(), error);
-        for entry in fs::read_dir(&folder).map_err(read_error)? {
-            let path = entry.map_err(read_error)?.path();
-            if path.is_dir() {
-                pending.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
 /// The folder's `scene.json` names ground truth.
 pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
     Ok(SceneInfo::load(&folder.join("scene.json"))?.ground_truth.is_some())
@@ -189,19 +126,6 @@ pub(super) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     })
 }
 
-/// A disparity range for images reduced by `scale`: rounded up to a multiple of 16.
-#[must_use]
-pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
-    let steps = (range * scale / f64::from(RANGE_STEP)).ceil().max(1.0);
-    (steps as u16).saturating_mul(RANGE_STEP)
-}
-
-/// The image of this name in a folder, whatever its format.
-fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
-    let paths = IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
-    paths.into_iter().find(|path| path.is_file())
-}
-
 fn stored_truth(folder: &Path, info: &SceneInfo) -> Result<Option<StoredTruth>, FrameError> {
     let Some(ground_truth) = &info.ground_truth else { return Ok(None) };
     let scale = ground_truth.disparity_scale;
@@ -225,13 +149,7 @@ fn stored_truth(folder: &Path, info: &SceneInfo) -> Result<Option<StoredTruth>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ranges_are_multiples_of_sixteen() {
-        assert_eq!(scaled_max_disparity(64.0, 0.5), 32);
-        assert_eq!(scaled_max_disparity(65.0, 0.5), 48);
-        assert_eq!(scaled_max_disparity(3.0, 1.0), 16);
-    }
+    use crate::input::find_scenes;
 
     #[test]
     fn a_folder_is_read_with_rig_truth_and_visibility() {

@@ -10,7 +10,8 @@
 //!
 //! Pairs are ordered by their numbers, then by name. An image without a partner is counted.
 
-use super::FrameError;
+use super::error::FrameError;
+use super::folder::{IMAGE_EXTENSIONS, find_pairs};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -117,7 +118,7 @@ fn images(folder: &Path) -> Result<Vec<PathBuf>, FrameError> {
     for entry in fs::read_dir(folder).map_err(read_error)? {
         let path = entry.map_err(read_error)?.path();
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-        let is_image = extension.is_some_and(|extension| super::scene::IMAGE_EXTENSIONS.contains(&&*extension));
+        let is_image = extension.is_some_and(|extension| IMAGE_EXTENSIONS.contains(&&*extension));
         if is_image && path.is_file() {
             found.push(path);
         }
@@ -176,7 +177,7 @@ fn matched(left: impl Iterator<Item = (String, PathBuf)>, right: impl Iterator<I
 
 /// A folder per pair, at any depth.
 fn folders_of_pairs(root: &Path) -> Result<Sequence, FrameError> {
-    let pairs = super::find_pairs(root)?.into_iter().map(|(folder, files)| {
+    let pairs = find_pairs(root)?.into_iter().map(|(folder, files)| {
         let name = folder.strip_prefix(root).unwrap_or(&folder).display().to_string();
         pair(&name, PairFiles::Two(files))
     });

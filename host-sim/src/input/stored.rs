@@ -6,23 +6,47 @@
 //! --width   images by area, truth at pixel centres, range and rig in proportion
 //! ```
 
-use super::decode::{check_size, load_values};
+use super::decode::{check_same_size, check_size, is_16_bit, load_gray, load_values};
 use super::disparity_file::{is_float_file, load_disparities};
-use super::layouts::{Layout, LayoutFault};
-use super::scene::{Scene, scaled_max_disparity};
-use super::{FrameError, PairFiles, Truth, area_average, check_same_size, load_gray, resampled_height};
-use crate::calibration::reduced;
-use crate::engine::GrayImage;
-use crate::interchange::{Options, load_rig};
-use crate::rectify::PairRectifier;
+use super::error::{FrameError, LayoutFault};
+use super::layout::Layout;
+use super::resample::{area_average, resampled_height};
+use super::sequence::PairFiles;
+use super::truth::Truth;
+use crate::input::interchange::{Options, load_rig};
+use crate::input::rectify::{PairRectifier, reduced};
 use core::fmt;
 use linestereo::rectify::{Eye, View};
 use linestereo::{Dims, Rig};
+use linestereo_baselines::GrayImage;
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 
+/// Derived disparity ranges are multiples of this.
+const RANGE_STEP: u16 = 16;
 /// Disparity range where nothing gives one.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
+
+/// A pair with what is known about it, ready for the core.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the scene: from `scene.json`, else the folder's.
+    pub name: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Left image, the reference.
+    pub left: GrayImage,
+    /// Right image.
+    pub right: GrayImage,
+    /// Disparities to search, 0 .. this, in px.
+    pub max_disparity: u16,
+    /// Rectified rig, if known.
+    pub rig: Option<Rig>,
+    /// The numbers behind it.
+    pub rig_numbers: Option<RigUpdate>,
+    /// Ground truth, if any.
+    pub truth: Option<Truth>,
+}
 
 /// A pair on disk with everything that is known of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,11 +209,18 @@ impl StoredTruth {
         let scale = match self.scale {
             Scale::Steps(scale) => Some(scale),
             Scale::ByHeight(known) => known.iter().find(|(rows, _)| *rows == dims.height).map(|(_, scale)| *scale),
-            Scale::SixteenBit => super::decode::is_16_bit(path)?.then_some(KITTI_STEPS),
+            Scale::SixteenBit => is_16_bit(path)?.then_some(KITTI_STEPS),
         };
         let scale = scale.ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::TruthScale(dims)))?;
         Ok(values.into_iter().map(|value| if value == 0 { f32::NAN } else { f32::from(value) / scale }).collect())
     }
+}
+
+/// A disparity range for images reduced by `scale`: rounded up to a multiple of 16.
+#[must_use]
+pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
+    let steps = (range * scale / f64::from(RANGE_STEP)).ceil().max(1.0);
+    (steps as u16).saturating_mul(RANGE_STEP)
 }
 
 /// Steps of KITTI's truth per pixel.
@@ -227,4 +258,16 @@ fn rectified(
     let rig = view.rig().map_err(|error| FrameError::Rig(files[0].clone(), error))?;
     let numbers = RigUpdate { focal_px: view.focal(), baseline_m: view.baseline(), offset_px: 0.0 };
     Ok(([left, right], Some((numbers, rig))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_multiples_of_sixteen() {
+        assert_eq!(scaled_max_disparity(64.0, 0.5), 32);
+        assert_eq!(scaled_max_disparity(65.0, 0.5), 48);
+        assert_eq!(scaled_max_disparity(3.0, 1.0), 16);
+    }
 }

@@ -1,6 +1,6 @@
 //! Ground truth: a disparity per pixel of the left image, and which true matches are visible in the right one.
 
-use super::resampled_height;
+use super::resample::resampled_height;
 use linestereo::Dims;
 
 /// Two true disparities further apart than this, in px, are two surfaces.

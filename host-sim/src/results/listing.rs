@@ -3,9 +3,9 @@
 //! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
 //! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
 
-use crate::directions::Direction;
 use crate::engine::FrameResult;
-use crate::health;
+use crate::results::directions::Direction;
+use crate::results::health;
 use core::fmt::Write;
 use linestereo::{
     Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner, PixelDepth,

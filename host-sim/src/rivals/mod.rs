@@ -16,8 +16,9 @@ use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases, score_objects,
 };
-use crate::frames::{Scene, Truth};
-use crate::outline::Mask;
+use crate::input::{Scene, Truth};
+use crate::results::outline::Mask;
+use crate::statistics::upper_median;
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::{Disparity, NoDepth, ObjectDepth};
@@ -182,8 +183,8 @@ fn median_time<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
         run()?;
         times.push(start.elapsed());
     }
-    times.sort();
-    Ok(1e3 * times[times.len() / 2].as_secs_f64())
+    let median = upper_median(times, Ord::cmp).unwrap_or_default();
+    Ok(1e3 * median.as_secs_f64())
 }
 
 /// Truth that knows nothing: yields can be counted against it.
@@ -194,24 +195,24 @@ fn unknown(scene: &Scene) -> Truth {
 
 fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase| {
-        let mut inside: Vec<f32> = case.region().map_or(Vec::new(), |region| {
+        let inside: Vec<f32> = case.region().map_or(Vec::new(), |region| {
             let mask = Mask::of(&region, map.dims());
             let values = mask.pixels().iter().zip(map.values());
             values.filter(|(inside, value)| **inside && value.is_finite()).map(|(_, &value)| value).collect()
         });
-        case.score(&median_depth(&mut inside), &[])
+        case.score(&median_depth(inside), &[])
     };
     cases.iter().map(answer).collect()
 }
 
 /// A median and how many values it has; nothing is known of its confidence.
-fn median_depth(values: &mut [f32]) -> ObjectDepth {
-    let middle = values.len() / 2;
+fn median_depth(values: Vec<f32>) -> ObjectDepth {
     let support = u16::try_from(values.len()).unwrap_or(u16::MAX);
     let nothing = ObjectDepth::refused(0, NoDepth::LittleSupport, support);
-    if values.len() < LEAST_CLAIMS {
-        return nothing;
+    match upper_median(values, f32::total_cmp) {
+        Some(median) if usize::from(support) >= LEAST_CLAIMS => {
+            ObjectDepth { disparity: Ok(Disparity::saturating_from_num(median)), ..nothing }
+        }
+        _ => nothing,
     }
-    let median = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
-    ObjectDepth { disparity: Ok(Disparity::saturating_from_num(median)), ..nothing }
 }

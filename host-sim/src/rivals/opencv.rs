@@ -1,8 +1,7 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
 
-use crate::engine::GrayImage;
 use core::fmt;
-use linestereo_baselines::{DisparityMap, Search};
+use linestereo_baselines::{DisparityMap, GrayImage, Search};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -13,7 +13,7 @@
 //! Middlebury: `vision.middlebury.edu/stereo/data/scenes2014/` ("calibration file format"); ETH3D has the same, "baseline in mm". KITTI: the
 //! devkits' readme.txt; Geiger, Lenz, Stiller, Urtasun, "Vision meets robotics", IJRR 2013, Eq. 4.
 
-use super::{FrameError, LayoutFault};
+use crate::input::error::{FrameError, LayoutFault};
 use linestereo_wire::RigUpdate;
 use std::fs;
 use std::path::Path;

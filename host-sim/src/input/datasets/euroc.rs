@@ -6,9 +6,11 @@
 //! # Source
 //! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016. The files' conventions stand in `interchange::euroc`.
 
-use super::super::sequence::Sequence;
-use super::super::stored::{StoredPair, StoredRig};
-use super::{FrameError, Layout, LayoutFault, Listing};
+use crate::input::error::{FrameError, LayoutFault};
+use crate::input::folder::Listing;
+use crate::input::layout::Layout;
+use crate::input::sequence::Sequence;
+use crate::input::stored::{StoredPair, StoredRig};
 
 /// The pairs of a recording; nothing where there is none.
 pub(super) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {

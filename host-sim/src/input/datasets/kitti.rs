@@ -11,9 +11,12 @@
 //! # Source
 //! readme.txt of `devkit_stereo_flow` (2012) and `devkit_scene_flow` (2015). Geiger, Lenz, Urtasun, CVPR 2012; Menze, Geiger, CVPR 2015.
 
-use super::super::sequence::PairFiles;
-use super::super::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
-use super::{FrameError, Layout, LayoutFault, Listing, calibration};
+use super::calibration;
+use crate::input::error::{FrameError, LayoutFault};
+use crate::input::folder::Listing;
+use crate::input::layout::Layout;
+use crate::input::sequence::PairFiles;
+use crate::input::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use std::path::PathBuf;
 
 /// Folders of the images, numbers of the cameras, the layout, folders of truth and of calibration.

@@ -16,9 +16,13 @@
 //! `vision.middlebury.edu/stereo/data/` (pages of 2001, 2003, 2005, 2006, 2014, 2021) and `/submit3/`; `www.eth3d.net/documentation`. In 2005/2006
 //! depth = 3740 px * 0.16 m / (disparity + dmin), both scaled with the images.
 
-use super::super::sequence::PairFiles;
-use super::super::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
-use super::{FrameError, Layout, LayoutFault, Listing, calibration};
+use super::calibration;
+use crate::input::decode::rows;
+use crate::input::error::{FrameError, LayoutFault};
+use crate::input::folder::Listing;
+use crate::input::layout::Layout;
+use crate::input::sequence::PairFiles;
+use crate::input::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 
@@ -91,7 +95,7 @@ fn beside_training(scene: &Path) -> Option<PathBuf> {
 /// 2001 and 2003.
 fn by_steps(folder: &Listing, images: [PathBuf; 2]) -> Result<Option<StoredPair>, FrameError> {
     let Some(file) = folder.image("disp2") else { return Ok(None) };
-    let rows = super::super::decode::rows(&images[0])?;
+    let rows = rows(&images[0])?;
     let is_2003 = STEPS_2003.iter().any(|(known, _)| *known == rows);
     let (layout, scale) = if is_2003 {
         (Layout::Middlebury2003, Scale::ByHeight(STEPS_2003))
@@ -126,7 +130,7 @@ fn views(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
         return Err(FrameError::Layout(path, LayoutFault::MissingCalibration(Layout::Middlebury2006)));
     }
     let least = calibration::single_number(&path, "the least disparity")?;
-    let rows = super::super::decode::rows(&found[0].1[0])?;
+    let rows = rows(&found[0].1[0])?;
     // Images of another height have been resized by somebody: their truth has no known scale, nor have they a focal length.
     let steps = STEPS_2006.iter().find(|(known, _)| *known == rows).map(|(_, steps)| f64::from(*steps));
     let rig = steps.map_or(StoredRig::Unknown, |steps| {

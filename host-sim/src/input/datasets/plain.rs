@@ -10,10 +10,13 @@
 //! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in the folder gives range, rig and, with
 //! `disparity_scale`, the steps of truth images, for every frame.
 
-use super::super::scene::SceneInfo;
-use super::super::sequence::{Sequence, SequencePair};
-use super::super::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
-use super::{Dataset, FrameError, Layout, Listing};
+use super::Dataset;
+use crate::input::error::FrameError;
+use crate::input::folder::Listing;
+use crate::input::layout::Layout;
+use crate::input::scene_file::SceneInfo;
+use crate::input::sequence::{Sequence, SequencePair};
+use crate::input::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use std::path::Path;
 
 const TRUTH_FOLDERS: [&str; 4] = ["disp", "disparity", "gt", "disp_occ"];

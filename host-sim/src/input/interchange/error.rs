@@ -1,6 +1,6 @@
 //! What is wrong with a file, and where.
 
-use crate::calibration::RigFileError;
+use crate::input::rig_file::RigFileError;
 use core::fmt;
 use linestereo::Dims;
 use linestereo::rectify::{CalibrationError, CameraError, Eye, RectifyError};

@@ -22,7 +22,7 @@ mod yaml;
 pub use camera::LensModel;
 pub use error::{InterchangeError, Problem};
 
-use crate::calibration::RigFile;
+use crate::input::rig_file::RigFile;
 use core::fmt;
 use error::{Fault, Place};
 use linestereo::Dims;

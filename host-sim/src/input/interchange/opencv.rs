@@ -19,7 +19,7 @@ use super::names::{Found, Names};
 use super::node::{Matrix, Node};
 use super::pose::{self, Pose, Rows};
 use super::{Options, StoredRectification, TranslationUnit};
-use crate::calibration::quaternion;
+use crate::input::rig_file::quaternion;
 use linestereo::Dims;
 use linestereo::rectify::{Calibration, Eye, Lens, View};
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,7 @@
 //! Label images: the value of a pixel is the label of its object, 0 is none.
 
 use super::{Frame, Object, Objects, ObjectsError, Pixels, reduced};
-use crate::frames::load_values;
+use crate::input::decode::load_values;
 use linestereo::objects::Run;
 use linestereo::{Dims, Span};
 use std::collections::BTreeMap;

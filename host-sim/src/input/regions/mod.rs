@@ -20,7 +20,7 @@ mod run_length;
 mod table;
 mod yolo;
 
-use crate::frames::FrameError;
+use crate::input::error::FrameError;
 use core::fmt::{self, Write};
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, Region, RegionError};

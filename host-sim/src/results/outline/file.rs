@@ -1,7 +1,7 @@
 //! Refined outlines as files: JSON that `--objects` reads back, with what belongs to each object; or a label image.
 
 use super::{Refined, RefinedOutline};
-use crate::regions::Object;
+use crate::input::regions::Object;
 use anyhow::Result;
 use image::{ImageBuffer, ImageFormat, Luma};
 use linestereo::diagnostics::Segment;
