@@ -26,7 +26,7 @@ type PcScratch = Scratch<
 pub struct FrameResult {
     /// Matched segments, most confident first.
     pub matches: Vec<Match>,
-    /// Claimed points, most confident first, one per pixel at most.
+    /// Points, most confident first, one per pixel at most.
     pub points: Vec<Point>,
     /// What was found, rejected and dropped.
     pub counts: Counts,
@@ -51,7 +51,7 @@ impl FrameResult {
     }
 }
 
-/// Every model of the core that is fitted on claims.
+/// Every model of the core that is fitted on answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FittedModels {
     /// Of the sides of segments.

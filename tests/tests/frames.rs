@@ -43,7 +43,7 @@ fn scenes_that_the_model_has_not_seen() {
     assert!(summary.sure.cells_percent >= Some(80.0), "{:?}", summary.sure);
     assert!(summary.sure.errors.all_gt_bad2 <= Some(1.2), "{:?}", summary.sure);
     for bin in summary.calibration.iter().filter(|bin| bin.points >= 1000) {
-        assert!((bin.said.unwrap() - bin.observed.unwrap()).abs() <= 0.02, "{bin:?}");
+        assert!((bin.stated.unwrap() - bin.observed.unwrap()).abs() <= 0.02, "{bin:?}");
     }
 }
 

@@ -28,14 +28,14 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// An error unless all is well, with what the program said.
+    /// An error unless all is well, with what the program reported.
     pub fn success(&self, program: &str, board: &Board) -> Result<()> {
         if self.exit == Some(Exit::Success) {
             return Ok(());
         }
         let why = self.exit.map_or("QEMU failed", Exit::meaning);
-        let said = self.errors.trim();
-        bail!("{program} on {}: {why}{}{said}", board.name, if said.is_empty() { "" } else { ": " })
+        let reported = self.errors.trim();
+        bail!("{program} on {}: {why}{}{reported}", board.name, if reported.is_empty() { "" } else { ": " })
     }
 }
 

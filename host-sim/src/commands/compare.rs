@@ -37,7 +37,7 @@ Examples:
   linestereo compare --merge part*.json                          all parts: the same bytes as without --shard
 
 Methods:
-  linestereo       the core: claims of p >= 0.9
+  linestereo       the core: answers of p >= 0.9
   bm, bm-strict    block matching, OpenCV's StereoBM number for number; strict: uniqueness 90, texture 3000
   ssd sad ncc normalised-ssd normalised-sad rank census gradient    block matching by this cost, window 15x15
   scan-line        dynamic programming along rows with occlusion
@@ -47,9 +47,9 @@ Methods:
   all              every one of them
 
 Columns:
-  points, cells    claims a frame; % of 16x16 cells (those at least half visible truth) with one
-  vis, allGT       % of claims more than 1 / 2 px off: visible ones; all with truth
-  top N            allGT of the N most confident claims a frame; confidence of a baseline is its uniqueness,
+  points, cells    answers a frame; % of 16x16 cells (those at least half visible truth) with one
+  vis, allGT       % of answers more than 1 / 2 px off: visible ones; all with truth
+  top N            allGT of the N most confident answers a frame; confidence of a baseline is its uniqueness,
                    1 - cost / cost of the best place elsewhere. OpenCV tells none.
   ms               median time of a pair on one thread, with nothing else running";
 

@@ -57,7 +57,7 @@ pub(super) fn run(
     write_results(&fitted, (pairs.len() > 1).then(|| unseen.concat()).as_deref(), json)
 }
 
-/// A pair that was run, with the evidence of its claims.
+/// A pair that was run, with the evidence of its answers.
 struct Watched {
     engine: Engine,
     log: EvidenceLog,

@@ -18,7 +18,7 @@ Examples:
   linestereo fit-confidence frames/qvga --also frames/third --out core/src     write the constants that the core uses
   linestereo fit-confidence frames/qvga --also frames/third --check core/src   fail if they are not what the frames give
   linestereo fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
-  linestereo fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable claims";
+  linestereo fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
 
 /// Files of constants below core/src.
 const SEGMENTS: &str = "confidence/fitted.rs";
@@ -107,7 +107,7 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     Ok(pairs.iter().map(|pair| pair.load(None)).collect::<Result<_, _>>()?)
 }
 
-/// The claims of one scene, whatever their confidence.
+/// The answers of one scene, whatever their confidence.
 fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
@@ -142,7 +142,7 @@ fn leave_one_out(
         scene_table(&clean),
         report(&pooled[0]),
         cell_table(damages.iter().map(|&(name, _)| name).zip(&pooled)),
-        "largest excess of said over observed probability, bins of 1000 claims and more, percent\n",
+        "largest excess of stated over observed probability, bins of 1000 answers and more, percent\n",
         excess.collect::<String>(),
     ))
 }

@@ -1,6 +1,6 @@
 //! The score of one frame.
 
-use super::cells::{CELL, CellClaims};
+use super::cells::{CELL, CellAnswers};
 use super::packed::{self, Floats};
 use crate::engine::FrameResult;
 use crate::input::Truth;
@@ -14,9 +14,9 @@ const STEEP_LIMIT: f64 = 4.0;
 /// A point that has ground truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointScore {
-    /// Probability claimed.
+    /// Probability stated.
     pub confidence: f32,
-    /// `|claimed - true|` in px.
+    /// `|reported - true|` in px.
     pub error: f32,
     /// The true match is visible in the right image.
     pub visible: bool,
@@ -25,7 +25,7 @@ pub struct PointScore {
 /// A segment that has ground truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentScore {
-    /// Probability claimed.
+    /// Probability stated.
     pub confidence: f32,
     /// Median of its errors along it, in px.
     pub median_error: f32,
@@ -34,7 +34,7 @@ pub struct SegmentScore {
 /// A coverage cell that counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CellScore {
-    /// Highest probability claimed in it, `None` when nothing is.
+    /// Highest probability stated in it, `None` when nothing is.
     pub(super) best: Option<f32>,
 }
 
@@ -59,7 +59,7 @@ impl Floats<2> for SegmentScore {
     }
 }
 
-/// Nothing claimed is stored as a NaN.
+/// No answer is stored as a NaN.
 impl Floats<1> for CellScore {
     fn to_floats(self) -> [f32; 1] {
         [self.best.unwrap_or(f32::NAN)]
@@ -88,9 +88,9 @@ pub struct FrameScore {
     pub scored_points: Vec<PointScore>,
     #[serde(with = "packed")]
     pub(super) cells: Vec<CellScore>,
-    /// The most probable claim of each cell.
+    /// The most probable answer of each cell.
     #[serde(flatten)]
-    pub cell_claims: CellClaims,
+    pub cell_answers: CellAnswers,
     /// Time of the pair in milliseconds, if it was measured.
     #[serde(rename = "milliseconds_bits", with = "packed::bits", default, skip_serializing_if = "Option::is_none")]
     pub milliseconds: Option<f64>,
@@ -131,7 +131,7 @@ impl FrameScore {
             scored_points,
             milliseconds: None,
             instructions: None,
-            cell_claims: CellClaims::new(truth, &result.points),
+            cell_answers: CellAnswers::new(truth, &result.points),
             cells: cells(truth, result),
         }
     }
@@ -203,7 +203,7 @@ pub(super) mod tests {
         }
     }
 
-    pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
+    pub(in crate::evaluate) fn answer(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
         let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
         Point { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
     }
@@ -253,7 +253,7 @@ pub(super) mod tests {
 
     #[test]
     fn points_without_truth_are_in_the_yield_only() {
-        let points = vec![claim(0, 3, 8.0, 0.5), claim(5, 3, 8.25, 0.75), claim(5, 20, 10.0, 0.25)];
+        let points = vec![answer(0, 3, 8.0, 0.5), answer(5, 3, 8.25, 0.75), answer(5, 20, 10.0, 0.25)];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.confidences, [0.5, 0.75, 0.25]);
         let expected = [
@@ -267,7 +267,7 @@ pub(super) mod tests {
     fn cells_count_by_visible_truth() {
         // 2 x 2 whole cells; the lower two are hidden, so two count. Column 39 lies outside every whole cell.
         let points =
-            vec![claim(3, 3, 8.0, 0.25), claim(4, 3, 8.0, 0.5), claim(39, 3, 8.0, 0.5), claim(3, 20, 8.0, 0.5)];
+            vec![answer(3, 3, 8.0, 0.25), answer(4, 3, 8.0, 0.5), answer(39, 3, 8.0, 0.5), answer(3, 20, 8.0, 0.5)];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.cells, [CellScore { best: Some(0.5) }, CellScore { best: None }]);
     }

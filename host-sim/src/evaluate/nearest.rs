@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// So many segments have to reach a disparity.
-pub const WITNESSES: usize = 3;
+pub const LEAST_SUPPORT: usize = 3;
 
 /// Why a table gives no distances.
 #[derive(Debug)]
@@ -64,13 +64,13 @@ pub fn surveyed(path: &Path) -> Result<Surveyed, NearestError> {
     Ok(found)
 }
 
-/// The largest disparity, in px, that [`WITNESSES`] segments reach.
+/// The largest disparity, in px, that [`LEAST_SUPPORT`] segments reach.
 #[must_use]
 pub fn nearest_disparity(result: &FrameResult) -> Option<f64> {
     let middle = |d: [linestereo::Disparity; 2]| 0.5 * d.iter().map(|d| d.to_num::<f64>()).sum::<f64>();
     let mut found: Vec<f64> = result.matches.iter().map(|found| middle(found.disparity)).collect();
     found.sort_by(|a, b| b.total_cmp(a));
-    found.get(WITNESSES - 1).copied()
+    found.get(LEAST_SUPPORT - 1).copied()
 }
 
 /// Errors of a sequence.

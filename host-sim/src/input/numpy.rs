@@ -12,7 +12,7 @@
 //!
 //! # Source
 //! NumPy enhancement proposal 1. The header is read here and not by a library: the ones at hand bring a parser of all Python literals, and
-//! take memory for what a header claims.
+//! take memory for what a header states.
 
 use super::error::DisparityFault;
 use linestereo::Dims;

@@ -99,7 +99,7 @@ impl Truth {
         Self::new(dims, disparity, visible)
     }
 
-    /// The truth of the swapped pair: seen from the right image every disparity is negative, so that no claim can be right.
+    /// The truth of the swapped pair: seen from the right image every disparity is negative, so that no answer can be right.
     #[must_use]
     pub fn swapped(&self) -> Self {
         let width = usize::from(self.dims.width);

@@ -1,4 +1,4 @@
-//! The claimed points as a map with a value, or none, for every pixel of the left image.
+//! The points as a map with a value, or none, for every pixel of the left image.
 
 use crate::engine::FrameResult;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};

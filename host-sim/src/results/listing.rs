@@ -125,7 +125,7 @@ pub struct Object {
     pub sigma_m: f64,
     /// Nearest credible depth.
     pub nearest_m: Option<f64>,
-    /// Segments that speak for it.
+    /// Segments that support it.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
     pub confidence: f64,

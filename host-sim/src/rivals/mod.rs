@@ -3,7 +3,7 @@
 //! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its time on one thread.
 //!
 //! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its curve of error against yield can be read
-//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least `LEAST_CLAIMS` disparities
+//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least `LEAST_DISPARITIES` disparities
 //! inside it.
 
 mod opencv;
@@ -29,7 +29,7 @@ use std::time::Instant;
 const TIMING_BUDGET: Duration = Duration::from_millis(100);
 const TIMING_RUNS: usize = 9;
 /// Fewer disparities make no depth of an object.
-const LEAST_CLAIMS: usize = 5;
+const LEAST_DISPARITIES: usize = 5;
 
 /// The core's name among the methods.
 pub const CORE: &str = "linestereo";
@@ -78,7 +78,7 @@ pub struct MethodSummary {
     pub summary: Summary,
     /// Does it say how sure it is? Without, its curve of error against yield means nothing.
     pub has_confidence: bool,
-    /// Depths of objects by what was told of them; empty where no scene has objects.
+    /// Depths of objects by what the core was given of them; empty where no scene has objects.
     pub objects: Vec<ObjectSummary>,
 }
 
@@ -210,7 +210,7 @@ fn median_depth(values: Vec<f32>) -> ObjectDepth {
     let support = u16::try_from(values.len()).unwrap_or(u16::MAX);
     let nothing = ObjectDepth::refused(0, NoDepth::LittleSupport, support);
     match upper_median(values, f32::total_cmp) {
-        Some(median) if usize::from(support) >= LEAST_CLAIMS => {
+        Some(median) if usize::from(support) >= LEAST_DISPARITIES => {
             ObjectDepth { disparity: Ok(Disparity::saturating_from_num(median)), ..nothing }
         }
         _ => nothing,

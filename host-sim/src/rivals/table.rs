@@ -9,8 +9,8 @@ use core::fmt::Write;
 pub fn comparison_table(methods: &[MethodSummary]) -> String {
     let width = name_width(methods);
     let mut text = format!("{:width$}   points  cells  vis bad1/bad2  allGT bad1/bad2", "method");
-    for asked in YIELDS {
-        let _ = write!(text, "  {:>11}", format!("top {asked}"));
+    for wanted in YIELDS {
+        let _ = write!(text, "  {:>11}", format!("top {wanted}"));
     }
     text.push_str("  median px       ms\n");
     for MethodSummary { method, summary, has_confidence, .. } in methods {
@@ -34,7 +34,7 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
     text
 }
 
-/// One claim per cell, of what each method lists.
+/// One answer per cell, of what each method lists.
 #[must_use]
 pub fn cell_comparison(methods: &[MethodSummary]) -> String {
     cell_table(methods.iter().map(|method| (method.method.as_str(), &method.summary)))
