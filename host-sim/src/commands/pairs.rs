@@ -18,7 +18,7 @@ pub(super) fn for_each_pair<I: Sync, T: Send>(
     name: impl Fn(&I) -> String + Sync,
     work: impl Fn(&I) -> Result<T> + Sync,
 ) -> Result<Vec<T>> {
-    let progress = progress_bar(items.len());
+    let progress = timed_bar(items.len());
     let one = |item: &I| {
         progress.set_message(name(item));
         let result = work(item);
@@ -36,9 +36,18 @@ pub(super) fn for_each_pair<I: Sync, T: Send>(
     results
 }
 
+/// The bar of a long evaluation, with the time it takes.
+pub(super) fn timed_bar(length: usize) -> ProgressBar {
+    bar(length, "{bar:30} {pos}/{len} {elapsed} of about {duration} {msg}")
+}
+
+/// The bar of one pair after the other, with the name of the one at hand.
+pub(super) fn named_bar(length: usize) -> ProgressBar {
+    bar(length, "{bar:30} {pos}/{len} {msg}")
+}
+
 /// On stderr, and only when that is a terminal.
-#[must_use]
-pub(super) fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} of about {duration} {msg}");
+pub(super) fn bar(length: usize, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
     ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

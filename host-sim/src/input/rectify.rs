@@ -3,6 +3,7 @@
 //! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more here than there, so that both give the
 //! same bytes; larger ones as much as they can use.
 
+use super::rig_file::side_name;
 use core::fmt;
 use linestereo::rectify::{Band, Calibration, Camera, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes};
 use linestereo::{Dims, Span};
@@ -36,10 +37,9 @@ pub enum RectifierError {
 
 impl fmt::Display for RectifierError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |eye: Eye| if eye == Eye::Left { "left" } else { "right" };
         match self {
-            Self::Mesh(eye, error) => write!(f, "{} camera: {error}", name(*eye)),
-            Self::Row(eye, error) => write!(f, "{} camera: {error}", name(*eye)),
+            Self::Mesh(eye, error) => write!(f, "{} camera: {error}", side_name(*eye)),
+            Self::Row(eye, error) => write!(f, "{} camera: {error}", side_name(*eye)),
             Self::Size { needed, given } => {
                 write!(
                     f,

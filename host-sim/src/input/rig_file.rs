@@ -64,8 +64,7 @@ impl fmt::Display for RigFileError {
                 write!(f, "{} has version {version}, this program knows {VERSION}", path.display())
             }
             Self::Camera(path, eye, error) => {
-                let name = if *eye == Eye::Left { "left" } else { "right" };
-                write!(f, "{}, [{name}]: {error}", path.display())
+                write!(f, "{}, [{}]: {error}", path.display(), side_name(*eye))
             }
             Self::Pair(path, error) => write!(f, "{}, [pose]: {error}", path.display()),
         }
@@ -136,8 +135,8 @@ impl RigFile {
             "# A stereo rig: two cameras and the pose between them. Pixels: whole numbers are pixel centres.\n\
              version = {VERSION}\n"
         );
-        for (name, eye) in [("left", Eye::Left), ("right", Eye::Right)] {
-            text.push_str(&camera_text(name, self.calibration.camera(eye)));
+        for eye in Eye::BOTH {
+            text.push_str(&camera_text(side_name(eye), self.calibration.camera(eye)));
         }
         let _ = write!(
             text,
@@ -185,6 +184,12 @@ fn camera_text(name: &str, camera: &Camera) -> String {
         camera.centre(),
         camera.skew(),
     )
+}
+
+/// What a camera is called, in this file and in messages.
+#[must_use]
+pub fn side_name(eye: Eye) -> &'static str {
+    if eye == Eye::Left { "left" } else { "right" }
 }
 
 /// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the same bits on every machine.

@@ -3,8 +3,8 @@
 //! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
 //! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
 
+use super::directions::{Direction, five_decimals};
 use crate::engine::FrameResult;
-use crate::results::directions::Direction;
 use crate::results::health;
 use core::fmt::Write;
 use linestereo::{
@@ -310,11 +310,6 @@ pub fn owner_name(owner: Owner) -> &'static str {
         Owner::Right => "right",
         Owner::Both => "both",
     }
-}
-
-/// One step of a probability or of a depth is 1.5e-5: five decimals tell all values apart.
-fn five_decimals(value: f64) -> f64 {
-    (value * 1e5).round() / 1e5
 }
 
 fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Result<S::Ok, S::Error> {

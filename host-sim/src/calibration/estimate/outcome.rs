@@ -1,5 +1,6 @@
 //! What goes into an estimate and what comes out of it: boards, numbers with their spread, views, why there is none.
 
+use crate::input::rig_file::side_name;
 use core::fmt;
 use linestereo::rectify::{Calibration, CalibrationError, CameraError, Eye};
 
@@ -116,7 +117,6 @@ pub enum EstimateError {
 
 impl fmt::Display for EstimateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |eye: &Eye| if *eye == Eye::Left { "left" } else { "right" };
         match self {
             Self::TooFew(found, used) => write!(
                 f,
@@ -126,17 +126,21 @@ impl fmt::Display for EstimateError {
             Self::NoFit(eye) => write!(
                 f,
                 "no lens explains the corners of the {} camera; is the board flat, the focus fixed, --lens right?",
-                name(eye)
+                side_name(*eye)
             ),
             Self::Camera(eye, error) => {
-                write!(f, "{} camera: {error}; take photos with the board in all corners of the image", name(eye))
+                write!(f, "{} camera: {error}; take photos with the board in all corners of the image", side_name(*eye))
             }
             Self::Pair(CalibrationError::Swapped) => {
                 write!(f, "the cameras are swapped: the right one lies to the left; exchange the names of their photos")
             }
             Self::Pair(error) => write!(f, "{error}; check which photos belong together and how they are turned"),
             Self::Mirrored(eye) => {
-                write!(f, "the photos of the {} camera are mirrored; turn mirroring off and take them again", name(eye))
+                write!(
+                    f,
+                    "the photos of the {} camera are mirrored; turn mirroring off and take them again",
+                    side_name(*eye)
+                )
             }
             Self::NoRig(agree, of) => write!(
                 f,
