@@ -83,6 +83,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
 }
 
 /// What a file of a tiny data set holds.
+#[derive(Clone)]
 enum File {
     Image(DynamicImage),
     Bytes(Vec<u8>),
@@ -92,10 +93,10 @@ fn text(content: &str) -> File {
     File::Bytes(content.as_bytes().to_vec())
 }
 
-fn folder(files: &[(&str, File)]) -> TempDir {
+fn folder(files: &[(impl AsRef<str>, File)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, file) in files {
-        let path = folder.path().join(name);
+        let path = folder.path().join(name.as_ref());
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         match file {
             File::Image(image) => image.save(&path).unwrap(),
@@ -267,7 +268,7 @@ fn kitti_2012_and_2015() {
             (at(truth[1], "000007_10.png"), File::Image(visible.clone())),
             (at(calibration.0, "000007.txt"), text(calibration.1)),
         ];
-        let set = folder(&files.iter().map(|(name, file)| (name.as_str(), clone(file))).collect::<Vec<_>>());
+        let set = folder(&files);
         let found = Dataset::find(set.path()).unwrap();
         assert_eq!(found.layouts(), [(layout, 2)]);
         let names: Vec<_> = found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
@@ -278,13 +279,6 @@ fn kitti_2012_and_2015() {
         let truth = scene.truth.unwrap();
         assert!(!truth.is_visible(23, 5) && truth.is_visible(24, 5));
         assert_eq!(found.pairs[1].load(None).unwrap().max_disparity, 64);
-    }
-}
-
-fn clone(file: &File) -> File {
-    match file {
-        File::Image(image) => File::Image(image.clone()),
-        File::Bytes(bytes) => File::Bytes(bytes.clone()),
     }
 }
 
@@ -314,7 +308,7 @@ fn euroc_is_rectified_by_its_sensor_files() {
     };
     for root in ["MH_01/mav0/", "MH_01/"] {
         let files = files(root);
-        let set = folder(&files.iter().map(|(name, file)| (name.as_str(), clone(file))).collect::<Vec<_>>());
+        let set = folder(&files);
         let found = Dataset::find(set.path()).unwrap();
         assert_eq!(found.layouts(), [(Layout::Euroc, 2)]);
         assert_eq!(found.pairs[0].name, "MH_01/1403715273262142976");

@@ -9,7 +9,8 @@ use linestereo_sim::input::regions::{Object, Pixels};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
 use linestereo_sim::results::listing;
-use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_sim::scene::Kind;
+use linestereo_tests::drawn::rendered;
 use std::path::Path;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -22,8 +23,7 @@ struct Run {
 }
 
 fn run(seed: u64) -> Run {
-    let rendering =
-        scene::render(&scene::build(Kind::Boxes, DIMS, seed), DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
+    let rendering = rendered(Kind::Boxes, DIMS, 1.0, seed);
     let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
     let mut engine = Engine::new(&Params { rig: Some(rig), ..Params::default() }, DIMS).unwrap();
     let mut log = RejectionLog::default();

@@ -28,7 +28,7 @@ const ALLOWED: [(&str, &str, &str, &str); 1] = [(
 fn read(folder: &Path, place: &Place, modules: &mut Modules) {
     for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let name = entry.file_stem().unwrap().to_str().unwrap().to_owned();
-        let inner = [place.as_slice(), &[name.clone()]].concat();
+        let inner = [place.as_slice(), core::slice::from_ref(&name)].concat();
         if entry.is_dir() {
             read(&entry, &inner, modules);
         } else if entry.extension().is_some_and(|extension| extension == "rs") && name != "main" {
