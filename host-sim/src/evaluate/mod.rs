@@ -13,7 +13,7 @@
 //! - **nearest**: the disparity that at least three segments of a frame reach, against a surveyed distance.
 //!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
-//! [`for_each_pair`] uses all cores, [`ShardFile`] splits an evaluation and merges it exactly.
+//! [`ShardFile`] splits an evaluation and merges it exactly.
 
 mod cells;
 mod frame;

@@ -1,6 +1,6 @@
 //! Files of disparities in px as floating point: PFM and NumPy's NPY and NPZ.
 //!
-//! In: a file that nobody vouches for. Out: a disparity per pixel, the upper left one first; what is not finite is unknown and becomes NaN.
+//! In: an unchecked file. Out: a disparity per pixel, the upper left one first; what is not finite is unknown and becomes NaN.
 //!
 //! ```text
 //! PFM   "Pf", width, height, scale, then 32-bit floats, the lowest row first; a scale below 0 says little endian, above 0 big endian

@@ -144,7 +144,7 @@ impl From<&CameraReport> for Camera {
     }
 }
 
-/// One line per flag with what to do, and the difference of rows behind those that speak of rows; nothing when all is well.
+/// One line per flag with what to do, and the difference of rows behind those about rows; nothing when all is well.
 #[must_use]
 pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;

@@ -1,6 +1,6 @@
 //! Rigs from and for other programs: OpenCV, Kalibr, ROS, EuRoC, and our own `rig.toml` by the same door.
 //!
-//! In: files that nobody vouches for. Out: a [`RigFile`], what had to be assumed, and errors with lines. The convention of each format
+//! In: unchecked files. Out: a [`RigFile`], what had to be assumed, and errors with lines. The convention of each format
 //! stands at the head of its module; all become `X_right = R X_left + t` in metres.
 //!
 //! # Bounds

@@ -234,7 +234,7 @@ pub struct Frame<'a> {
     pub given: Dims,
     /// Of the left image as matched.
     pub matched: Dims,
-    /// File name of the left image, for files that speak of several.
+    /// File name of the left image, for files about several.
     pub image_name: Option<&'a str>,
 }
 

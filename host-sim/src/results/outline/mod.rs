@@ -24,9 +24,9 @@ pub use mask::Mask;
 
 /// Furthest that a mask's border moves, px.
 const MASK_REACH: i32 = 4;
-/// Fewer rows and columns of edges than this do not speak for the whole outline.
+/// Fewer rows and columns of edges than this do not support the whole outline.
 const LEAST_PLACES: usize = 12;
-/// Sides less probable than this say nothing of the outline.
+/// Sides less probable than this do not support an outline.
 const LEAST: Confidence = Confidence::from_bits(0xcccc);
 /// Distance from the plane within which a side is on the object, px.
 const ON_PLANE_PX: f64 = 1.5;
@@ -51,7 +51,7 @@ pub enum RefinedOutline {
     Mask(Mask),
 }
 
-/// Refines a region of an image of this size by what the core says of it; one without a depth stays as it is.
+/// Refines a region of an image of this size by what the core found of it; one without a depth stays as it is.
 #[must_use]
 pub fn refine(region: &Region<'_>, found: &ObjectDepth, candidates: &[Candidate], dims: Dims) -> Refined {
     let mut segments = Vec::new();
