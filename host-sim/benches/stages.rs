@@ -9,8 +9,9 @@ use linestereo::diagnostics::kernel::{
 };
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::{Dims, Params, mark_words};
-use linestereo_sim::engine::{Engine, GrayImage};
-use linestereo_sim::frames::{find_scenes, load_scene};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::Engine;
+use linestereo_sim::input::{find_scenes, load_scene};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use std::path::PathBuf;
 use std::time::Instant;

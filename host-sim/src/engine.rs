@@ -1,13 +1,11 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
-use crate::fitting::FittedModels;
-use linestereo::diagnostics::Observer;
+use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
 use linestereo::image::ViewError;
 use linestereo::{
     Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params, PixelDepth,
     PixelRejection, Point, Region, RunError, Scratch, Span, Summary, mark_words, most_support_points, row_bytes,
 };
-pub use linestereo_baselines::GrayImage;
 use linestereo_wire::{Counts, Health, PairReport};
 
 /// Most segments listed per frame on a PC.
@@ -28,7 +26,7 @@ type PcScratch = Scratch<
 pub struct FrameResult {
     /// Matched segments, most confident first.
     pub matches: Vec<Match>,
-    /// Claimed points, most confident first, one per pixel at most.
+    /// Points, most confident first, one per pixel at most.
     pub points: Vec<Point>,
     /// What was found, rejected and dropped.
     pub counts: Counts,
@@ -51,6 +49,15 @@ impl FrameResult {
         let points = if without { Vec::new() } else { self.points.clone() };
         Self { matches: self.matches.clone(), points, ..*self }
     }
+}
+
+/// Every model of the core that is fitted on answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FittedModels {
+    /// Of the sides of segments.
+    pub segments: Models,
+    /// Of support points.
+    pub support: Model<SUPPORT_EVIDENCE>,
 }
 
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.

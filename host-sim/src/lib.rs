@@ -1,24 +1,33 @@
 //! The linestereo core on a PC: captured frames, synthetic scenes, evaluation, pictures.
+//!
+//! Each module uses only those above it, and those of its line:
+//!
+//! ```text
+//! output, programs          files written whole; other programs of this machine
+//! statistics                middles and shares of lists
+//! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
+//! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
+//! board, evaluate           boards driven; scores against truth
+//! rivals, fitting           other methods on the same frames; the confidence models fitted
+//! calibration, planning     rigs from photos; rigs from wishes
+//! draw, report              pictures; a page
+//! commands                  the command line
+//! ```
 
 pub mod board;
 pub mod calibration;
 pub mod commands;
-pub mod compare;
-pub mod directions;
 pub mod draw;
 pub mod engine;
 pub mod evaluate;
-pub mod export;
 pub mod fitting;
-pub mod frames;
-pub mod health;
-pub mod interchange;
-pub mod listing;
+pub mod input;
 pub mod monitor;
-pub mod outline;
 pub mod output;
 pub mod planning;
-pub mod rectify;
-pub mod regions;
+mod programs;
 pub mod report;
+pub mod results;
+pub mod rivals;
 pub mod scene;
+pub mod statistics;

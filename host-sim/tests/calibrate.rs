@@ -1,8 +1,9 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
 use crate::support::{linestereo, stderr};
+use linestereo_tests::captured;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
 fn calibrate(folder: &Path, args: &[&str]) -> Output {
@@ -82,17 +83,6 @@ fn options_that_are_slips() {
     }
 }
 
-fn captured(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
-    let folder = root.join("calibration_boards").join(name);
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured boards; set LINESTEREO_FRAMES to a folder that holds calibration_boards/");
-        return None;
-    }
-    Some(folder)
-}
-
 /// Copies photos under other names.
 fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
     for entry in fs::read_dir(from).unwrap() {
@@ -108,7 +98,7 @@ fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
 
 #[test]
 fn photos_become_a_rig() {
-    let Some(photos) = captured("sourishg_2") else { return };
+    let Some(photos) = captured::folder("calibration_boards/sourishg_2") else { return };
     let folder = tempfile::tempdir().unwrap();
     let args =
         ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
@@ -120,7 +110,7 @@ fn photos_become_a_rig() {
     for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "] {
         assert!(text.contains(word), "\"{word}\" is missing in: {text}");
     }
-    let rig = linestereo_sim::calibration::RigFile::load(&folder.path().join("rig.toml")).unwrap();
+    let rig = linestereo_sim::input::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
     assert!((rig.calibration.baseline() - 0.0939).abs() < 5e-4);
     assert!(rig.quality.unwrap().views >= 27);
     let json: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("rig.json")).unwrap()).unwrap();
@@ -130,7 +120,7 @@ fn photos_become_a_rig() {
 
 #[test]
 fn photos_in_folders_swapped_and_of_another_board() {
-    let Some(photos) = captured("opencv_chessboard") else { return };
+    let Some(photos) = captured::folder("calibration_boards/opencv_chessboard") else { return };
     let folder = tempfile::tempdir().unwrap();
     let side = |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
     let number = |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();

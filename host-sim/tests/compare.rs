@@ -1,22 +1,23 @@
 //! `linestereo compare` as a user calls it.
 
-use crate::support::{refused, succeed};
+use crate::support::{all_refused, json, refused, succeed};
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
+use tempfile::TempDir;
 
 /// Two scenes with truth.
-fn scenes(folder: &Path) {
+fn scenes() -> TempDir {
+    let folder = TempDir::new().unwrap();
     for (name, seed) in [("a", "1"), ("b", "2")] {
-        succeed(folder, &["scene", name, "--size", "160x120", "--seed", seed]);
+        succeed(folder.path(), &["scene", name, "--size", "160x120", "--seed", seed]);
     }
+    folder
 }
 
 #[test]
 fn scores_a_table_a_picture_and_json() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let methods = ["compare", ".", "--methods", "linestereo,bm,census,sgm4", "--window", "5x5"];
     let text = succeed(at, &[&methods[..], &["--picture", "maps.png", "--json", "scores.json"]].concat());
     assert!(text.starts_with("2 pairs\n"), "{text}");
@@ -36,12 +37,10 @@ fn scores_a_table_a_picture_and_json() {
 
 #[test]
 fn the_same_scores_whatever_the_number_of_threads_and_runs() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let scores = || {
-        let json = succeed(at, &["compare", ".", "--methods", "bm,scan-line,sparse-block,pushbroom", "--json", "-"]);
-        let json: Value = serde_json::from_str(&json).unwrap();
+        let json = json(at, &["compare", ".", "--methods", "bm,scan-line,sparse-block,pushbroom", "--json", "-"]);
         let methods = json["methods"].as_array().unwrap().clone();
         methods.into_iter().map(|m| (m["method"].clone(), m["all"].clone(), m["curve"].clone())).collect::<Vec<_>>()
     };
@@ -50,9 +49,8 @@ fn the_same_scores_whatever_the_number_of_threads_and_runs() {
 
 #[test]
 fn two_images_need_no_truth() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let text =
         succeed(at, &["compare", "a/left.png", "a/right.png", "--methods", "linestereo,sad", "--max-disparity", "48"]);
     let sad = text.lines().find(|line| line.starts_with("sad")).unwrap();
@@ -62,9 +60,8 @@ fn two_images_need_no_truth() {
 
 #[test]
 fn after_steps_have_a_table_of_their_own() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let text = succeed(at, &["compare", "a", "--after-steps"]);
     for step in
         ["parabola", "equiangular", "gradient descent", "median", "speckle", "left-right", "neighbours", "surfaces"]
@@ -75,9 +72,8 @@ fn after_steps_have_a_table_of_their_own() {
 
 #[test]
 fn without_opencv_it_says_so() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let text = succeed(at, &["compare", "a", "--methods", "bm", "--opencv", "--python", "no-such-python"]);
     assert!(text.contains("without OpenCV: cannot run no-such-python") && text.contains("--python"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("bm ")), "{text}");
@@ -85,27 +81,23 @@ fn without_opencv_it_says_so() {
 
 #[test]
 fn what_is_wrong_is_one_line() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
-    for (arguments, what) in [
-        (&["compare", "a", "--methods", "bmm"][..], "there is no method bmm; give linestereo, bm"),
+    let cases: [(&[&str], &str); 6] = [
+        (&["compare", "a", "--methods", "bmm"], "there is no method bmm; give linestereo, bm"),
         (&["compare", "a", "--after", "blur"], "there is no step blur; give"),
         (&["compare", "a", "--window", "4x4"], "give two odd sides"),
         (&["compare", "a", "--max-disparity", "200"], "does not fit an image of 160x120; change --max-disparity"),
         (&["compare", "a", "--least-confidence", "2"], "--least-confidence is 2; give 0 to 1"),
         (&["compare", "none"], "none"),
-    ] {
-        let error = refused(at, arguments);
-        assert!(error.contains(what), "{error}");
-    }
+    ];
+    all_refused(at, &cases);
 }
 
 #[test]
 fn a_part_without_opencv_would_not_fit_the_others() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = scenes();
     let at = folder.path();
-    scenes(at);
     let part = ["compare", "a", "--shard", "1/2", "--json", "part.json", "--opencv", "--python", "no-such-python"];
     assert!(refused(at, &part).contains("cannot run no-such-python"));
 }

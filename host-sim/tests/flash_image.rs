@@ -1,10 +1,9 @@
 //! `linestereo flash-image` as a user types it.
 
-use crate::support::{refused, succeed};
+use crate::support::{all_refused, refused, succeed, with_rig};
 use linestereo::Dims;
 use linestereo_rig::{RigImage, View};
 use std::fs;
-use tempfile::TempDir;
 
 const RIG: &str = "\
 version = 1
@@ -23,15 +22,9 @@ rotation_rad = [0.001, 0.02, -0.003]
 translation_m = [-0.0832, 0.0001, 0.0002]
 ";
 
-fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
-    folder
-}
-
 #[test]
 fn an_image_is_written_and_explained() {
-    let folder = folder();
+    let folder = with_rig(RIG);
     let made = succeed(
         folder.path(),
         &["flash-image", "rig.toml", "rig.bin", "--size", "320x240", "--alpha", "0.5", "--max-disparity", "48"],
@@ -60,7 +53,7 @@ fn an_image_is_written_and_explained() {
 
 #[test]
 fn what_is_no_image_is_refused_by_name() {
-    let folder = folder();
+    let folder = with_rig(RIG);
     succeed(folder.path(), &["flash-image", "rig.toml", "rig.bin", "--size", "320x240"]);
     let good = fs::read(folder.path().join("rig.bin")).unwrap();
     let check = |bytes: &[u8]| {
@@ -82,22 +75,20 @@ fn what_is_no_image_is_refused_by_name() {
 
 #[test]
 fn what_no_board_could_use_is_not_written() {
-    let folder = folder();
-    for (options, says) in [
-        (&["--max-disparity", "400"][..], "max_disparity is 400, allowed are 8 to 256; correct --max-disparity"),
-        (&["--alpha", "-1"], "alpha is -1, allowed are 0 to 1; correct --alpha"),
-        (&["--focal-px", "0"], "focal length 0 px is outside 1 to 100000; correct --focal-px"),
-        (&["--size", "8x8"], "give a size from 16x16"),
-        (&["--alpha", "1", "--focal-px", "300"], "cannot be used with"),
-        (&["--check", "rig.bin"], "cannot be used with"),
-    ] {
-        let error = refused(folder.path(), &[&["flash-image", "rig.toml", "rig.bin"], options].concat());
-        assert!(error.contains(says), "{error} does not say {says}");
-    }
+    let folder = with_rig(RIG);
     fs::write(folder.path().join("large.toml"), RIG.replace("[640, 480]", "[2048, 1536]")).unwrap();
-    let error = refused(folder.path(), &["flash-image", "large.toml", "rig.bin"]);
-    assert!(error.contains("2048x1536 are outside 16x16 to 1280x1280; give --size"), "{error}");
-    assert!(refused(folder.path(), &["flash-image", "rig.toml"]).contains("OUT.bin"));
-    assert!(refused(folder.path(), &["flash-image"]).contains("rig.toml"));
+    let made = ["flash-image", "rig.toml", "rig.bin"];
+    let cases: [(&[&str], &str); 9] = [
+        (&[&made[..], &["--max-disparity", "400"]].concat(), "is 400, allowed are 8 to 256; correct --max-disparity"),
+        (&[&made[..], &["--alpha", "-1"]].concat(), "alpha is -1, allowed are 0 to 1; correct --alpha"),
+        (&[&made[..], &["--focal-px", "0"]].concat(), "focal length 0 px is outside 1 to 100000; correct --focal-px"),
+        (&[&made[..], &["--size", "8x8"]].concat(), "give a size from 16x16"),
+        (&[&made[..], &["--alpha", "1", "--focal-px", "300"]].concat(), "cannot be used with"),
+        (&[&made[..], &["--check", "rig.bin"]].concat(), "cannot be used with"),
+        (&["flash-image", "large.toml", "rig.bin"], "2048x1536 are outside 16x16 to 1280x1280; give --size"),
+        (&["flash-image", "rig.toml"], "OUT.bin"),
+        (&["flash-image"], "rig.toml"),
+    ];
+    all_refused(folder.path(), &cases);
     assert!(!folder.path().join("rig.bin").exists());
 }

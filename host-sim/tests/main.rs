@@ -1,17 +1,25 @@
-//! The command line and what stands behind it, a module a topic: `cargo test -p linestereo-sim TOPIC`.
+//! What the simulator reads, finds and writes, and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
 mod calibrate;
+mod calibration;
 mod command_line;
 mod compare;
 mod flash_image;
 #[cfg(unix)]
 mod frames_get;
+mod interchange;
+mod layouts;
 mod monitor;
 mod on_board;
 mod photograph;
+mod plan_rig;
 mod rectify;
+mod region_files;
+mod registry;
+mod report_page;
 mod rig_commands;
 mod run;
 mod scale;
+mod scene;
 mod support;
 mod synthetic;

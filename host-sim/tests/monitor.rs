@@ -169,7 +169,7 @@ fn json_has_one_line_per_complete_frame() {
     assert_eq!(first["segments"][7], expected);
     assert_eq!(first["segments"].as_array().unwrap().len(), 25);
     let counts = first["counts"].as_object().unwrap();
-    let names = linestereo_sim::listing::counts(&linestereo_wire::Counts::default());
+    let names = linestereo_sim::results::listing::counts(&linestereo_wire::Counts::default());
     assert_eq!(counts.len(), names.len());
     assert!(names.iter().all(|(name, _)| counts.contains_key(*name)), "{counts:?}");
     assert_eq!((&counts["segments_left"], &counts["matched"]), (&40.into(), &25.into()));

@@ -1,32 +1,11 @@
 //! `run --on` and `eval --on`, as a user types them.
 
-use crate::support::{linestereo, stdout};
+use crate::support::{all_refused, json, succeed, with_scene};
 use linestereo_sim::board::{Board, qemu, toolchain::Toolchain};
-use std::io::Write;
-use std::process::Output;
-use tempfile::TempDir;
+use linestereo_tests::board::or_skip;
 
-fn refused(output: &Output) -> String {
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
-    error
-}
-
-/// A folder with a rendered scene.
-fn scene(kind: &str, size: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    stdout(&linestereo(folder.path(), &["scene", "--kind", kind, "--size", size, "out"]));
-    folder
-}
-
-/// Where boards cannot be built this says so and the tests are skipped, unless somebody counts on them: then they fail.
 fn no_boards() -> bool {
-    let found = Toolchain::for_board(&Board::ALL[0]).and_then(|_| qemu::find(&Board::ALL[0]));
-    let Err(error) = found else { return false };
-    let counted_on = ["CI", "LINESTEREO_TOOLCHAIN"].iter().any(|name| std::env::var_os(name).is_some());
-    assert!(!counted_on, "{error:#}");
-    let _ = writeln!(std::io::stderr(), "\nSKIPPED, no boards here: {error:#}\n");
-    true
+    or_skip(Toolchain::for_board(&Board::ALL[0]).and_then(|_| qemu::find(&Board::ALL[0]))).is_none()
 }
 
 #[test]
@@ -34,10 +13,10 @@ fn run_on_a_board_writes_the_json_of_the_pc() {
     if no_boards() {
         return;
     }
-    let folder = scene("boxes", "128x96");
+    let folder = with_scene("boxes", "128x96", "out");
     // So few that no list of a board is full.
     let run = ["run", "out/left.png", "out/right.png", "--scene", "out/scene.json", "--cell", "64", "--json"];
-    let with = |more: &[&str]| stdout(&linestereo(folder.path(), &[&run[..], more].concat()));
+    let with = |more: &[&str]| succeed(folder.path(), &[&run[..], more].concat());
     let pc = with(&["-"]);
     assert!(pc.contains("\"matched\":") && !pc.contains("\"segments\":[]"), "{pc}");
     for name in ["mps2-an500", "mps2-an386"] {
@@ -69,12 +48,12 @@ fn a_raw_pair_is_rectified_on_a_board_to_the_json_of_the_pc() {
     if no_boards() {
         return;
     }
-    let folder = scene("boxes", "160x120");
+    let folder = with_scene("boxes", "160x120", "out");
     std::fs::write(folder.path().join("rig.toml"), RIG).unwrap();
     // So few that no list of a board is full.
     let run =
         ["run", "out/left.png", "out/right.png", "--rig", "rig.toml", "--cell", "64", "--size", "128x96", "--json"];
-    let with = |more: &[&str]| stdout(&linestereo(folder.path(), &[&run[..], more].concat()));
+    let with = |more: &[&str]| succeed(folder.path(), &[&run[..], more].concat());
     let pc = with(&["-"]);
     assert!(pc.contains("\"depth_m\":[") && pc.contains("\"size\":[128,96]"), "{pc}");
     for name in ["mps2-an500", "mps2-an386"] {
@@ -82,8 +61,8 @@ fn a_raw_pair_is_rectified_on_a_board_to_the_json_of_the_pc() {
     }
     let summary = with(&["depth.json", "--on", "mps2-an386"]);
     assert!(summary.contains(" million instructions on mps2-an386 after "), "{summary}");
-    let too_large = linestereo(folder.path(), &[&run[..5], &["--size", "200x150", "--on", "mps2-an386"]].concat());
-    assert!(refused(&too_large).contains("holds pairs of up to 160x120, these are 200x150; give --size 160x120"));
+    let too_large = [&run[..5], &["--size", "200x150", "--on", "mps2-an386"]].concat();
+    all_refused(folder.path(), &[(&too_large, "holds pairs of up to 160x120, these are 200x150; give --size 160x120")]);
 }
 
 #[test]
@@ -91,22 +70,26 @@ fn eval_on_a_board_counts_instructions_and_names_what_does_not_fit() {
     if no_boards() {
         return;
     }
-    let folder = scene("boxes", "128x96");
-    stdout(&linestereo(folder.path(), &["scene", "--kind", "boxes", "--size", "200x96", "out/wide"]));
-    let text = stdout(&linestereo(folder.path(), &["eval", "out", "--on", "mps2-an386"]));
+    let folder = with_scene("boxes", "128x96", "out");
+    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "200x96", "out/wide"]);
+    let text = succeed(folder.path(), &["eval", "out", "--on", "mps2-an386"]);
     assert!(text.lines().next().unwrap().ends_with("Minstr"), "{text}");
     assert!(text.contains("1 scenes do not fit the board and were left out: wide (200x96)"), "{text}");
-    let json = stdout(&linestereo(folder.path(), &["eval", "out", "--on", "mps2-an386", "--json", "-"]));
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let json = json(folder.path(), &["eval", "out", "--on", "mps2-an386", "--json", "-"]);
     assert!(json["pooled"]["instructions"].as_u64() > Some(100_000), "{json}");
     assert_eq!(json["scenes"].as_array().map(Vec::len), Some(1));
 }
 
 #[test]
 fn a_board_that_does_not_exist_or_is_too_small_is_one_clear_line() {
-    let folder = scene("boxes", "200x96");
-    let run = |board| linestereo(folder.path(), &["run", "out/left.png", "out/right.png", "--on", board]);
-    assert!(refused(&run("arduino")).contains("there is no board arduino; give mps2-an500 or mps2-an386"));
-    let error = refused(&run("mps2-an386"));
-    assert!(error.contains("holds pairs of up to 160x120, these are 200x96; reduce them with --width 160"), "{error}");
+    let folder = with_scene("boxes", "200x96", "out");
+    let run = ["run", "out/left.png", "out/right.png", "--on"];
+    let cases: [(&[&str], &str); 2] = [
+        (&[&run[..], &["arduino"]].concat(), "there is no board arduino; give mps2-an500 or mps2-an386"),
+        (
+            &[&run[..], &["mps2-an386"]].concat(),
+            "holds pairs of up to 160x120, these are 200x96; reduce them with --width 160",
+        ),
+    ];
+    all_refused(folder.path(), &cases);
 }

@@ -1,6 +1,6 @@
 //! `linestereo rectify` and `run --rig` as a user types them.
 
-use crate::support::{refused, succeed};
+use crate::support::{all_refused, json, refused, succeed, with_rig};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -25,8 +25,7 @@ translation_m = [-0.07, 0.0, 0.0]
 
 /// A folder with a rig and two scenes, whose images stand for raw ones.
 fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
+    let folder = with_rig(RIG);
     for kind in ["boxes", "cards"] {
         succeed(folder.path(), &["scene", "--kind", kind, "--size", "320x240", &format!("raw/{kind}")]);
     }
@@ -70,9 +69,7 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
             assert!(folder.path().join("done").join(kind).join(name).is_file(), "{kind}/{name}");
         }
     }
-    let json = |args: &[&str]| -> serde_json::Value {
-        serde_json::from_str(&succeed(folder.path(), &[&["run"], args, &["--json", "-"]].concat())).unwrap()
-    };
+    let json = |args: &[&str]| json(folder.path(), &[&["run"], args, &["--json", "-"]].concat());
     let raw = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml"]);
     let rectified = json(&["done/boxes/left.png", "done/boxes/right.png"]);
     assert!(raw["counts"]["matched"].as_u64() > Some(10), "{}", raw["counts"]);
@@ -109,7 +106,9 @@ fn what_cannot_be_rectified_is_one_clear_line() {
         assert!(!folder.path().join("p.png").exists() && !folder.path().join("p").exists());
     }
     let run = ["run", left, "raw/boxes/right.png", "--rig", "rig.toml"];
-    assert!(refused(folder.path(), &[&run[..], &["--width", "160"]].concat()).contains("cannot be used with"));
-    let error = refused(folder.path(), &[&run[..], &["--max-disparity", "320"]].concat());
-    assert!(error.contains("correct --max-disparity"), "{error}");
+    let cases: [(&[&str], &str); 2] = [
+        (&[&run[..], &["--width", "160"]].concat(), "cannot be used with"),
+        (&[&run[..], &["--max-disparity", "320"]].concat(), "correct --max-disparity"),
+    ];
+    all_refused(folder.path(), &cases);
 }

@@ -1,9 +1,7 @@
 //! `linestereo convert-rig` and `plan-rig` as a user types them.
 
-use crate::support::{refused, succeed};
-use serde_json::Value;
+use crate::support::{all_refused, json, succeed, with_rig};
 use std::fs;
-use tempfile::TempDir;
 
 const RIG: &str = "\
 version = 1
@@ -22,15 +20,9 @@ rotation_rad = [0.01, -0.02, 0.03]
 translation_m = [-0.1, 0.001, 0.002]
 ";
 
-fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("rig.toml"), RIG).unwrap();
-    folder
-}
-
 #[test]
 fn a_rig_goes_through_every_format_and_comes_back() {
-    let folder = folder();
+    let folder = with_rig(RIG);
     let at = folder.path();
     let said = succeed(at, &["convert-rig", "rig.toml"]);
     assert!(said.contains("rig.toml: 640x480, baseline 0.1000 m") && said.contains("focal 500.00 501.00 px"), "{said}");
@@ -65,32 +57,32 @@ fn a_rig_goes_through_every_format_and_comes_back() {
 
 #[test]
 fn wrong_conversions_leave_no_file_and_say_why() {
-    let folder = folder();
+    let folder = with_rig(RIG);
     let at = folder.path();
-    assert!(refused(at, &["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"]).contains("give --out twice"));
-    assert!(refused(at, &["convert-rig", "rig.toml", "--out", "a", "--out", "b"]).contains("give --out once"));
-    assert!(refused(at, &["convert-rig", "rig.toml", "--size", "320x240"]).contains("made for images of 640x480"));
-    assert!(refused(at, &["convert-rig", "none.yml"]).contains("none.yml: cannot be read"));
-    assert!(refused(at, &["convert-rig", "rig.toml", "--translation-unit", "inch"]).contains("give m, mm"));
     fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
-    assert!(refused(at, &["convert-rig", "bad.yml"]).contains("bad.yml, line "));
     fs::write(at.join("k3.toml"), RIG.replace("0.1, 0.0]", "0.1, 0.5]")).unwrap();
-    assert!(
-        refused(at, &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"])
-            .contains("no place for the lens coefficient k3")
-    );
+    let cases: [(&[&str], &str); 7] = [
+        (&["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"], "give --out twice"),
+        (&["convert-rig", "rig.toml", "--out", "a", "--out", "b"], "give --out once"),
+        (&["convert-rig", "rig.toml", "--size", "320x240"], "made for images of 640x480"),
+        (&["convert-rig", "none.yml"], "none.yml: cannot be read"),
+        (&["convert-rig", "rig.toml", "--translation-unit", "inch"], "give m, mm"),
+        (&["convert-rig", "bad.yml"], "bad.yml, line "),
+        (&["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"], "no place for the lens coefficient k3"),
+    ];
+    all_refused(at, &cases);
     assert_eq!(fs::read_dir(at).unwrap().count(), 3);
 }
 
 #[test]
 fn a_plan_is_printed_listed_and_drawn() {
-    let folder = folder();
+    let folder = with_rig(RIG);
     let at = folder.path();
     let oak = ["plan-rig", "--focal-px", "451", "--size", "640x480", "--baseline-m", "0.075", "--max-disparity", "96"];
     let said = succeed(at, &[&oak[..], &["--out", "plan.png"]].concat());
     assert!(said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"), "{said}");
     assert!(image::open(at.join("plan.png")).unwrap().width() == 1280);
-    let json: Value = serde_json::from_str(&succeed(at, &[&oak[..], &["--json", "-"]].concat())).unwrap();
+    let json = json(at, &[&oak[..], &["--json", "-"]].concat());
     assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
     assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);
     // 1.93 mm / 3 um, 848 px: 643 px, 66.8 degrees.
@@ -103,18 +95,15 @@ fn a_plan_is_printed_listed_and_drawn() {
 
 #[test]
 fn wrong_plans_say_what_to_give() {
-    let folder = folder();
-    let at = folder.path();
-    assert!(refused(at, &["plan-rig", "--baseline-m", "0.1"]).contains("--focal-px"));
-    assert!(refused(at, &["plan-rig", "--focal-px", "300"]).contains("--baseline-m"));
-    assert!(refused(at, &["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"]).contains("--pixel-um"));
-    assert!(refused(at, &["plan-rig", "--focal-px", "300", "--range", "4..1"]).contains("two rising distances"));
-    assert!(refused(at, &["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"]).contains("1 to 150"));
-    assert!(
-        refused(at, &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"])
-            .contains("range of 320")
-    );
-    assert!(
-        refused(at, &["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"]).contains("error of 0 %")
-    );
+    let folder = with_rig(RIG);
+    let cases: [(&[&str], &str); 7] = [
+        (&["plan-rig", "--baseline-m", "0.1"], "--focal-px"),
+        (&["plan-rig", "--focal-px", "300"], "--baseline-m"),
+        (&["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"], "--pixel-um"),
+        (&["plan-rig", "--focal-px", "300", "--range", "4..1"], "two rising distances"),
+        (&["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"], "1 to 150"),
+        (&["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"], "range of 320"),
+        (&["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"], "error of 0 %"),
+    ];
+    all_refused(folder.path(), &cases);
 }

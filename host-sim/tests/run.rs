@@ -1,14 +1,13 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
-use crate::support::{linestereo, succeed};
+use crate::support::{all_refused, json, refused, succeed, with_scene};
 use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
 
 /// A folder with the scene `cards` in it.
 fn cards() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    succeed(folder.path(), &["scene", "--kind", "cards", "--size", "160x120", "cards"]);
+    let folder = with_scene("cards", "160x120", "cards");
     let scene = folder.path().join("cards");
     assert!(scene.is_dir(), "the scene has a folder of its own");
     folder
@@ -25,8 +24,7 @@ fn keys(value: &Value) -> Vec<&str> {
 #[test]
 fn json_has_the_promised_keys_and_shapes() {
     let folder = cards();
-    let text = succeed(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
-    let json: Value = serde_json::from_str(&text).unwrap();
+    let json = json(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
     assert_eq!(keys(&json), ["counts", "health", "points", "segments", "size"]);
     assert_eq!(json["size"], serde_json::json!([160, 120]));
     let segments = json["segments"].as_array().unwrap();
@@ -66,8 +64,7 @@ fn json_has_the_promised_keys_and_shapes() {
 #[test]
 fn without_a_rig_there_are_no_metres() {
     let folder = cards();
-    let text = succeed(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
-    let json: Value = serde_json::from_str(&text).unwrap();
+    let json = json(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
     assert!(json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null()));
 }
 
@@ -119,15 +116,11 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
         (&["run", left, left, "--focal-px", "0", "--baseline-m", "0.1"], "focal"),
     ];
     for (args, says) in cases {
-        let output = linestereo(folder.path(), &[args, &["--json", "out.json", "--overlay", "out.png"]].concat());
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
-        assert!(error.contains(says), "{args:?} does not say {says}: {error}");
+        let args = [args, &["--json", "out.json", "--overlay", "out.png"]].concat();
+        all_refused(folder.path(), &[(&args, says)]);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} left a file");
     }
-    let output =
-        linestereo(folder.path(), &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat());
-    assert_eq!(output.status.code(), Some(2));
+    refused(folder.path(), &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat());
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
 }
 
@@ -137,13 +130,12 @@ fn sectors_are_listed_drawn_and_told() {
     let extra = ["--sectors", "--fan", "fan.png", "--mavlink", "told.bin"];
     let text = succeed(folder.path(), &[&PAIR[..], &extra].concat());
     assert!(text.contains("sectors of 5 degrees, up to 10 m\n") && text.contains("wrote told.bin\n"), "{text}");
-    let listed = succeed(folder.path(), &[&PAIR[..], &["--sectors", "--json", "-"]].concat());
-    let json: Value = serde_json::from_str(&listed).unwrap();
+    let json = json(folder.path(), &[&PAIR[..], &["--sectors", "--json", "-"]].concat());
     let sectors = json["sectors"].as_array().unwrap();
     assert_eq!(sectors.len(), 72);
     let state = |index: usize| sectors[index]["state"].as_str().unwrap();
     assert!((10..63).all(|index| state(index) == "outside"));
-    assert!((0..72).any(|index| state(index) == "obstacle"), "{listed}");
+    assert!((0..72).any(|index| state(index) == "obstacle"), "{json}");
     let told = fs::read(folder.path().join("told.bin")).unwrap();
     // HEARTBEAT, then OBSTACLE_DISTANCE with the same distances.
     assert_eq!((told.len(), told[0], told[7], told[21], told[28]), (21 + 179, 0xfd, 0, 0xfd, 330_u16.to_le_bytes()[0]));
@@ -162,17 +154,15 @@ fn sectors_are_listed_drawn_and_told() {
 #[test]
 fn sectors_without_sense_are_refused() {
     let folder = cards();
-    let fails = |args: &[&str]| {
-        let output = linestereo(folder.path(), args);
-        assert_eq!(output.status.code(), Some(2));
-        String::from_utf8(output.stderr).unwrap()
-    };
-    let no_rig = fails(&["run", "cards/left.png", "cards/right.png", "--sectors"]);
-    assert!(no_rig.contains("--focal-px and --baseline-m"), "{no_rig}");
-    let range = fails(&[&PAIR[..], &["--sectors", "--sector-range", "1000"]].concat());
-    assert_eq!(range, "linestereo: range (m) is 1000, allowed are 0.1 to 600; change --sector-range\n");
-    let heights = fails(&[&PAIR[..], &["--sectors", "--sector-heights", "2", "1"]].concat());
-    assert!(heights.ends_with("change --sector-heights\n"), "{heights}");
-    let policy = fails(&[&PAIR[..], &["--policy", "silent"]].concat());
-    assert!(policy.contains("--mavlink"), "{policy}");
+    let with = |more: &[&'static str]| [&PAIR[..], more].concat();
+    let cases: [(&[&str], &str); 4] = [
+        (&["run", "cards/left.png", "cards/right.png", "--sectors"], "--focal-px and --baseline-m"),
+        (
+            &with(&["--sectors", "--sector-range", "1000"]),
+            "linestereo: range (m) is 1000, allowed are 0.1 to 600; change --sector-range\n",
+        ),
+        (&with(&["--sectors", "--sector-heights", "2", "1"]), "change --sector-heights\n"),
+        (&with(&["--policy", "silent"]), "--mavlink"),
+    ];
+    all_refused(folder.path(), &cases);
 }

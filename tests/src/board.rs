@@ -2,11 +2,12 @@
 
 use core::any::Any;
 use linestereo::Matcher;
+use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
 use linestereo_sim::board::{Machine, firmware};
-use linestereo_sim::engine::{FrameResult, GrayImage};
+use linestereo_sim::engine::FrameResult;
 use linestereo_wire::Health;
 use std::io::Write;
 use std::path::PathBuf;

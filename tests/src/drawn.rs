@@ -1,7 +1,8 @@
 //! Images drawn in the test: one hex digit per pixel, `0` black to `f` white.
 
 use linestereo::Dims;
-use linestereo_sim::engine::GrayImage;
+use linestereo_baselines::GrayImage;
+use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
 
 /// Grey levels per hex digit.
 const STEP: u8 = 17;
@@ -23,6 +24,12 @@ pub fn image(rows: &[&str]) -> GrayImage {
 pub fn painted(width: u16, height: u16, mut grey: impl FnMut(u16, u16) -> u8) -> GrayImage {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| grey(x, y)).collect();
     GrayImage { dims: Dims { width, height }, pixels }
+}
+
+/// A built-in scene as both cameras see it: the seed is that of places, textures and of noise with this standard deviation.
+#[must_use]
+pub fn rendered(kind: Kind, dims: Dims, noise: f64, seed: u64) -> Rendering {
+    scene::render(&scene::build(kind, dims, seed), dims, &Sensor { noise, seed, ..Sensor::default() })
 }
 
 /// The image as hex digits, to the nearest.

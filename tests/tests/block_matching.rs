@@ -1,21 +1,20 @@
 //! The board's block matchers: OpenCV's numbers, naive windows, and kernels of every length.
 
 use linestereo::Dims;
-use linestereo_baselines::{DisparityMap, Search, StereoBm};
+use linestereo_baselines::{DisparityMap, GrayImage, Search, StereoBm};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
-use linestereo_sim::compare::{MethodScore, comparison_table, summarise};
-use linestereo_sim::engine::{FrameResult, GrayImage};
+use linestereo_sim::engine::FrameResult;
 use linestereo_sim::evaluate::FrameScore;
-use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_sim::rivals::{MethodScore, comparison_table, summarise};
+use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;
+use linestereo_tests::drawn::rendered;
 
 type Dense = DenseMemory<330, { dense_groups(330, 64) }>;
 type Grid = GridMemory<330, { grid_groups(330, 64) }>;
 
-fn rendered(width: u16, height: u16, seed: u64) -> (GrayImage, GrayImage) {
-    let dims = Dims { width, height };
-    let sensor = Sensor { noise: 2.0, seed, ..Sensor::default() };
-    let pair = scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor);
+fn boxes(width: u16, height: u16, seed: u64) -> (GrayImage, GrayImage) {
+    let pair = rendered(Kind::Boxes, Dims { width, height }, 2.0, seed);
     (pair.left, pair.right)
 }
 
@@ -40,7 +39,7 @@ fn dense((left, right): &(GrayImage, GrayImage), settings: &Settings) -> Vec<i16
 fn the_dense_matcher_is_stereo_bm_number_for_number() {
     let captured = captured::qvga().unwrap_or_default().into_iter().map(|scene| (scene.left, scene.right));
     let drawn = [(320, 240), (200, 99), (131, 46), (79, 16)].into_iter().zip(1..);
-    let drawn = drawn.map(|((width, height), seed)| rendered(width, height, seed));
+    let drawn = drawn.map(|((width, height), seed)| boxes(width, height, seed));
     for pair in drawn.chain(captured) {
         for disparities in [16, 48, 64] {
             let dims = pair.0.dims;
@@ -120,7 +119,7 @@ fn of_window(values: [&[i32]; 2], width: usize, (x, y): (usize, usize), settings
 #[test]
 fn the_grid_gives_what_naive_windows_give() {
     for ((width, height), seed) in [(160, 64), (131, 47), (97, 33)].into_iter().zip(5..) {
-        let pair = rendered(width, height, seed);
+        let pair = boxes(width, height, seed);
         let (left, right) = (values(&pair.0), values(&pair.1));
         let width = usize::from(width);
         for (disparities, settings) in [(16, Settings::USUAL), (48, Settings::USUAL), (64, Settings::STRICT)] {
@@ -143,7 +142,7 @@ fn the_grid_gives_what_naive_windows_give() {
 fn sizes_that_do_not_fit_are_refused() {
     let mut memory = Box::new(Dense::new());
     let mut run = |(width, height), disparities| {
-        let (left, right) = rendered(width, height, 1);
+        let (left, right) = boxes(width, height, 1);
         let settings = Settings { disparities, ..Settings::USUAL };
         memory.run(&settings, [left.view().unwrap(), right.view().unwrap()], &mut |_, _| {})
     };
@@ -174,7 +173,7 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
         ("grid-strict, unchecked", grid, strict),
         ("grid-strict", grid, Settings::STRICT),
     ];
-    let score = |scene: linestereo_sim::frames::Scene| {
+    let score = |scene: linestereo_sim::input::Scene| {
         let truth = scene.truth.unwrap();
         let pair = (scene.left, scene.right);
         let of = |&(name, run, settings): &(&str, Run, Settings)| {

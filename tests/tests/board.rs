@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 use linestereo::{Confidence, Dims, Params, Span};
+use linestereo_baselines::GrayImage;
 use linestereo_boards::{Board, Exit};
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::cases::Case;
@@ -11,11 +12,12 @@ use linestereo_firmware::programs::pixels;
 use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
-use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
-use linestereo_sim::listing::{self, Answers};
-use linestereo_sim::rectify::PairRectifier;
-use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::input::rectify::PairRectifier;
+use linestereo_sim::results::listing::{self, Answers};
+use linestereo_sim::scene::Kind;
 use linestereo_tests::board::{Twin, image, machine, on_every_board, or_skip};
+use linestereo_tests::drawn::rendered;
 use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
@@ -25,10 +27,8 @@ use std::sync::{Arc, Mutex};
 
 const LIMIT: Duration = Duration::from_secs(600);
 
-fn rendered(width: u16, height: u16) -> (GrayImage, GrayImage) {
-    let dims = Dims { width, height };
-    let sensor = Sensor { noise: 1.0, seed: 3, ..Sensor::default() };
-    let rendering = scene::render(&scene::build(Kind::Boxes, dims, 3), dims, &sensor);
+fn boxes(width: u16, height: u16) -> (GrayImage, GrayImage) {
+    let rendering = rendered(Kind::Boxes, Dims { width, height }, 1.0, 3);
     (rendering.left, rendering.right)
 }
 
@@ -113,7 +113,7 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
     for board in Board::MEASURED {
         let Some(machine) = machine(board) else { return };
         for (width, height) in [(320, 240), (160, 120), (128, 96)] {
-            let pair = rendered(width, height);
+            let pair = boxes(width, height);
             let dims = pair.0.dims;
             if !board.fits(dims) {
                 let refused = machine.run_pairs(&ParamUpdate::default(), &[(&pair.0, &pair.1)]).unwrap();
@@ -215,7 +215,7 @@ fn pair_bytes(id: u16, dims: Dims, pixels: &[&[u8]]) -> Vec<u8> {
 fn bad_input_is_named_and_the_next_good_pair_is_matched() {
     let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
-    let (left, right) = rendered(128, 96);
+    let (left, right) = boxes(128, 96);
     let good = |id| pair_bytes(id, left.dims, &[&left.pixels, &right.pixels]);
     let command = |id, request| {
         let mut bytes = Vec::new();
@@ -294,7 +294,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
     for (board, raws) in Board::MEASURED.into_iter().zip([[(320, 240), (640, 480)], [(160, 120), (400, 300)]]) {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
-            let (left, right) = rendered(width, height);
+            let (left, right) = boxes(width, height);
             let rig = raw_rig(left.dims, board.largest);
             let params = rig.params(Params::default()).unwrap();
             let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
@@ -316,7 +316,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
 fn pixels_without_source_are_not_used_on_a_board() {
     let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
-    let (left, right) = rendered(160, 120);
+    let (left, right) = boxes(160, 120);
     let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
     let params = rig.params(Params::default()).unwrap();
     let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
@@ -347,7 +347,7 @@ fn pixels_without_source_are_not_used_on_a_board() {
 fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
     let board = Board::MEASURED[1];
     let Some(machine) = machine(board) else { return };
-    let (left, right) = rendered(160, 120);
+    let (left, right) = boxes(160, 120);
     let rigs = [Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }].map(|dims| raw_rig(left.dims, dims));
     let mut flash = vec![0xff; 1024];
     let run = |set: Option<&RigImage>, flash: &mut Vec<u8>| {

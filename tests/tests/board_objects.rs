@@ -4,16 +4,12 @@ use linestereo::{Area, Dims, ObjectDepth, Params};
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_sim::board;
 use linestereo_sim::engine::Engine;
-use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
+use linestereo_sim::scene::{Kind, Rendering};
 use linestereo_tests::board::machine;
+use linestereo_tests::drawn::rendered;
 use linestereo_wire::{RegionBox, Regions, RigUpdate};
 
 const RIG: RigUpdate = RigUpdate { focal_px: 300.0, baseline_m: 0.1, offset_px: 0.0 };
-
-fn rendered(dims: Dims, seed: u64) -> Rendering {
-    let sensor = Sensor { noise: 1.0, seed, ..Sensor::default() };
-    scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor)
-}
 
 /// Boxes all over the image, some across its border.
 fn boxes(dims: Dims) -> Vec<RegionBox> {
@@ -31,7 +27,7 @@ fn expected(engine: &mut Engine, rendering: &Rendering, boxes: &[RegionBox], onl
     let regions: Vec<_> = boxes.iter().map(|of| of.region(dims).unwrap()).collect();
     engine.focus(only.then(|| regions.iter().map(linestereo::Region::area).collect()));
     let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
-    engine.objects(&regions, linestereo_sim::health::is_fit(result.health))
+    engine.objects(&regions, linestereo_sim::results::health::is_fit(result.health))
 }
 
 #[test]
@@ -43,7 +39,11 @@ fn a_board_says_of_objects_what_the_pc_says() {
         let boxes = boxes(dims);
         let regions = |only| Regions { boxes: boxes.iter().copied().collect(), only };
         // The first pair is matched as a whole, and tells how far the rows are apart.
-        let pairs = [rendered(dims, 3), rendered(dims, 4), rendered(dims, 5)];
+        let pairs = [
+            rendered(Kind::Boxes, dims, 1.0, 3),
+            rendered(Kind::Boxes, dims, 1.0, 4),
+            rendered(Kind::Boxes, dims, 1.0, 5),
+        ];
         let asked: Vec<_> = pairs
             .iter()
             .zip([false, true, true])

@@ -2,8 +2,8 @@
 
 use linestereo::diagnostics::{Stage, StageDigests};
 use linestereo::{Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig, Scratch, mark_words, row_bytes};
-use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::drawn::with_padding;
+use linestereo_sim::scene::{self, Kind};
+use linestereo_tests::drawn::{rendered, with_padding};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory =
@@ -14,10 +14,7 @@ type Memory =
 const BLESSED: [u32; 3] = [0xfe7e_b1cb, 0x4ea3_d920, 0x068f_1e01];
 
 fn scenes() -> Vec<scene::Rendering> {
-    let sensor = Sensor { noise: 1.5, seed: 7, ..Sensor::default() };
-    [Kind::Demo, Kind::Boxes, Kind::Corridor]
-        .map(|kind| scene::render(&scene::build(kind, DIMS, 7), DIMS, &sensor))
-        .into()
+    [Kind::Demo, Kind::Boxes, Kind::Corridor].map(|kind| rendered(kind, DIMS, 1.5, 7)).into()
 }
 
 fn plan() -> Plan {

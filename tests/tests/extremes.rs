@@ -4,9 +4,10 @@ use linestereo::{
     Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
     mark_words, most_support_points, row_bytes,
 };
-use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
-use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::drawn::{Random, painted};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::scene::{self, Kind};
+use linestereo_tests::drawn::{Random, painted, rendered};
 use std::collections::HashSet;
 
 /// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in range and credible enough.
@@ -82,7 +83,7 @@ fn any_size_and_any_content() {
 const DIMS: Dims = Dims { width: 160, height: 120 };
 
 fn boxes() -> scene::Rendering {
-    scene::render(&scene::build(Kind::Boxes, DIMS, 3), DIMS, &Sensor { noise: 1.0, seed: 3, ..Sensor::default() })
+    rendered(Kind::Boxes, DIMS, 1.0, 3)
 }
 
 #[test]

@@ -5,7 +5,7 @@
 use linestereo::diagnostics::{Candidate, Segment};
 use linestereo::{Area, Dims, Focus, Matched, Params, Plan, mark_words, row_bytes};
 use linestereo_sim::evaluate::object_cases;
-use linestereo_sim::frames::Scene;
+use linestereo_sim::input::Scene;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };

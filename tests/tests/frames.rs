@@ -4,10 +4,9 @@
 //! The bounds are the promises of the README with room for other machines' frames, not the figures reached.
 
 use linestereo::{Confidence, Params, Parts};
-use linestereo_sim::engine::Engine;
+use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::evaluate::{FrameScore, Summary};
-use linestereo_sim::fitting::FittedModels;
-use linestereo_sim::frames::{Perturbation, Scene};
+use linestereo_sim::input::{Perturbation, Scene};
 use linestereo_tests::captured;
 
 fn score(scene: &Scene, params: Params, models: Option<FittedModels>, perturbation: &Perturbation) -> FrameScore {
@@ -44,7 +43,7 @@ fn scenes_that_the_model_has_not_seen() {
     assert!(summary.sure.cells_percent >= Some(80.0), "{:?}", summary.sure);
     assert!(summary.sure.errors.all_gt_bad2 <= Some(1.2), "{:?}", summary.sure);
     for bin in summary.calibration.iter().filter(|bin| bin.points >= 1000) {
-        assert!((bin.said.unwrap() - bin.observed.unwrap()).abs() <= 0.02, "{bin:?}");
+        assert!((bin.stated.unwrap() - bin.observed.unwrap()).abs() <= 0.02, "{bin:?}");
     }
 }
 

@@ -5,10 +5,11 @@
 
 use linestereo::health::HealthMonitor;
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{Eye, Rectification, View};
-use linestereo_sim::engine::{Engine, GrayImage};
-use linestereo_sim::frames::{Perturbation, Scene, find_scenes, load_gray, load_scene};
-use linestereo_sim::interchange::{Options, load_rig};
+use linestereo_sim::engine::Engine;
+use linestereo_sim::input::interchange::{Options, load_rig};
+use linestereo_sim::input::{Perturbation, Scene, find_scenes, load_gray, load_scene};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::painted;

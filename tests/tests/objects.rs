@@ -2,11 +2,10 @@
 
 use linestereo::objects::{LabelRows, Run};
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span, mark_words, row_bytes};
-use linestereo_sim::engine::Engine;
+use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
-use linestereo_sim::fitting::FittedModels;
-use linestereo_sim::frames::Scene;
-use linestereo_sim::outline::{Mask, RefinedOutline, refine};
+use linestereo_sim::input::Scene;
+use linestereo_sim::results::outline::{Mask, RefinedOutline, refine};
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
 use linestereo_tests::captured;
 

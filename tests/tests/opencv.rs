@@ -3,19 +3,17 @@
 //! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else `python3`).
 
 use linestereo::Dims;
-use linestereo_baselines::{Search, StereoBm};
-use linestereo_sim::compare::OpenCv;
-use linestereo_sim::engine::GrayImage;
-use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_baselines::{GrayImage, Search, StereoBm};
+use linestereo_sim::rivals::OpenCv;
+use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;
+use linestereo_tests::drawn::rendered;
 
 /// Drawn ones of even and odd sizes, and captured ones where there are any.
 fn pairs() -> Vec<(GrayImage, GrayImage)> {
     let sizes = [(320, 240), (161, 121), (200, 99)];
     let render = |(seed, (width, height)): (u64, (u16, u16))| {
-        let dims = Dims { width, height };
-        let sensor = Sensor { noise: 2.0, seed, ..Sensor::default() };
-        let pair = scene::render(&scene::build(Kind::Boxes, dims, seed), dims, &sensor);
+        let pair = rendered(Kind::Boxes, Dims { width, height }, 2.0, seed);
         (pair.left, pair.right)
     };
     let captured = captured::qvga().into_iter().flatten().map(|scene| (scene.left, scene.right));

@@ -1,7 +1,8 @@
 //! The pitfalls that the method's source lists, each on images with exact truth.
 
 use linestereo::{Dims, Owner, Params};
-use linestereo_sim::engine::{Engine, FrameResult, GrayImage};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 

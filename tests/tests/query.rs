@@ -5,10 +5,11 @@ use linestereo::{
     Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Scratch,
     Span, mark_words, most_candidates, row_bytes,
 };
-use linestereo_sim::engine::{Engine, GrayImage};
-use linestereo_sim::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::Engine;
+use linestereo_sim::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
-use linestereo_sim::frames::{Perturbation, Scene};
+use linestereo_sim::input::{Perturbation, Scene};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use std::path::PathBuf;
@@ -335,23 +336,23 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
     }
 }
 
-fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<AskedPixel> {
+fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<QueriedPixel> {
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
     let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let pair: (Gray<'_>, Gray<'_>) = (left.view().unwrap(), right.view().unwrap());
     engine.run(pair.0, pair.1).unwrap();
-    ask_pixels(&mut engine, scene.truth.as_ref().unwrap(), (2000, 1))
+    query_pixels(&mut engine, scene.truth.as_ref().unwrap(), (2000, 1))
 }
 
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_that_the_model_has_not_seen() {
     let Some(scenes) = captured::qvga() else { return };
-    let pixels: Vec<Vec<AskedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
+    let pixels: Vec<Vec<QueriedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
     let scores: Vec<PixelScore> = (0..scenes.len())
         .map(|held| {
-            let others: Vec<&[AskedPixel]> =
+            let others: Vec<&[QueriedPixel]> =
                 pixels.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
             PixelScore::new(&scenes[held].name, &pixels[held], &fit_pixels(&others))
         })

@@ -4,11 +4,11 @@
 //! pass without them.
 
 use linestereo::{Dims, Span};
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{
     Band, Calibration, Camera, Eye, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes, mesh_nodes,
 };
-use linestereo_sim::engine::GrayImage;
-use linestereo_sim::frames::load_gray;
+use linestereo_sim::input::load_gray;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 

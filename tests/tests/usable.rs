@@ -5,9 +5,9 @@ use linestereo::image::{MARGIN, shrink_to_usable};
 use linestereo::{
     Confidence, Dims, Gray, Match, Params, Point, Scratch, Span, mark_words, most_support_points, row_bytes,
 };
-use linestereo_sim::engine::GrayImage;
-use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::drawn::Random;
+use linestereo_baselines::GrayImage;
+use linestereo_sim::scene::{self, Kind};
+use linestereo_tests::drawn::{Random, rendered};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>;
@@ -54,10 +54,7 @@ fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
 }
 
 fn scenes() -> impl Iterator<Item = scene::Rendering> {
-    let sensor = Sensor { noise: 1.5, seed: 7, ..Sensor::default() };
-    [Kind::Demo, Kind::Boxes, Kind::Corridor]
-        .into_iter()
-        .map(move |kind| scene::render(&scene::build(kind, DIMS, 7), DIMS, &sensor))
+    [Kind::Demo, Kind::Boxes, Kind::Corridor].into_iter().map(|kind| rendered(kind, DIMS, 1.5, 7))
 }
 
 #[test]

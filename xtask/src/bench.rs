@@ -4,13 +4,14 @@ use anyhow::{Context, Result};
 use core::fmt::Write;
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, Params};
+use linestereo_baselines::GrayImage;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::rectify::{self, BuiltIn};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
-use linestereo_sim::engine::GrayImage;
-use linestereo_sim::frames::{find_scenes, load_scene};
+use linestereo_sim::input::{find_scenes, load_scene};
+use linestereo_sim::statistics::upper_median;
 use linestereo_wire::{RegionBox, Regions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -329,9 +330,8 @@ fn middle(image: &GrayImage, dims: Dims) -> GrayImage {
 }
 
 /// Median of the totals, or of one stage.
-pub(crate) fn median(mut values: Vec<u64>) -> u64 {
-    values.sort_unstable();
-    values.get(values.len() / 2).copied().unwrap_or(0)
+pub(crate) fn median(values: Vec<u64>) -> u64 {
+    upper_median(values, Ord::cmp).unwrap_or(0)
 }
 
 /// Instructions of a pair.

@@ -10,7 +10,7 @@ use linestereo::{Dims, Params};
 use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, Costs, Machine, update};
-use linestereo_sim::rectify::PairRectifier;
+use linestereo_sim::input::rectify::PairRectifier;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -3,6 +3,7 @@
 use crate::bench;
 use anyhow::{Context, Result, bail};
 use linestereo::Dims;
+use linestereo_baselines::GrayImage;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
@@ -10,7 +11,6 @@ use linestereo_firmware::programs::blocks::{self, METHODS, Measured, groups};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, qemu};
-use linestereo_sim::engine::GrayImage;
 use std::collections::BTreeMap;
 use std::path::Path;
 

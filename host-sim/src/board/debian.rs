@@ -8,8 +8,7 @@
 //!
 //! Each part is made beside it and renamed into place, under a lock of its own: what is there is whole, and targets are made side by side.
 
-use super::toolchain::{Toolchain, sysroot};
-use super::{packages, process};
+use crate::programs::{packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::fs;
@@ -33,8 +32,8 @@ fn symlink(_: impl AsRef<Path>, _: impl AsRef<Path>) -> std::io::Result<()> {
     Err(std::io::Error::other("Debian's packages need a Unix"))
 }
 
-/// Finds it, or makes it once, with this target.
-pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
+/// The folder of the toolchain, made once, with this target.
+pub(super) fn toolchain(target: &str) -> Result<PathBuf> {
     if source().is_none() || !Path::new(CARGO).is_file() || linker().is_none() {
         packages::install("a board build", &PACKAGES)?;
     }
@@ -62,7 +61,7 @@ pub(super) fn toolchain(target: &str) -> Result<Toolchain> {
         make_readable(unfinished.path())?;
         fs::rename(unfinished.keep(), &libraries)?;
     }
-    Ok(Toolchain { way: "apt", folder: Some(folder) })
+    Ok(folder)
 }
 
 /// The clippy of Debian's compiler, installed when it is missing.
@@ -97,11 +96,12 @@ fn cache() -> Result<PathBuf> {
 fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
     let host = process::first_line(Command::new(RUSTC).args(["--print", "host-tuple"]))
         .context("Debian's rustc does not run")?;
-    let installed = sysroot(&mut Command::new(RUSTC)).context("Debian's rustc does not run")?;
+    let installed =
+        process::first_line(Command::new(RUSTC).args(["--print", "sysroot"])).context("Debian's rustc does not run")?;
     let libraries = folder.join("lib/rustlib").join(&host);
     fs::create_dir_all(libraries.join("bin"))?;
     fs::create_dir_all(folder.join("bin"))?;
-    symlink(installed.join("lib/rustlib").join(&host).join("lib"), libraries.join("lib"))?;
+    symlink(Path::new(&installed).join("lib/rustlib").join(&host).join("lib"), libraries.join("lib"))?;
     symlink(linker, libraries.join("bin/rust-lld"))?;
     let script = format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
     let rustc = folder.join("bin/rustc");

@@ -1,7 +1,8 @@
 //! Builds a board program, and has clippy read it.
 
 use super::toolchain::Toolchain;
-use super::{Board, process, top};
+use super::{Board, top};
+use crate::programs::process;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::collections::BTreeSet;

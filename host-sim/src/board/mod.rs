@@ -1,7 +1,7 @@
 //! Boards, driven from a PC: the firmware built, run in QEMU, fed with pairs.
 //!
 //! ```text
-//! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian, packages)
+//! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian)
 //! firmware    a program of the firmware package as an ELF file
 //! qemu        a run of it: files in a folder, log, exit code
 //! pairs       pairs to the program replay, results back
@@ -9,9 +9,7 @@
 
 mod debian;
 pub mod firmware;
-pub(crate) mod packages;
 mod pairs;
-pub(crate) mod process;
 pub mod qemu;
 pub mod toolchain;
 

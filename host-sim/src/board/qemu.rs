@@ -2,7 +2,8 @@
 //!
 //! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and every run is the same.
 
-use super::{Board, packages, process};
+use super::Board;
+use crate::programs::{packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo_boards::{Device, Exit};
@@ -26,14 +27,14 @@ pub struct Ended {
 }
 
 impl Ended {
-    /// An error unless all is well, with what the program said.
+    /// An error unless all is well, with what the program reported.
     pub fn success(&self, program: &str, board: &Board) -> Result<()> {
         if self.exit == Some(Exit::Success) {
             return Ok(());
         }
         let why = self.exit.map_or("QEMU failed", Exit::meaning);
-        let said = self.errors.trim();
-        bail!("{program} on {}: {why}{}{said}", board.name, if said.is_empty() { "" } else { ": " })
+        let reported = self.errors.trim();
+        bail!("{program} on {}: {why}{}{reported}", board.name, if reported.is_empty() { "" } else { ": " })
     }
 }
 

@@ -9,7 +9,8 @@
 //! `LINESTEREO_TOOLCHAIN=rustup` or `=apt` takes that way or fails. The third is a folder in the user's cache: the installed compiler with
 //! `core` for the boards beside its own libraries, so that plain cargo builds for them. Targets come to it one by one, as they are asked for.
 
-use super::{Board, debian, process, top};
+use super::{Board, debian, top};
+use crate::programs::process;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ pub struct Toolchain {
     /// The way: `rustup` or `apt`.
     pub way: &'static str,
     /// A folder made of Debian's compiler, or none: then cargo is the one in use.
-    pub(super) folder: Option<PathBuf>,
+    folder: Option<PathBuf>,
 }
 
 impl Toolchain {
@@ -45,13 +46,17 @@ impl Toolchain {
         match std::env::var(VARIABLE).as_deref() {
             Err(_) | Ok("") => match rustup(top, target) {
                 Ok(toolchain) => Ok(toolchain),
-                Err(rustup) => debian::toolchain(target)
+                Err(rustup) => Self::debian(target)
                     .with_context(|| format!("no compiler for boards: {rustup:#}; by Debian's packages")),
             },
             Ok("rustup") => rustup(top, target),
-            Ok("apt") => debian::toolchain(target),
+            Ok("apt") => Self::debian(target),
             Ok(other) => bail!("{VARIABLE} is {other}; give rustup or apt, or leave it unset"),
         }
+    }
+
+    fn debian(target: &str) -> Result<Self> {
+        Ok(Self { way: "apt", folder: Some(debian::toolchain(target)?) })
     }
 
     /// A cargo command without what other builds left in the environment.
@@ -107,7 +112,7 @@ impl Toolchain {
     }
 }
 
-pub(super) fn sysroot(rustc: &mut Command) -> Option<PathBuf> {
+fn sysroot(rustc: &mut Command) -> Option<PathBuf> {
     process::first_line(rustc.args(["--print", "sysroot"])).map(PathBuf::from)
 }
 

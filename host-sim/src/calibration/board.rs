@@ -5,8 +5,8 @@
 //! A board with an odd and an even number of corners has one such numbering. On others two or four are left: the one whose rows
 //! run most to the right is taken, and the right image follows the left one ([`BoardCorners::turned_like`]).
 
-use crate::engine::GrayImage;
 use core::fmt;
+use linestereo_baselines::GrayImage;
 
 /// Corners along one side: fewer say too little about a lens, more are a slip of the hand.
 const SIDE: core::ops::RangeInclusive<u8> = 3..=60;

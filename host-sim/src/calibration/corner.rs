@@ -10,7 +10,7 @@
 //! # Source
 //! Förstner and Gülch, 1987; what OpenCV calls `cornerSubPix`. The window follows the size of the squares, so that no other corner is inside.
 
-use crate::engine::GrayImage;
+use linestereo_baselines::GrayImage;
 
 /// Half sides of the window, px.
 const REACH: (f64, f64) = (2.0, 10.0);

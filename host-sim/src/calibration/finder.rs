@@ -15,12 +15,12 @@
 
 use super::board::{Board, BoardCorners};
 use super::corner;
-use crate::engine::GrayImage;
 use calib_targets_chessboard::{
     ChessboardDetection, ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
 };
 use chess_corners::{ChessRing, ImageRefiner, OnRefinerReject, UpscaleConfig};
 use core::fmt;
+use linestereo_baselines::GrayImage;
 use std::collections::BTreeMap;
 
 /// Finds a board in an image.

@@ -3,7 +3,7 @@
 //! ```text
 //! folder -> pairs of photos (photos) -> corners of the board (board, finder, corner)
 //!        -> cameras, pose and their spread (initial, model, bundle, estimate)
-//!        -> what they are worth (quality) -> rig.toml (rig_file)
+//!        -> what they are worth (quality) -> a report (summary)
 //! ```
 
 mod board;
@@ -15,8 +15,6 @@ mod initial;
 mod model;
 mod photos;
 mod quality;
-mod reduced;
-mod rig_file;
 mod summary;
 
 pub use board::{Board, BoardCorners, BoardError};
@@ -27,6 +25,4 @@ pub use finder::{BoardFinder, ChessFinder, NotFound};
 pub use model::LensModel;
 pub use photos::{PhotoError, PhotoPair, find_pairs};
 pub use quality::{Assessment, Coverage, Finding, Rectified, Verdict, assess};
-pub use reduced::reduced;
-pub use rig_file::{Quality, RigFile, RigFileError, quaternion, rotation_vector};
 pub use summary::{json, summary};

@@ -35,7 +35,7 @@ const VERTICAL_PX: Limits = Limits { good: 0.25, usable: 0.5 };
 const SPREAD: Limits = Limits { good: 0.005, usable: 0.02 };
 /// Share of cells without a corner.
 const UNSEEN: Limits = Limits { good: 0.35, usable: 0.65 };
-/// ValidPixels too few: 1 over their number.
+/// Too few views: 1 over their number.
 const VIEWS: Limits = Limits { good: 0.1, usable: 0.2 };
 /// Share of views that were dropped.
 const DROPPED: Limits = Limits { good: 0.2, usable: 0.5 };

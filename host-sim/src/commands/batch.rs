@@ -2,7 +2,7 @@
 
 use super::print;
 use crate::evaluate::{Shard, ShardFile};
-use crate::frames::{Dataset, StoredPair};
+use crate::input::{Dataset, StoredPair};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;

@@ -1,19 +1,21 @@
 //! `linestereo calibrate`: photos of a chessboard to a calibrated rig.
 
+use super::pairs::bar;
 use super::print;
 use crate::calibration::{
     Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
-    PhotoPair, Quality, RigFile, ViewReport, assess, estimate, find_pairs, json, summary,
+    PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use crate::draw;
-use crate::engine::GrayImage;
-use crate::frames::load_gray;
+use crate::input::load_gray;
+use crate::input::rig_file::{Quality, RigFile};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use linestereo::Dims;
+use linestereo_baselines::GrayImage;
 use std::path::PathBuf;
 use std::thread;
 
@@ -173,8 +175,7 @@ type Found = [Result<BoardCorners, NotFound>; 2];
 /// Looks for the board in all photos, with as many threads as there are cores; checks that all have one size.
 fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)> {
     let files: Vec<&PathBuf> = pairs.iter().flat_map(|pair| &pair.files).collect();
-    let style = ProgressStyle::with_template("finding the board {wide_bar} {pos}/{len}").context("progress bar")?;
-    let bar = ProgressBar::new(files.len() as u64).with_style(style);
+    let bar = bar(files.len(), "finding the board {wide_bar} {pos}/{len}");
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();

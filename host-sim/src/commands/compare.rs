@@ -2,18 +2,21 @@
 
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
+use super::pairs::{for_each_pair, timed_bar};
 use super::{engine_with, print};
-use crate::compare::{
+use crate::draw;
+use crate::engine::{Engine, FrameResult};
+use crate::evaluate::{ShardFile, ShardHead};
+use crate::input::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
+use crate::output::OutputFiles;
+use crate::rivals::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
 };
-use crate::draw;
-use crate::engine::{Engine, FrameResult, GrayImage};
-use crate::evaluate::{ShardFile, ShardHead, for_each_pair, progress_bar};
-use crate::frames::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
-use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
-use linestereo_baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
+use linestereo_baselines::{
+    Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, GrayImage, Matcher, Method, Shape, Window,
+};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +37,7 @@ Examples:
   linestereo compare --merge part*.json                          all parts: the same bytes as without --shard
 
 Methods:
-  linestereo       the core: claims of p >= 0.9
+  linestereo       the core: answers of p >= 0.9
   bm, bm-strict    block matching, OpenCV's StereoBM number for number; strict: uniqueness 90, texture 3000
   ssd sad ncc normalised-ssd normalised-sad rank census gradient    block matching by this cost, window 15x15
   scan-line        dynamic programming along rows with occlusion
@@ -44,9 +47,9 @@ Methods:
   all              every one of them
 
 Columns:
-  points, cells    claims a frame; % of 16x16 cells (those at least half visible truth) with one
-  vis, allGT       % of claims more than 1 / 2 px off: visible ones; all with truth
-  top N            allGT of the N most confident claims a frame; confidence of a baseline is its uniqueness,
+  points, cells    answers a frame; % of 16x16 cells (those at least half visible truth) with one
+  vis, allGT       % of answers more than 1 / 2 px off: visible ones; all with truth
+  top N            allGT of the N most confident answers a frame; confidence of a baseline is its uniqueness,
                    1 - cost / cost of the best place elsewhere. OpenCV tells none.
   ms               median time of a pair on one thread, with nothing else running";
 
@@ -166,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
         rivals.compare(&args.load(pair)?, args.picture.is_some() && *place < DRAWN)
     })?;
     if !args.no_times {
-        let progress = progress_bar(pairs.len());
+        let progress = timed_bar(pairs.len());
         for ((_, pair), compared) in pairs.iter().zip(&mut compared) {
             progress.set_message(format!("timing {}", pair.name));
             rivals.time(&args.load(pair)?, compared)?;

@@ -1,8 +1,8 @@
 //! `linestereo convert-rig`: calibrations of other programs to `rig.toml` and back.
 
 use super::print;
-use crate::calibration::rotation_vector;
-use crate::interchange::{Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig};
+use crate::input::interchange::{Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig};
+use crate::input::rig_file::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;

@@ -5,7 +5,7 @@ use super::{engine_for, print};
 use crate::draw;
 use crate::engine::FrameResult;
 use crate::evaluate::{FrameScore, Summary};
-use crate::frames::Truth;
+use crate::input::Truth;
 use crate::output::OutputFiles;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;

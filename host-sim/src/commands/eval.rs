@@ -2,17 +2,17 @@
 
 use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
+use super::pairs::{for_each_pair, timed_bar};
 use super::{does_not_fit, engine_with, print};
 use crate::board::{self, Machine};
-use crate::engine::{Engine, GrayImage};
-use crate::evaluate::{
-    FrameScore, ShardFile, ShardHead, Summary, cell_table, for_each_pair, progress_bar, report, scene_table,
-};
-use crate::frames::{Perturbation, Scene, StoredPair, Truth, check_usable};
+use crate::engine::Engine;
+use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, cell_table, report, scene_table};
+use crate::input::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
+use linestereo_baselines::GrayImage;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -21,7 +21,7 @@ use std::time::Instant;
 const TIMING_BUDGET: Duration = Duration::from_millis(250);
 const TIMING_RUNS: usize = 15;
 
-/// Least probability of the claims that the curve over cells is made of.
+/// Least probability of the answers that the curve over cells is made of.
 const CURVE_PROBABILITY: f64 = 0.2;
 
 const EXAMPLES: &str = "\
@@ -31,7 +31,7 @@ Examples:
   linestereo eval frames/qvga --gain 0.8 --bias 8       the same with the right image darker
   linestereo eval frames/full --width 320 --json -      reduce to 320 px first, print JSON
   linestereo eval frames/qvga --on mps2-an500           on an emulated Cortex-M7
-  linestereo eval frames/qvga --cells                   one claim per cell: what a robot knows of every place
+  linestereo eval frames/qvga --cells                   one answer per cell: what a robot knows of every place
   linestereo eval frames/qvga --objects                 depth of the objects in objects.png and objects.json
   linestereo eval kitti/training --width 640            KITTI, Middlebury, ETH3D as downloaded; PFM, PNG, NPZ truth
   linestereo eval sets --no-times --shard 3/16 --json part3.json   a sixteenth of it, on one of 16 machines
@@ -41,9 +41,9 @@ Words:
   segprec@1/@2   % of segments whose median error is at most 1 / 2 px
   bad1/bad2      % of points more than 1 / 2 px off the truth
   vis, allGT     points whose true match is visible in the right image; all points with truth
-  cells          % of 16x16 cells (those at least half visible truth) that hold a claim
+  cells          % of 16x16 cells (those at least half visible truth) that hold an answer
   median, rms    error of visible points in px
-  one claim per cell   errors of the most probable claim of each 16x16 cell, by the share of all cells
+  one answer per cell   errors of the most probable answer of each 16x16 cell, by the share of all cells
   ms             time per pair on one thread, median of several runs
   Minstr         millions of instructions per pair on a board (--on); QEMU counts no cycles
   wrong          (--objects) an answer more than 1 px outside of the object's 5-95 % range of true disparities
@@ -80,8 +80,8 @@ pub struct Args {
     /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.
     #[arg(long, conflicts_with_all = ["on", "shard", "merge"])]
     objects: bool,
-    /// Print one claim per cell alone, a line for every scene: how often the first 30 to 85 % of all 16x16 cells are wrong, each by its most
-    /// probable claim, least probable 0.2 unless --min-confidence says otherwise.
+    /// Print one answer per cell alone, a line for every scene: how often the first 30 to 85 % of all 16x16 cells are wrong, each by its most
+    /// probable answer, least probable 0.2 unless --min-confidence says otherwise.
     #[arg(long, conflicts_with = "objects")]
     cells: bool,
     /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
@@ -288,7 +288,7 @@ fn outcome(
 
 /// Times every pair alone, on one thread.
 fn measure(args: &Args, pairs: &[StoredPair], outcomes: &mut [PairOutcome], perturbation: &Perturbation) -> Result<()> {
-    let progress = progress_bar(pairs.len());
+    let progress = timed_bar(pairs.len());
     for (pair, outcome) in pairs.iter().zip(outcomes) {
         progress.set_message(format!("timing {}", pair.name));
         if let PairOutcome::Scored(score) = outcome {
@@ -349,7 +349,7 @@ fn write_results(args: &Args, head: &ShardHead, outcomes: Vec<PairOutcome>) -> R
         text.push_str(&format!("\n{count} scenes do not fit the board and were left out: {list}\n"));
     }
     if args.perturbation.swap {
-        text.push_str("\nthe images were swapped: every true disparity is negative, so every claim above is wrong\n");
+        text.push_str("\nthe images were swapped: every true disparity is negative, so every answer above is wrong\n");
     }
     let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
     let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };

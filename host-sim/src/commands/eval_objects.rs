@@ -1,11 +1,12 @@
 //! `linestereo eval --objects`: depth per object against ground truth.
 
 use super::method::MethodArgs;
+use super::pairs::for_each_pair;
 use super::{engine_with, print};
 use crate::engine::Engine;
-use crate::evaluate::{ObjectScore, ObjectSummary, Outline, for_each_pair, object_cases, object_table, score_objects};
+use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
-use crate::frames::{Perturbation, Scene, StoredPair, check_usable};
+use crate::input::{Perturbation, Scene, StoredPair, check_usable};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -56,7 +57,7 @@ pub(super) fn run(
     write_results(&fitted, (pairs.len() > 1).then(|| unseen.concat()).as_deref(), json)
 }
 
-/// A pair that was run, with the evidence of its claims.
+/// A pair that was run, with the evidence of its answers.
 struct Watched {
     engine: Engine,
     log: EvidenceLog,

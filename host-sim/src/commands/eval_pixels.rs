@@ -2,14 +2,14 @@
 
 use super::batch::collect;
 use super::method::MethodArgs;
+use super::pairs::{bar, named_bar};
 use super::{engine_with, print};
-use crate::engine::Engine;
-use crate::evaluate::{AskedPixel, PixelScore, ask_pixels, pixel_report};
-use crate::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::frames::Scene;
+use crate::engine::{Engine, FittedModels};
+use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
+use crate::input::Scene;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
 
@@ -61,8 +61,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let scenes = load(args)?;
-    let bar = ProgressBar::new(scenes.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
+    let bar = named_bar(scenes.len());
     let mut asked = Vec::new();
     for scene in &scenes {
         bar.set_message(scene.name.clone());
@@ -95,7 +94,7 @@ fn engine(args: &Args, scene: &Scene) -> Result<Engine> {
 }
 
 /// Matches a scene, by these models of segments if any, and asks for its pixels.
-fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<AskedPixel>> {
+fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<QueriedPixel>> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine(args, scene)?;
     if let Some(models) = models {
@@ -103,20 +102,19 @@ fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<A
     }
     let (left, right) = (scene.left.view()?, scene.right.view()?);
     engine.run(left, right)?;
-    Ok(ask_pixels(&mut engine, truth, (args.queries as usize, args.seed)))
+    Ok(query_pixels(&mut engine, truth, (args.queries as usize, args.seed)))
 }
 
 /// Each scene by models of segments and of pixels that were fitted without it.
-fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<Vec<PixelScore>> {
+fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> Result<Vec<PixelScore>> {
     let samples = scenes.iter().map(|scene| sample(args, scene)).collect::<Result<Vec<_>>>()?;
-    let bar = ProgressBar::new(scenes.len() as u64);
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} leaving out {msg}")?);
+    let bar = bar(scenes.len(), "{bar:30} {pos}/{len} leaving out {msg}");
     let mut scores = Vec::new();
     for (held, scene) in scenes.iter().enumerate() {
         bar.set_message(scene.name.clone());
         let others: Vec<&SceneSamples> =
             samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, samples)| samples).collect();
-        let pixels: Vec<&[AskedPixel]> =
+        let pixels: Vec<&[QueriedPixel]> =
             asked.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
         let asked = ask(args, scene, Some(fit(&others)))?;
         scores.push(PixelScore::new(&scene.name, &asked, &fit_pixels(&pixels)));
@@ -127,7 +125,7 @@ fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Re
     Ok(scores)
 }
 
-/// The claims of one scene, whatever their confidence.
+/// The answers of one scene, whatever their confidence.
 fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine(args, scene)?;
@@ -136,11 +134,11 @@ fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
     Ok(scene_samples(&scene.name, &mut engine, &log, truth))
 }
 
-fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<AskedPixel>]) -> Result<()> {
+fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> Result<()> {
     let Some(path) = args.out.as_ref().or(args.check.as_ref()) else { return Ok(()) };
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     let origin = format!("{} pixels each of {} scenes ({})", args.queries, names.len(), names.join(", "));
-    let pixels: Vec<&[AskedPixel]> = asked.iter().map(Vec::as_slice).collect();
+    let pixels: Vec<&[QueriedPixel]> = asked.iter().map(Vec::as_slice).collect();
     let text = pixel_source_text(&fit_pixels(&pixels), &origin);
     if args.check.is_some() {
         let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;

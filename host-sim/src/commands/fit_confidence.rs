@@ -2,10 +2,12 @@
 
 use super::batch::collect;
 use super::method::MethodArgs;
+use super::pairs::for_each_pair;
 use super::{engine_with, print};
-use crate::evaluate::{FrameScore, Summary, cell_table, for_each_pair, report, scene_table};
-use crate::fitting::{EvidenceLog, FittedModels, SceneSamples, fit, scene_samples, source_text, support_source_text};
-use crate::frames::{Perturbation, Scene};
+use crate::engine::FittedModels;
+use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
+use crate::input::{Perturbation, Scene};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;
@@ -16,7 +18,7 @@ Examples:
   linestereo fit-confidence frames/qvga --also frames/third --out core/src     write the constants that the core uses
   linestereo fit-confidence frames/qvga --also frames/third --check core/src   fail if they are not what the frames give
   linestereo fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
-  linestereo fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable claims";
+  linestereo fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
 
 /// Files of constants below core/src.
 const SEGMENTS: &str = "confidence/fitted.rs";
@@ -105,7 +107,7 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     Ok(pairs.iter().map(|pair| pair.load(None)).collect::<Result<_, _>>()?)
 }
 
-/// The claims of one scene, whatever their confidence.
+/// The answers of one scene, whatever their confidence.
 fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
@@ -140,7 +142,7 @@ fn leave_one_out(
         scene_table(&clean),
         report(&pooled[0]),
         cell_table(damages.iter().map(|&(name, _)| name).zip(&pooled)),
-        "largest excess of said over observed probability, bins of 1000 claims and more, percent\n",
+        "largest excess of stated over observed probability, bins of 1000 answers and more, percent\n",
         excess.collect::<String>(),
     ))
 }

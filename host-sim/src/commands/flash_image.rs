@@ -2,7 +2,7 @@
 
 use super::print;
 use super::view::ViewArgs;
-use crate::calibration::rotation_vector;
+use crate::input::rig_file::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;

@@ -1,8 +1,8 @@
 //! `linestereo frames`: real pairs for a machine that has none.
 
+use super::pairs::timed_bar;
 use super::print;
-use crate::evaluate::progress_bar;
-use crate::frames::registry::{Package, packages};
+use crate::input::registry::{Package, packages};
 use anyhow::{Result, bail};
 use clap::Subcommand;
 use std::fs;
@@ -67,7 +67,7 @@ fn take(files: &[PathBuf], out: &Path) -> Result<()> {
 fn download(out: &Path) -> Result<()> {
     let packages = packages();
     let (mut failed, count) = (Vec::new(), packages.len());
-    let progress = progress_bar(count);
+    let progress = timed_bar(count);
     for package in &packages {
         progress.set_message(format!("{} by {:?}", package.name, package.way).to_lowercase());
         let text = if package.is_laid_out(out) {

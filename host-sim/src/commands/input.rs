@@ -9,17 +9,18 @@
 use super::engine_with;
 use super::method::MethodArgs;
 use super::view::ViewArgs;
-use crate::engine::{Engine, FrameResult, GrayImage};
-use crate::frames::{
+use crate::engine::{Engine, FrameResult};
+use crate::input::rectify::PairRectifier;
+use crate::input::{
     SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
 };
-use crate::listing::Query;
-use crate::rectify::PairRectifier;
+use crate::results::listing::Query;
 use anyhow::{Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::image::shrink_to_usable;
 use linestereo::{Dims, Gray, Params, Rig, RigError, Span};
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{Eye, RigImage};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};

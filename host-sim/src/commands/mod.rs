@@ -19,6 +19,7 @@ mod input;
 mod method;
 pub mod monitor;
 mod objects;
+mod pairs;
 pub mod photograph;
 pub mod plan_rig;
 pub mod rectify;
@@ -31,7 +32,7 @@ mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
-use crate::frames::resampled_height;
+use crate::input::resampled_height;
 use anyhow::{Result, bail};
 use clap::{Parser, Subcommand, error::ErrorKind};
 use linestereo::image::MIN_SIDE;

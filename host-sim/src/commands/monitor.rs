@@ -1,10 +1,10 @@
 //! `linestereo monitor`: a board's results as they arrive, and commands to it.
 
-use crate::health;
 use crate::monitor::frames::{Assembler, Frame};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
+use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;

@@ -2,10 +2,10 @@
 
 use super::input::Setup;
 use crate::engine::{Engine, FrameResult};
-use crate::health;
-use crate::listing::{self, Answers};
-use crate::outline::{OutlineFile, Refined, label_png, refine};
-use crate::regions::{self, Frame, Object, ObjectsError, Skipped};
+use crate::input::regions::{self, Frame, Object, ObjectsError, Skipped};
+use crate::results::health;
+use crate::results::listing::{self, Answers};
+use crate::results::outline::{OutlineFile, Refined, label_png, refine};
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
 use linestereo::objects::Shape;

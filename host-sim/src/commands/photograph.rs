@@ -1,13 +1,13 @@
 //! `linestereo photograph`: what a board's cameras see, as files.
 
 use crate::draw;
-use crate::engine::GrayImage;
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::Dims;
+use linestereo_baselines::GrayImage;
 use linestereo_wire::{
     Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, Pixels, Request, encode,
 };

@@ -1,14 +1,14 @@
 //! `linestereo rectify`: raw pairs to rectified ones, and a picture that shows whether rows agree.
 
+use super::pairs::named_bar;
 use super::print;
 use super::view::ViewArgs;
 use crate::draw;
-use crate::engine::GrayImage;
-use crate::frames::{check_same_size, find_pairs, load_gray};
+use crate::input::rectify::PairRectifier;
+use crate::input::{check_same_size, find_pairs, load_gray};
 use crate::output::OutputFiles;
-use crate::rectify::PairRectifier;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{Eye, Rectification};
 use std::path::{Path, PathBuf};
 
@@ -94,9 +94,7 @@ fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<Stri
     if pairs.is_empty() {
         bail!("no folder at or below {} holds a left and a right image; add them", root.display());
     }
-    let progress = ProgressBar::new(pairs.len() as u64).with_style(
-        ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
+    let progress = named_bar(pairs.len());
     for (folder, [left, right]) in &pairs {
         let name = folder.strip_prefix(root).unwrap_or(folder);
         progress.set_message(name.display().to_string());

@@ -2,13 +2,13 @@
 
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
+use super::pairs::named_bar;
 use super::print;
 use super::sequence::Player;
-use crate::frames::{PairFiles, Sequence, SequencePair};
+use crate::input::{PairFiles, Sequence, SequencePair};
 use crate::output::OutputFiles;
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (pairs, title) = pairs(args)?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
     let mut player = Player::new(&args.input, &args.left);
-    let progress = progress_bar(pairs.len());
+    let progress = named_bar(pairs.len());
     let mut page = None;
     let mut failed = Vec::new();
     for (index, pair) in pairs.iter().enumerate() {
@@ -159,9 +159,4 @@ fn add(
         rejected: &log.rejected(matcher.engine.matched().candidates()),
         objects: &objects.list,
     })
-}
-
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

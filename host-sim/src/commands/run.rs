@@ -5,17 +5,18 @@ use super::objects::{Asked, ObjectArgs};
 use super::sector_options::SectorArgs;
 use super::{engine_with, machine_for, print};
 use crate::board;
-use crate::directions::Directions;
 use crate::draw::{self, ColourRange};
-use crate::engine::{FrameResult, GrayImage};
-use crate::export;
-use crate::health;
-use crate::listing::{self, Answers, Query};
+use crate::engine::FrameResult;
+use crate::input::rectify::PairRectifier;
 use crate::output::OutputFiles;
-use crate::rectify::PairRectifier;
+use crate::results;
+use crate::results::directions::Directions;
+use crate::results::health;
+use crate::results::listing::{self, Answers, Query};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Rejection};
+use linestereo_baselines::GrayImage;
 use linestereo_rig::Eye;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
@@ -70,7 +71,7 @@ JSON:
   feature     null when no segment of the right image is alike
   objects     with --objects; label: the mask's value, or the object's position in the file (from 0);
               disparity and depth at its centre, null with a reason: little_support, two_surfaces,
-              only_outline, unhealthy_pair; support: segments that speak for it
+              only_outline, unhealthy_pair; support: segments that support it
   health      what is wrong with the pair, and the numbers behind it; null is not known
   level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
               detail: mean grey step between samples; view: share of the usable pixels
@@ -206,10 +207,10 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
             bail!("--ply needs depths; give --focal-px and --baseline-m, --scene, or --rig");
         };
         let colours = ColourRange::of(result, setup.params.max_disparity);
-        output.add(path, export::ply(result, rig, &colours).as_bytes())?;
+        output.add(path, draw::ply(result, rig, &colours).as_bytes())?;
     }
     if let Some(path) = &args.disparity_png {
-        let map = export::kitti_png(dims, result)?;
+        let map = results::kitti_png(dims, result)?;
         output.add(path, &map.png)?;
         if map.left_out > 0 {
             let _ =
@@ -217,7 +218,7 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
         }
     }
     if let Some(path) = &args.pfm {
-        output.add(path, &export::pfm(dims, result))?;
+        output.add(path, &results::pfm(dims, result))?;
     }
     Ok(notes)
 }

@@ -1,8 +1,8 @@
 //! Options of distance per direction.
 
 use super::input::Setup;
-use crate::directions::Directions;
 use crate::engine::FrameResult;
+use crate::results::directions::Directions;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use linestereo::obstacles::{ObstacleError, ObstacleParams};

@@ -2,15 +2,16 @@
 
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
+use super::pairs::named_bar;
 use super::print;
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::evaluate::{NearestSummary, Surveyed, median, nearest_disparity, surveyed};
-use crate::frames::{PairFiles, Sequence, SequencePair, halves, load_gray};
-use crate::listing;
+use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
+use crate::input::{PairFiles, Sequence, SequencePair, halves, load_gray};
 use crate::output::{LineFile, OutputFiles};
+use crate::results::listing;
+use crate::statistics::upper_median;
 use anyhow::{Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::{Dims, Disparity};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -86,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut lines = args.out.as_deref().map(LineFile::new).transpose()?;
     let mut player = Player::new(&args.input, &args.folder);
     let (mut failed, mut skipped, mut unread, mut nearest) = (0, 0, 0, Vec::new());
-    let progress = progress_bar(frames.len());
+    let progress = named_bar(frames.len());
     for &(number, pair) in &frames {
         progress.set_message(pair.name.clone());
         let (line, disparity) = match player.next(pair, &args.objects) {
@@ -211,7 +212,7 @@ fn compare(
     let known: Vec<(u64, f64, Option<f64>)> = known.collect();
     let zero = setup.map_or(0.0, |setup| setup.zero);
     let products = known.iter().filter_map(|(_, z, d)| Some(((*d)? - zero) * z));
-    let fitted = median(&products.collect::<Vec<_>>());
+    let fitted = upper_median(products.collect(), f64::total_cmp);
     let rig = setup.and_then(|setup| setup.params.rig);
     let metres = |disparity: f64| match (rig, fitted) {
         (Some(rig), _) => listing::finite_metres(rig.depth(Disparity::saturating_from_num(disparity))),
@@ -229,9 +230,4 @@ fn compare(
         output.commit()?;
     }
     Ok(format!("{fitted}{summary}\n"))
-}
-
-fn progress_bar(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -1,13 +1,13 @@
 //! Options of the rectified view and the rig behind it, the same for every command that rectifies.
 
 use super::scene::parse_size;
-use crate::calibration::reduced;
-use crate::engine::GrayImage;
-use crate::frames::{area_average, resampled_height};
-use crate::interchange::{Options, load_rig};
+use crate::input::interchange::{Options, load_rig};
+use crate::input::rectify::reduced;
+use crate::input::{area_average, resampled_height};
 use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{Calibration, Eye, RectifyError, RigImage, RigImageError, View};
 use std::path::PathBuf;
 

@@ -3,8 +3,8 @@
 use super::sheet::{BACKGROUND, INK, Sheet};
 use super::text::Align;
 use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
-use crate::engine::GrayImage;
 use image::RgbImage;
+use linestereo_baselines::GrayImage;
 use linestereo_rig::{Eye, Rectification};
 
 const WIDTH: u32 = 1280;

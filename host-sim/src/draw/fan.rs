@@ -2,7 +2,7 @@
 
 use super::paint;
 use super::text::{Align, write};
-use crate::directions::{Direction, Directions};
+use crate::results::directions::{Direction, Directions};
 use image::RgbImage;
 use tiny_skia::{Color, FillRule, PathBuilder, Pixmap, Transform};
 

@@ -3,7 +3,7 @@
 use super::colour::{Range, colour};
 use super::text::{Align, width, write};
 use crate::engine::FrameResult;
-use crate::listing::finite_metres;
+use crate::results::listing::finite_metres;
 use image::{Rgb, RgbImage, imageops};
 use linestereo::{Disparity, Rig};
 

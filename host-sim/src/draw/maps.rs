@@ -2,8 +2,9 @@
 
 use super::colour::{Range, colour};
 use super::text::{Align, write};
-use crate::engine::{FrameResult, GrayImage};
+use crate::engine::FrameResult;
 use image::{Rgb, RgbImage};
+use linestereo_baselines::GrayImage;
 
 /// Titles stand in a strip of this height.
 const TITLE: u32 = 20;

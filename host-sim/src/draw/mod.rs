@@ -1,7 +1,7 @@
 //! Pictures of results.
 //!
 //! In: a left image and its result. Out: the image, dimmed and enlarged, with every segment in the colour of its disparity (red
-//! near, blue far), ticks on the owning side, the claimed points as tinted pixels, support points as discs, and a legend in px and metres below. What is
+//! near, blue far), ticks on the owning side, the points as tinted pixels, support points as discs, and a legend in px and metres below. What is
 //! less probable is fainter; below p = 0.9 it is dashed.
 
 mod calibration;
@@ -11,6 +11,7 @@ mod legend;
 mod maps;
 mod nearest;
 mod plan;
+mod ply;
 mod rows;
 mod sheet;
 mod text;
@@ -21,11 +22,13 @@ pub use fan::fan;
 pub use maps::{SceneMaps, maps};
 pub use nearest::nearest;
 pub use plan::plan;
+pub use ply::ply;
 
-use crate::engine::{FrameResult, GrayImage};
+use crate::engine::FrameResult;
 use colour::Range;
 use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use linestereo::{Match, Owner, Rig, Source};
+use linestereo_baselines::GrayImage;
 pub use rows::rows;
 use tiny_skia::{
     Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,

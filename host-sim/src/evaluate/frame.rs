@@ -1,9 +1,10 @@
 //! The score of one frame.
 
-use super::cells::{CELL, CellClaims};
-use super::packed::PackedScore;
+use super::cells::{CELL, CellAnswers};
+use super::packed::{self, Floats};
 use crate::engine::FrameResult;
-use crate::frames::Truth;
+use crate::input::Truth;
+use crate::statistics::median;
 use linestereo::Match;
 use serde::{Deserialize, Serialize};
 
@@ -13,9 +14,9 @@ const STEEP_LIMIT: f64 = 4.0;
 /// A point that has ground truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointScore {
-    /// Probability claimed.
+    /// Probability stated.
     pub confidence: f32,
-    /// `|claimed - true|` in px.
+    /// `|reported - true|` in px.
     pub error: f32,
     /// The true match is visible in the right image.
     pub visible: bool,
@@ -24,7 +25,7 @@ pub struct PointScore {
 /// A segment that has ground truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentScore {
-    /// Probability claimed.
+    /// Probability stated.
     pub confidence: f32,
     /// Median of its errors along it, in px.
     pub median_error: f32,
@@ -33,31 +34,69 @@ pub struct SegmentScore {
 /// A coverage cell that counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CellScore {
-    /// Highest probability claimed in it, `None` when nothing is.
+    /// Highest probability stated in it, `None` when nothing is.
     pub(super) best: Option<f32>,
+}
+
+/// The error is stored as negative where the true match is hidden.
+impl Floats<2> for PointScore {
+    fn to_floats(self) -> [f32; 2] {
+        [self.confidence, if self.visible { self.error } else { -self.error }]
+    }
+
+    fn from_floats([confidence, signed]: [f32; 2]) -> Self {
+        Self { confidence, error: signed.abs(), visible: signed.is_sign_positive() }
+    }
+}
+
+impl Floats<2> for SegmentScore {
+    fn to_floats(self) -> [f32; 2] {
+        [self.confidence, self.median_error]
+    }
+
+    fn from_floats([confidence, median_error]: [f32; 2]) -> Self {
+        Self { confidence, median_error }
+    }
+}
+
+/// No answer is stored as a NaN.
+impl Floats<1> for CellScore {
+    fn to_floats(self) -> [f32; 1] {
+        [self.best.unwrap_or(f32::NAN)]
+    }
+
+    fn from_floats([best]: [f32; 1]) -> Self {
+        Self { best: (!best.is_nan()).then_some(best) }
+    }
 }
 
 /// What one frame's result is worth against its truth; as JSON it keeps every bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(into = "PackedScore", try_from = "PackedScore")]
 pub struct FrameScore {
     /// Name of the scene.
     pub name: String,
     /// Segments reported, with truth or without.
     pub segments: usize,
     /// Confidence of every point, with truth or without.
+    #[serde(with = "packed")]
     pub confidences: Vec<f32>,
     /// Segments with truth.
+    #[serde(with = "packed")]
     pub scored_segments: Vec<SegmentScore>,
     /// Points with truth.
+    #[serde(with = "packed")]
     pub scored_points: Vec<PointScore>,
+    #[serde(with = "packed")]
+    pub(super) cells: Vec<CellScore>,
+    /// The most probable answer of each cell.
+    #[serde(flatten)]
+    pub cell_answers: CellAnswers,
     /// Time of the pair in milliseconds, if it was measured.
+    #[serde(rename = "milliseconds_bits", with = "packed::bits", default, skip_serializing_if = "Option::is_none")]
     pub milliseconds: Option<f64>,
     /// Instructions of the pair, if it was matched on a board.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions: Option<u64>,
-    /// The most probable claim of each cell.
-    pub cell_claims: CellClaims,
-    pub(super) cells: Vec<CellScore>,
 }
 
 impl FrameScore {
@@ -92,7 +131,7 @@ impl FrameScore {
             scored_points,
             milliseconds: None,
             instructions: None,
-            cell_claims: CellClaims::new(truth, &result.points),
+            cell_answers: CellAnswers::new(truth, &result.points),
             cells: cells(truth, result),
         }
     }
@@ -142,14 +181,6 @@ fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
     (0..columns * rows).filter(|&cell| counts(cell)).map(|cell| CellScore { best: best[cell] }).collect()
 }
 
-/// Median, the mean of the two middle values for an even count; `None` of nothing.
-pub(super) fn median(mut values: Vec<f32>) -> Option<f32> {
-    values.sort_by(f32::total_cmp);
-    let middle = values.len() / 2;
-    let upper = *values.get(middle)?;
-    Some(if values.len() % 2 == 1 { upper } else { 0.5 * (values[middle - 1] + upper) })
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -172,7 +203,7 @@ pub(super) mod tests {
         }
     }
 
-    pub(in crate::evaluate) fn claim(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
+    pub(in crate::evaluate) fn answer(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
         let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
         Point { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
     }
@@ -222,7 +253,7 @@ pub(super) mod tests {
 
     #[test]
     fn points_without_truth_are_in_the_yield_only() {
-        let points = vec![claim(0, 3, 8.0, 0.5), claim(5, 3, 8.25, 0.75), claim(5, 20, 10.0, 0.25)];
+        let points = vec![answer(0, 3, 8.0, 0.5), answer(5, 3, 8.25, 0.75), answer(5, 20, 10.0, 0.25)];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.confidences, [0.5, 0.75, 0.25]);
         let expected = [
@@ -236,7 +267,7 @@ pub(super) mod tests {
     fn cells_count_by_visible_truth() {
         // 2 x 2 whole cells; the lower two are hidden, so two count. Column 39 lies outside every whole cell.
         let points =
-            vec![claim(3, 3, 8.0, 0.25), claim(4, 3, 8.0, 0.5), claim(39, 3, 8.0, 0.5), claim(3, 20, 8.0, 0.5)];
+            vec![answer(3, 3, 8.0, 0.25), answer(4, 3, 8.0, 0.5), answer(39, 3, 8.0, 0.5), answer(3, 20, 8.0, 0.5)];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.cells, [CellScore { best: Some(0.5) }, CellScore { best: None }]);
     }

@@ -1,21 +1,20 @@
 //! Scores of results against ground truth, in words that mean one thing only.
 //!
-//! - **point**: one pixel for which a disparity is claimed. **bad1 / bad2**: share of points more than 1 / 2 px off the truth.
+//! - **point**: one pixel for which a disparity is reported. **bad1 / bad2**: share of points more than 1 / 2 px off the truth.
 //! - **vis**: only points whose true match is visible in the right image. **allGT**: every point that has truth, so that a value
-//!   claimed on a hidden pixel counts as wrong unless it happens to be right.
+//!   reported for a hidden pixel counts as wrong unless it happens to be right.
 //! - **segprec@1 / @2**: share of reported segments whose median error along the segment is at most 1 / 2 px; the error at a
 //!   pixel is the distance to the nearest truth within +-1 px across the edge.
-//! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds a claim.
-//! - **one claim per cell**: see `cells`.
+//! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds an answer.
+//! - **one answer per cell**: see `cells`.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
 //!
 //! - Objects: `objects` says what is wrong and covered there.
 //! - **nearest**: the disparity that at least three segments of a frame reach, against a surveyed distance.
 //!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
-//! [`for_each_pair`] uses all cores, [`ShardFile`] splits an evaluation and merges it exactly.
+//! [`ShardFile`] splits an evaluation and merges it exactly.
 
-mod batch;
 mod cells;
 mod frame;
 mod nearest;
@@ -26,12 +25,11 @@ mod shard;
 mod summary;
 mod table;
 
-pub use batch::{for_each_pair, progress_bar};
-pub use cells::{CellClaim, CellClaims, CellRow, SHARES};
+pub use cells::{CellAnswer, CellAnswers, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
-pub use nearest::{NearestError, NearestSummary, Surveyed, WITNESSES, median, nearest_disparity, surveyed};
+pub use nearest::{LEAST_SUPPORT, NearestError, NearestSummary, Surveyed, nearest_disparity, surveyed};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
-pub use pixels::{AskedPixel, PixelScore, ask_pixels, pixel_report};
+pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 pub use shard::{Shard, ShardError, ShardFile, ShardHead};
-pub use summary::{BinRow, Claims, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
+pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{cell_table, report, scene_table};

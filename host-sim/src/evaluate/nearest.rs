@@ -8,6 +8,7 @@
 //! ```
 
 use crate::engine::FrameResult;
+use crate::statistics::{quantile, upper_median};
 use core::fmt;
 use csv::ReaderBuilder;
 use serde::Serialize;
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// So many segments have to reach a disparity.
-pub const WITNESSES: usize = 3;
+pub const LEAST_SUPPORT: usize = 3;
 
 /// Why a table gives no distances.
 #[derive(Debug)]
@@ -63,25 +64,13 @@ pub fn surveyed(path: &Path) -> Result<Surveyed, NearestError> {
     Ok(found)
 }
 
-/// The largest disparity, in px, that [`WITNESSES`] segments reach.
+/// The largest disparity, in px, that [`LEAST_SUPPORT`] segments reach.
 #[must_use]
 pub fn nearest_disparity(result: &FrameResult) -> Option<f64> {
     let middle = |d: [linestereo::Disparity; 2]| 0.5 * d.iter().map(|d| d.to_num::<f64>()).sum::<f64>();
     let mut found: Vec<f64> = result.matches.iter().map(|found| middle(found.disparity)).collect();
     found.sort_by(|a, b| b.total_cmp(a));
-    found.get(WITNESSES - 1).copied()
-}
-
-/// The middle value; the upper one of two.
-#[must_use]
-pub fn median(values: &[f64]) -> Option<f64> {
-    quantile(values, 0.5)
-}
-
-fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(((share * sorted.len() as f64) as usize).min(sorted.len().checked_sub(1)?)).copied()
+    found.get(LEAST_SUPPORT - 1).copied()
 }
 
 /// Errors of a sequence.
@@ -108,9 +97,9 @@ impl NearestSummary {
         Self {
             frames: distances.len(),
             missed: distances.len() - ratios.len(),
-            median_error: median(&errors),
-            p90_error: quantile(&errors, 0.9),
-            median_ratio: median(&ratios),
+            median_error: upper_median(errors.clone(), f64::total_cmp),
+            p90_error: quantile(errors, 0.9, f64::total_cmp),
+            median_ratio: upper_median(ratios, f64::total_cmp),
         }
     }
 }

@@ -1,14 +1,14 @@
-//! Depth per object against ground truth: which answers are wrong, which objects have one, and whether what is said of them is true.
+//! Depth per object against ground truth: which answers are wrong, which objects have one, and whether what is reported of them is true.
 //!
 //! In: scenes with `objects.png` (a label per surface) or `objects.json` (boxes drawn by hand, with `mask_objects.png` as their truth). Out: a
 //! table. A wrong answer is more than 1 px outside of the object's own 5-95 % range of true disparities; a covered object has an answer.
 //! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
 
-use super::frame::median;
-use super::packed::PackedObject;
+use super::packed::{packed, unpacked};
 use crate::engine::Engine;
-use crate::frames::{FrameError, Scene, load_values};
-use crate::outline::{Mask, RefinedOutline, refine};
+use crate::input::{FrameError, Scene, load_values};
+use crate::results::outline::{Mask, RefinedOutline, refine};
+use crate::statistics::{interpolated_quantile, median};
 use core::fmt::Write;
 use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
@@ -22,7 +22,7 @@ const SLOPPY_PX: usize = 2;
 /// An answer further than this from the object's own range is wrong.
 const WRONG_PX: f32 = 1.0;
 
-/// What the core is told of an object.
+/// What the core is given of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
@@ -52,16 +52,16 @@ impl Outline {
     }
 }
 
-/// One object with its truth and what the core is told of it.
+/// One object with its truth and what the core is given of it.
 #[derive(Clone, Debug)]
 pub struct ObjectCase {
     /// Scene and object.
     pub name: String,
-    /// What the core is told.
+    /// What the core is given.
     pub outline: Outline,
     dims: Dims,
     label: u16,
-    told: Told,
+    given: Given,
     /// 5 % and 95 % of its true disparities, px.
     range: (f32, f32),
     /// Their median.
@@ -71,32 +71,32 @@ pub struct ObjectCase {
 }
 
 #[derive(Clone, Debug)]
-enum Told {
+enum Given {
     Runs(Vec<Run>),
     Area(Area),
 }
 
 impl ObjectCase {
-    /// What the core is told; `None` where erosion left nothing.
+    /// What the core is given; `None` where erosion left nothing.
     #[must_use]
     pub fn region(&self) -> Option<Region<'_>> {
-        match &self.told {
-            Told::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
-            Told::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
+        match &self.given {
+            Given::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
+            Given::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
         }
     }
 
-    /// How well what is told, and what it is refined to, overlap with the true pixels: 1 is the same.
+    /// How well what is given, and what it is refined to, overlap with the true pixels: 1 is the same.
     fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
         let Some(region) = self.region() else { return [0.0; 2] };
-        let told = self.mask.overlap(&Mask::of(&region, self.dims));
+        let given = self.mask.overlap(&Mask::of(&region, self.dims));
         match refine(&region, found, candidates, self.dims).outline {
-            RefinedOutline::Mask(refined) => [told, self.mask.overlap(&refined)],
-            RefinedOutline::Box(_) => [told; 2],
+            RefinedOutline::Mask(refined) => [given, self.mask.overlap(&refined)],
+            RefinedOutline::Box(_) => [given; 2],
         }
     }
 
-    /// Scores what the core says of it, by these candidates.
+    /// Scores what the core reports of it, by these candidates.
     #[must_use]
     pub fn score(&self, found: &ObjectDepth, candidates: &[Candidate]) -> ObjectScore {
         let (low, high) = self.range;
@@ -124,7 +124,7 @@ impl ObjectCase {
 pub struct ObjectScore {
     /// Scene and object.
     pub name: String,
-    /// What the core was told.
+    /// What the core was given.
     pub outline: Outline,
     /// Why there is no answer.
     pub refused: Option<NoDepth>,
@@ -142,16 +142,67 @@ pub struct ObjectScore {
     pub sigma: f32,
     /// Probability stated that the answer is not wrong.
     pub confidence: f32,
-    /// Segments that speak for it.
+    /// Segments that support it.
     pub support: u16,
-    /// Overlap of what was told, and of what it was refined to, with the truth: 1 is the same.
+    /// Overlap of what was given, and of what it was refined to, with the truth: 1 is the same.
     pub overlap: [f64; 2],
+}
+
+/// [`ObjectScore`] as it is stored: lists of floats as their bits.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct PackedObject {
+    name: String,
+    outline: Outline,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+    wrong: bool,
+    support: u16,
+    /// Both ends of the range, disparity, error, relative error, standard deviation, probability.
+    values: String,
+    overlap_bits: [u64; 2],
+}
+
+impl From<ObjectScore> for PackedObject {
+    fn from(score: ObjectScore) -> Self {
+        let ObjectScore { name, outline, refused, range, disparity, wrong, error, relative, .. } = score;
+        let refused = refused.map(|reason| reason.name().to_owned());
+        let values = packed([range.0, range.1, disparity, error, relative, score.sigma, score.confidence]);
+        let overlap_bits = score.overlap.map(f64::to_bits);
+        Self { name, outline, refused, wrong, support: score.support, values, overlap_bits }
+    }
+}
+
+impl TryFrom<PackedObject> for ObjectScore {
+    type Error = &'static str;
+
+    fn try_from(stored: PackedObject) -> Result<Self, Self::Error> {
+        let named = |name: String| NoDepth::ALL.into_iter().find(|reason| reason.name() == name);
+        let refused = stored.refused.map(|name| named(name).ok_or("a reason that is not known")).transpose()?;
+        let values = <[f32; 7]>::try_from(unpacked(&stored.values)?).map_err(|_| "an object has other values")?;
+        let [low, high, disparity, error, relative, sigma, confidence] = values;
+        let PackedObject { name, outline, wrong, support, .. } = stored;
+        let (range, overlap) = ((low, high), stored.overlap_bits.map(f64::from_bits));
+        Ok(Self {
+            name,
+            outline,
+            refused,
+            range,
+            disparity,
+            wrong,
+            error,
+            relative,
+            sigma,
+            confidence,
+            support,
+            overlap,
+        })
+    }
 }
 
 /// The scores of one kind of outline together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectSummary {
-    /// What the core was told.
+    /// What the core was given.
     pub outline: Outline,
     /// Objects asked for.
     pub objects: usize,
@@ -167,7 +218,7 @@ pub struct ObjectSummary {
     pub within_two_sigma: Option<f64>,
     /// Mean probability stated.
     pub mean_confidence: Option<f64>,
-    /// Mean overlap of what was told, and of what it was refined to, with the truth, over answers: 1 is the same.
+    /// Mean overlap of what was given, and of what it was refined to, with the truth, over answers: 1 is the same.
     pub mean_overlap: Option<[f64; 2]>,
     /// Objects refused for each reason of [`NoDepth::ALL`].
     pub refused: [usize; NoDepth::ALL.len()],
@@ -213,7 +264,7 @@ impl ObjectSummary {
     }
 }
 
-/// Every object of a scene that has truth, told in every way there is.
+/// Every object of a scene that has truth, given in every way there is.
 pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
     let mut cases = Vec::new();
     let labels_path = scene.folder.join("objects.png");
@@ -224,13 +275,13 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
         present.dedup();
         for label in present.into_iter().filter(|&label| label > 0) {
             let mask = Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
-            let told = [
+            let given = [
                 (Outline::Given, Mask::clone(&mask)),
                 (Outline::TooLarge, mask.grown(SLOPPY_PX)),
                 (Outline::Eroded, mask.eroded(SLOPPY_PX)),
             ];
-            for (outline, shape) in told {
-                cases.extend(case(scene, &label.to_string(), outline, label, Told::Runs(shape.runs(label)), &mask));
+            for (outline, shape) in given {
+                cases.extend(case(scene, &label.to_string(), outline, label, Given::Runs(shape.runs(label)), &mask));
             }
         }
     }
@@ -240,7 +291,7 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
     Ok(cases)
 }
 
-/// What the core says of each object of the pair that the engine ran last.
+/// What the core reports of each object of the pair that the engine ran last.
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {
@@ -257,7 +308,7 @@ const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
 #[must_use]
 pub fn object_table(scores: &[ObjectScore]) -> String {
     let mut text = String::from(
-        "outline          objects   wrong           covered         median error   in 1, 2 sigma    said   overlap, refined   refused\n",
+        "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   overlap, refined   refused\n",
     );
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
     for outline in Outline::ALL {
@@ -279,8 +330,8 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
             s.median_relative_error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error)),
             percent(s.within_sigma),
             percent(s.within_two_sigma),
-            s.mean_confidence.map_or("-".to_owned(), |said| format!("{said:.3}")),
-            s.mean_overlap.map_or("-".to_owned(), |[told, refined]| format!("{told:.3}, {refined:.3}")),
+            s.mean_confidence.map_or("-".to_owned(), |stated| format!("{stated:.3}")),
+            s.mean_overlap.map_or("-".to_owned(), |[given, refined]| format!("{given:.3}, {refined:.3}")),
             refused.join(", "),
         );
     }
@@ -304,7 +355,14 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
 }
 
 /// A case, where the object has any truth.
-fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, mask: &Arc<Mask>) -> Option<ObjectCase> {
+fn case(
+    scene: &Scene,
+    object: &str,
+    outline: Outline,
+    label: u16,
+    given: Given,
+    mask: &Arc<Mask>,
+) -> Option<ObjectCase> {
     let truth = scene.truth.as_ref()?;
     let width = usize::from(scene.left.dims.width);
     let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
@@ -316,19 +374,11 @@ fn case(scene: &Scene, object: &str, outline: Outline, label: u16, told: Told, m
         outline,
         dims: scene.left.dims,
         label,
-        told,
-        range: (quantile(&values, 0.05)?, quantile(&values, 0.95)?),
-        median: quantile(&values, 0.5)?,
+        given,
+        range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
+        median: interpolated_quantile(&values, 0.5)?,
         mask: Arc::clone(mask),
     })
-}
-
-/// Straight between the two nearest of sorted values.
-fn quantile(sorted: &[f32], share: f64) -> Option<f32> {
-    let place = share * sorted.len().checked_sub(1)? as f64;
-    let (low, part) = (place.floor() as usize, place.fract() as f32);
-    let next = sorted[(low + 1).min(sorted.len() - 1)];
-    Some(sorted[low] + part * (next - sorted[low]))
 }
 
 #[derive(Deserialize)]
@@ -382,7 +432,7 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
             right: scaled(x1, from.width, to.width),
             bottom: scaled(y1, from.height, to.height),
         };
-        cases.extend(case(scene, &object.name, Outline::Box, object.label, Told::Area(area), &mask));
+        cases.extend(case(scene, &object.name, Outline::Box, object.label, Given::Area(area), &mask));
     }
     Ok(cases)
 }

@@ -1,22 +1,23 @@
 //! The depth of pixels that nobody chose: how many are answered, and how wrong.
 //!
-//! Pixels with truth are drawn at random until so many of them are visible in the right image; the hidden ones drawn meanwhile are asked
+//! Pixels with truth are drawn at random until so many of them are visible in the right image; the hidden ones drawn meanwhile are queried
 //! too, because a robot does not know which are which.
 
 use crate::engine::Engine;
-use crate::frames::{SplitMix64, Truth};
+use crate::input::{SplitMix64, Truth};
+use crate::statistics::upper_median;
 use core::fmt::Write;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
 use linestereo::{Confidence, PixelRejection};
 
 /// Shares of the visible pixels at which the curve of error against answers is read.
 const SHARES: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
-/// Bins of said against observed probability.
+/// Bins of stated against observed probability.
 const BINS: [f64; 8] = [0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0];
 
 /// A pixel with truth that the core was asked for.
 #[derive(Clone, Debug)]
-pub struct AskedPixel {
+pub struct QueriedPixel {
     /// Column.
     pub x: u16,
     /// Row.
@@ -31,21 +32,21 @@ pub struct AskedPixel {
 
 /// Asks an engine that has just run on this pair for random pixels, `count` of them visible (fewer where the truth has fewer).
 #[must_use]
-pub fn ask_pixels(engine: &mut Engine, truth: &Truth, (count, seed): (usize, u64)) -> Vec<AskedPixel> {
+pub fn query_pixels(engine: &mut Engine, truth: &Truth, (count, seed): (usize, u64)) -> Vec<QueriedPixel> {
     let dims = truth.dims();
     let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y)));
     let mut pixels: Vec<(u16, u16, f32)> =
         pixels.filter_map(|(x, y)| truth.disparity(x.into(), y.into()).map(|disparity| (x, y, disparity))).collect();
-    let (mut random, mut asked, mut visible) = (SplitMix64(seed), Vec::new(), 0);
+    let (mut random, mut queried, mut visible) = (SplitMix64(seed), Vec::new(), 0);
     while visible < count && !pixels.is_empty() {
         let (x, y, disparity) = pixels.swap_remove((random.next() % pixels.len() as u64) as usize);
         let is_visible = truth.is_visible(x.into(), y.into());
         visible += usize::from(is_visible);
         let found = engine.matched().pixel_evidence((x, y), None);
         let found = found.map(|(d_q6, evidence)| (d_q6 as f32 / 64.0, evidence));
-        asked.push(AskedPixel { x, y, truth: disparity, is_visible, found });
+        queried.push(QueriedPixel { x, y, truth: disparity, is_visible, found });
     }
-    asked
+    queried
 }
 
 /// An answer as a model rates it.
@@ -82,10 +83,10 @@ struct Answered {
 }
 
 impl PixelScore {
-    /// Rates what was asked of a scene.
+    /// Rates what was queried of a scene.
     #[must_use]
-    pub fn new(name: &str, asked: &[AskedPixel], model: &Model<PIXEL_EVIDENCE>) -> Self {
-        let rate = |pixel: &AskedPixel| {
+    pub fn new(name: &str, queried: &[QueriedPixel], model: &Model<PIXEL_EVIDENCE>) -> Self {
+        let rate = |pixel: &QueriedPixel| {
             let (disparity, evidence) = pixel.found.as_ref().ok()?;
             let score_q8 = model.score_q8(&evidence.0);
             Some(Rated {
@@ -95,9 +96,9 @@ impl PixelScore {
                 is_visible: pixel.is_visible,
             })
         };
-        let visible = asked.iter().filter(|pixel| pixel.is_visible).count();
-        let rated = asked.iter().filter_map(rate).collect();
-        Self { name: name.to_owned(), rated, visible, hidden: asked.len() - visible }
+        let visible = queried.iter().filter(|pixel| pixel.is_visible).count();
+        let rated = queried.iter().filter_map(rate).collect();
+        Self { name: name.to_owned(), rated, visible, hidden: queried.len() - visible }
     }
 
     /// All scenes together.
@@ -124,14 +125,12 @@ impl PixelScore {
         let visible = || answers().filter(|rated| rated.is_visible);
         let (seen, all) = (visible().count(), answers().count());
         let bad = |error: f64, limit: f64| error > limit;
-        let mut errors: Vec<f64> = visible().map(|rated| rated.error).collect();
-        errors.sort_by(f64::total_cmp);
         Answered {
             visible_percent: percent(seen, self.visible),
             hidden_percent: percent(all - seen, self.hidden),
             visible_bad: [1.0, 2.0].map(|limit| percent(visible().filter(|r| bad(r.error, limit)).count(), seen)),
             all_bad: [1.0, 2.0].map(|limit| percent(answers().filter(|r| bad(r.error, limit)).count(), all)),
-            median: errors.get(errors.len() / 2).copied(),
+            median: upper_median(visible().map(|rated| rated.error).collect(), f64::total_cmp),
             within_sigma: [1.0, 2.0].map(|k| percent(answers().filter(|r| r.error <= k * r.sigma).count(), all)),
         }
     }
@@ -157,7 +156,7 @@ fn pair(values: [Option<f64>; 2]) -> String {
     values.map(|value| number(value, 6, 2)).join(" /")
 }
 
-/// One line per scene at this probability, the pooled curve of error against answers, and said against observed probability.
+/// One line per scene at this probability, the pooled curve of error against answers, and stated against observed probability.
 #[must_use]
 pub fn pixel_report(scores: &[PixelScore], least: Confidence) -> String {
     let least: f64 = least.to_num();
@@ -195,19 +194,19 @@ pub fn pixel_report(scores: &[PixelScore], least: Confidence) -> String {
             pair(a.all_bad),
         );
     }
-    text.push_str("\nprobability said against observed (within 1 px, hidden pixels included)\nbin           answers    said   observed\n");
+    text.push_str("\nprobability stated against observed (within 1 px, hidden pixels included)\nbin           answers  stated   observed\n");
     for edges in BINS.windows(2) {
         let inside: Vec<&Rated> =
             pooled.rated.iter().filter(|r| r.probability >= edges[0] && r.probability < edges[1]).collect();
         let right = inside.iter().filter(|rated| rated.error <= 1.0).count();
-        let said = inside.iter().map(|rated| rated.probability).sum::<f64>() / inside.len().max(1) as f64;
+        let stated = inside.iter().map(|rated| rated.probability).sum::<f64>() / inside.len().max(1) as f64;
         let _ = writeln!(
             text,
             "{:.2} - {:.2} {:10} {} {}",
             edges[0],
             edges[1],
             inside.len(),
-            number((!inside.is_empty()).then_some(said), 8, 3),
+            number((!inside.is_empty()).then_some(stated), 8, 3),
             number(percent(right, inside.len()).map(|p| p / 100.0), 10, 3),
         );
     }

@@ -1,16 +1,17 @@
 //! Scores of any number of frames, pooled.
 
 use super::cells::{self, CellRow};
-use super::frame::{FrameScore, PointScore, median};
+use super::frame::{FrameScore, PointScore};
+use crate::statistics::{median, upper_median};
 use serde::Serialize;
 
 /// Points per frame at which the error-against-yield curve is read.
 pub const YIELDS: [usize; 4] = [800, 1500, 3000, 5000];
-/// Borders of the bins of claimed probability; a bin holds its lower border, the last one its upper one too.
+/// Borders of the bins of stated probability; a bin holds its lower border, the last one its upper one too.
 pub const PROBABILITY_EDGES: [f32; 7] = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0];
-/// Fewer claims than this in a bin say little of it.
+/// Fewer answers than this in a bin say little of it.
 const BIN: usize = 1000;
-/// Claims at least this probable have a row of their own.
+/// Answers at least this probable have a row of their own.
 const SURE: f32 = 0.9;
 
 /// Percentages of points that are wrong; `None` where there is no point.
@@ -26,12 +27,12 @@ pub struct ErrorRates {
     pub all_gt_bad2: Option<f64>,
 }
 
-/// Yield and errors of a set of claims.
+/// Yield and errors of a set of answers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Claims {
+pub struct Answers {
     /// Points per frame, with truth or without.
     pub points_per_frame: f64,
-    /// Percentage of the counting 16x16 cells that hold a claim.
+    /// Percentage of the counting 16x16 cells that hold an answer.
     pub cells_percent: Option<f64>,
     /// Percentages that are wrong.
     #[serde(flatten)]
@@ -43,7 +44,7 @@ pub struct Claims {
 pub struct YieldRow {
     /// Points with truth per frame asked for.
     pub points_per_frame: usize,
-    /// Points with truth per frame there are; less than asked when the frames do not hold as many.
+    /// Points with truth per frame there are; less than wanted when the frames do not hold as many.
     pub available_per_frame: f64,
     /// Least probability among them.
     pub least_probability: Option<f32>,
@@ -52,7 +53,7 @@ pub struct YieldRow {
     pub errors: ErrorRates,
 }
 
-/// Said against observed: how often claims of a range of probability were within 1 px.
+/// Stated against observed: how often answers of a range of probability were within 1 px.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BinRow {
     /// Lower border of the bin.
@@ -61,8 +62,8 @@ pub struct BinRow {
     pub high: f32,
     /// Points with truth in it.
     pub points: usize,
-    /// Their mean claimed probability.
-    pub said: Option<f64>,
+    /// Their mean stated probability.
+    pub stated: Option<f64>,
     /// Share of them within 1 px of the truth, hidden ones included.
     pub observed: Option<f64>,
 }
@@ -78,17 +79,17 @@ pub struct Summary {
     pub segprec1: Option<f64>,
     /// Percentage of segments whose median error is at most 2 px.
     pub segprec2: Option<f64>,
-    /// Every claim.
-    pub all: Claims,
-    /// Claims with a probability of at least 0.9.
-    pub sure: Claims,
+    /// Every answer.
+    pub all: Answers,
+    /// Answers with a probability of at least 0.9.
+    pub sure: Answers,
     /// Errors against yield at [`YIELDS`].
     pub curve: Vec<YieldRow>,
-    /// One claim per cell: errors against the share of all cells.
+    /// One answer per cell: errors against the share of all cells.
     pub cells: Vec<CellRow>,
-    /// Said against observed probability between [`PROBABILITY_EDGES`].
+    /// Stated against observed probability between [`PROBABILITY_EDGES`].
     pub calibration: Vec<BinRow>,
-    /// Largest excess of said over observed probability, percent, of the bins with at least 1000 claims.
+    /// Largest excess of stated over observed probability, percent, of the bins with at least 1000 answers.
     pub overconfidence: Option<f64>,
     /// Median error of visible points in px.
     pub median_error_px: Option<f64>,
@@ -115,8 +116,7 @@ impl Summary {
         let visible: Vec<f32> = points.iter().filter(|point| point.visible).map(|point| point.error).collect();
         let squares: f64 = visible.iter().map(|&error| f64::from(error).powi(2)).sum();
         let times: Vec<f32> = scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
-        let mut instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
-        instructions.sort_unstable();
+        let instructions: Vec<u64> = scores.iter().filter_map(|score| score.instructions).collect();
         let calibration: Vec<BinRow> =
             PROBABILITY_EDGES.windows(2).map(|edges| bin_row(&points, edges[0], edges[1])).collect();
         Self {
@@ -124,16 +124,16 @@ impl Summary {
             segments_per_frame: scores.iter().map(|score| score.segments).sum::<usize>() as f64 / frames.max(1) as f64,
             segprec1: segments_within(1.0),
             segprec2: segments_within(2.0),
-            all: claims(&scores, &points, 0.0),
-            sure: claims(&scores, &points, SURE),
-            curve: YIELDS.iter().map(|&asked| yield_row(&points, frames, asked)).collect(),
-            cells: cells::curve(scores.iter().map(|score| &score.cell_claims)),
+            all: answers(&scores, &points, 0.0),
+            sure: answers(&scores, &points, SURE),
+            curve: YIELDS.iter().map(|&wanted| yield_row(&points, frames, wanted)).collect(),
+            cells: cells::curve(scores.iter().map(|score| &score.cell_answers)),
             overconfidence: overconfidence(&calibration),
             calibration,
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
             median_error_px: median(visible).map(f64::from),
             milliseconds: median(times).map(f64::from),
-            instructions: instructions.get(instructions.len() / 2).copied(),
+            instructions: upper_median(instructions, Ord::cmp),
         }
     }
 }
@@ -153,20 +153,20 @@ fn error_rates(points: &[PointScore]) -> ErrorRates {
 }
 
 /// `points` are the most confident first.
-fn claims(scores: &[&FrameScore], points: &[PointScore], least: f32) -> Claims {
-    let claimed: usize = scores.iter().map(|score| score.confidences.iter().filter(|&&p| p >= least).count()).sum();
+fn answers(scores: &[&FrameScore], points: &[PointScore], least: f32) -> Answers {
+    let reported: usize = scores.iter().map(|score| score.confidences.iter().filter(|&&p| p >= least).count()).sum();
     let cells: Vec<Option<f32>> = scores.iter().flat_map(|score| score.cells.iter().map(|cell| cell.best)).collect();
-    Claims {
-        points_per_frame: claimed as f64 / scores.len().max(1) as f64,
+    Answers {
+        points_per_frame: reported as f64 / scores.len().max(1) as f64,
         cells_percent: percent(&cells, |best| best.is_some_and(|p| p >= least)),
         errors: error_rates(&points[..points.partition_point(|point| point.confidence >= least)]),
     }
 }
 
-fn yield_row(points: &[PointScore], frames: usize, asked: usize) -> YieldRow {
-    let top = &points[..points.len().min(asked * frames)];
+fn yield_row(points: &[PointScore], frames: usize, wanted: usize) -> YieldRow {
+    let top = &points[..points.len().min(wanted * frames)];
     YieldRow {
-        points_per_frame: asked,
+        points_per_frame: wanted,
         available_per_frame: top.len() as f64 / frames.max(1) as f64,
         least_probability: top.last().map(|point| point.confidence),
         errors: error_rates(top),
@@ -174,26 +174,26 @@ fn yield_row(points: &[PointScore], frames: usize, asked: usize) -> YieldRow {
 }
 
 fn overconfidence(bins: &[BinRow]) -> Option<f64> {
-    let excess = |bin: &BinRow| Some(100.0 * (bin.said? - bin.observed?));
+    let excess = |bin: &BinRow| Some(100.0 * (bin.stated? - bin.observed?));
     bins.iter().filter(|bin| bin.points >= BIN).filter_map(excess).reduce(f64::max)
 }
 
 fn bin_row(points: &[PointScore], low: f32, high: f32) -> BinRow {
     let inside = |p: f32| p >= low && (p < high || high >= 1.0);
     let bin: Vec<PointScore> = points.iter().copied().filter(|point| inside(point.confidence)).collect();
-    let said: f64 = bin.iter().map(|point| f64::from(point.confidence)).sum();
+    let stated: f64 = bin.iter().map(|point| f64::from(point.confidence)).sum();
     BinRow {
         low,
         high,
         points: bin.len(),
-        said: (!bin.is_empty()).then(|| said / bin.len() as f64),
+        stated: (!bin.is_empty()).then(|| stated / bin.len() as f64),
         observed: percent(&bin, |point| point.error <= 1.0).map(|percent| percent / 100.0),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::frame::tests::{claim, result, segment, truth};
+    use super::super::frame::tests::{answer, result, segment, truth};
     use super::*;
 
     #[test]
@@ -201,9 +201,14 @@ mod tests {
         let truth = truth();
         let first = result(
             vec![segment([[5.0, 1.0], [5.0, 9.0]], [8.5, 8.5]), segment([[5.0, 1.0], [5.0, 9.0]], [9.5, 9.5])],
-            vec![claim(5, 3, 8.0, 0.96875), claim(6, 3, 9.5, 0.9375), claim(7, 20, 10.5, 0.75), claim(0, 3, 1.0, 0.5)],
+            vec![
+                answer(5, 3, 8.0, 0.96875),
+                answer(6, 3, 9.5, 0.9375),
+                answer(7, 20, 10.5, 0.75),
+                answer(0, 3, 1.0, 0.5),
+            ],
         );
-        let second = result(vec![segment([[5.0, 1.0], [5.0, 9.0]], [12.0, 12.0])], vec![claim(25, 3, 12.0, 0.25)]);
+        let second = result(vec![segment([[5.0, 1.0], [5.0, 9.0]], [12.0, 12.0])], vec![answer(25, 3, 12.0, 0.25)]);
         let scores = [FrameScore::new("a", &truth, &first), FrameScore::new("b", &truth, &second)];
         let summary = Summary::pool(&scores);
 
@@ -223,7 +228,7 @@ mod tests {
         assert_eq!(summary.curve[0].available_per_frame, 2.0);
         let bins: Vec<usize> = summary.calibration.iter().map(|bin| bin.points).collect();
         assert_eq!(bins, [1, 1, 0, 1, 1, 0]);
-        assert_eq!((summary.calibration[1].said, summary.calibration[1].observed), (Some(0.75), Some(0.0)));
+        assert_eq!((summary.calibration[1].stated, summary.calibration[1].observed), (Some(0.75), Some(0.0)));
     }
 
     #[test]

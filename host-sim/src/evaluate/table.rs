@@ -2,7 +2,7 @@
 
 use super::cells::SHARES;
 use super::frame::FrameScore;
-use super::summary::{Claims, ErrorRates, Summary};
+use super::summary::{Answers, ErrorRates, Summary};
 use core::fmt::Write;
 
 /// One line per frame and one for all of them.
@@ -21,12 +21,12 @@ pub fn scene_table(scores: &[FrameScore]) -> String {
     text
 }
 
-/// What the pooled line does not hold: sure claims, error against yield, said against observed probability.
+/// What the pooled line does not hold: sure answers, error against yield, stated against observed probability.
 #[must_use]
 pub fn report(summary: &Summary) -> String {
-    let mut text = String::from("claims      points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");
-    for (name, claims) in [("all", &summary.all), ("p >= 0.9", &summary.sure)] {
-        claims_line(&mut text, name, claims);
+    let mut text = String::from("answers     points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");
+    for (name, answers) in [("all", &summary.all), ("p >= 0.9", &summary.sure)] {
+        answers_line(&mut text, name, answers);
     }
     text.push_str("\nmost confident points of all scenes together (points with truth)\n");
     text.push_str("points/frame      least p   vis bad1/bad2   allGT bad1/bad2\n");
@@ -41,7 +41,7 @@ pub fn report(summary: &Summary) -> String {
     text.push('\n');
     text.push_str(&cell_table([("share of all cells", summary)]));
     text.push_str(
-        "\nprobability said against observed (within 1 px, allGT)\nbin            points    said   observed\n",
+        "\nprobability stated against observed (within 1 px, allGT)\nbin            points  stated   observed\n",
     );
     for bin in &summary.calibration {
         let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
@@ -51,23 +51,25 @@ pub fn report(summary: &Summary) -> String {
             bin.low,
             bin.high,
             bin.points,
-            share(bin.said),
+            share(bin.stated),
             share(bin.observed)
         );
     }
     if let Some(excess) = summary.overconfidence {
-        let _ =
-            writeln!(text, "largest excess of said over observed, bins of 1000 claims and more: {excess:.1} percent");
+        let _ = writeln!(
+            text,
+            "largest excess of stated over observed, bins of 1000 answers and more: {excess:.1} percent"
+        );
     }
     text
 }
 
-/// The curve of one claim per cell: a line for each named summary.
+/// The curve of one answer per cell: a line for each named summary.
 #[must_use]
 pub fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summary)>) -> String {
     let rows: Vec<_> = rows.into_iter().collect();
-    let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(28);
-    let mut text = format!("{:width$}", "one claim per cell, bad1/bad2");
+    let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(30);
+    let mut text = format!("{:width$}", "one answer per cell, bad1/bad2");
     for share in SHARES {
         let _ = write!(text, " {:>11}", format!("{share} %"));
     }
@@ -97,13 +99,13 @@ fn line(text: &mut String, width: usize, name: &str, summary: &Summary) {
     );
 }
 
-fn claims_line(text: &mut String, name: &str, claims: &Claims) {
+fn answers_line(text: &mut String, name: &str, answers: &Answers) {
     let _ = writeln!(
         text,
         "{name:10}  {:12.0}  {:>4} %  {}",
-        claims.points_per_frame,
-        number(claims.cells_percent, 0),
-        rates(&claims.errors)
+        answers.points_per_frame,
+        number(answers.cells_percent, 0),
+        rates(&answers.errors)
     );
 }
 

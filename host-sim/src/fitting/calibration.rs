@@ -31,7 +31,7 @@ pub(super) fn tables(held_out: &[(f64, &Sample)]) -> Tables {
     let mut tables = Tables { probability_q16: [0; NODES], sigma_q6: [0; NODES] };
     let mut floor = 0.0_f64;
     for (node, probability) in tables.probability_q16.iter_mut().enumerate() {
-        // Never certain, and never level: the order of the most credible claims stays that of their scores.
+        // Never certain, and never level: the order of the most credible answers stays that of their scores.
         let cap = 0.999 + 0.00003 * node as f64;
         floor = logistic(bent(node_score(node)).zip(weights.iter()).map(|(input, weight)| input * weight).sum())
             .min(cap)

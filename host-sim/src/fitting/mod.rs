@@ -1,7 +1,7 @@
 //! Fitting the confidence models of the core on frames with truth.
 //!
 //! ```text
-//! samples: every claim of every candidate, with its evidence and how many of its pixels are right
+//! samples: every answer of every candidate, with its evidence and how many of its pixels are right
 //! line:    penalised logistic regression of "within 1 px" on the evidence                          (logistic)
 //! tables:  probability and spread of the scores of scenes that the line has not seen               (calibration)
 //! ```
@@ -16,26 +16,18 @@ pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models, SUPPORT_EVIDENCE};
+use crate::engine::FittedModels;
+use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models};
 use logistic::Line;
 use rayon::prelude::*;
 use sample::{Sample, SampleKind};
 use std::collections::BTreeMap;
 
-/// Penalty on the coefficients of segments' claims. Neighbouring pixels and distances of one side are no independent samples: a hundred of
-/// them weigh about as much as one claim.
-const CLAIMS_PENALTY: f64 = 100.0;
+/// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side are no independent samples: a hundred of
+/// them weigh about as much as one answer.
+const SIDES_PENALTY: f64 = 100.0;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;
-
-/// Every model of the core that is fitted on claims.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FittedModels {
-    /// Of the sides of segments.
-    pub segments: Models,
-    /// Of support points.
-    pub support: Model<SUPPORT_EVIDENCE>,
-}
 
 /// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]
@@ -56,7 +48,7 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
-    let penalty = if kind == SampleKind::Support { SUPPORT_PENALTY } else { CLAIMS_PENALTY };
+    let penalty = if kind == SampleKind::Support { SUPPORT_PENALTY } else { SIDES_PENALTY };
     fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }
 

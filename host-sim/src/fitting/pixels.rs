@@ -2,19 +2,19 @@
 
 use super::sample::Sample;
 use super::source::fields;
-use super::{CLAIMS_PENALTY, fit_scenes};
-use crate::evaluate::AskedPixel;
+use super::{SIDES_PENALTY, fit_scenes};
+use crate::evaluate::QueriedPixel;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelKind};
 
 /// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of each scene by a line fitted on the others.
 #[must_use]
-pub fn fit_pixels(scenes: &[&[AskedPixel]]) -> Model<PIXEL_EVIDENCE> {
-    let sample = |pixel: &AskedPixel| {
+pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> Model<PIXEL_EVIDENCE> {
+    let sample = |pixel: &QueriedPixel| {
         let (disparity, evidence) = pixel.found.as_ref().ok()?;
         Some(Sample::pixel(evidence, (disparity - pixel.truth).abs()))
     };
     let samples: Vec<Vec<Sample>> = scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
-    fit_scenes(&samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(), CLAIMS_PENALTY)
+    fit_scenes(&samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(), SIDES_PENALTY)
 }
 
 /// The text of the core's file of constants; `origin` names the frames.

@@ -1,11 +1,11 @@
-//! Claims with evidence and truth.
+//! Answers with evidence and truth.
 
 use crate::engine::Engine;
-use crate::frames::Truth;
+use crate::input::Truth;
 use linestereo::diagnostics::{Evidence, Kind, Observer, PixelEvidence, StageEvent, SupportEvidence, ValidPixels};
 use linestereo::{Params, Support};
 
-/// Pixels from the edge up to which claims are sampled: those that the core makes by default.
+/// Pixels from the edge up to which answers are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
 
 /// What each of the models is about.
@@ -19,12 +19,12 @@ pub(super) enum SampleKind {
     Pixel,
 }
 
-/// The pixels that one side of one candidate claims at one distance, or one pixel that was asked for.
+/// The pixels that one side of one candidate reports at one distance, or one pixel that was asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     kind: SampleKind,
     pub(super) evidence: Vec<f64>,
-    /// `|claimed - true|` of the pixels with truth, px.
+    /// `|reported - true|` of the pixels with truth, px.
     pub(super) errors: Vec<f32>,
 }
 
@@ -61,7 +61,7 @@ impl SceneSamples {
         self.samples.iter().filter(move |sample| sample.kind == kind)
     }
 
-    /// Claims sampled.
+    /// Answers sampled.
     #[must_use]
     pub fn len(&self) -> usize {
         self.samples.len()
@@ -94,7 +94,7 @@ impl Observer for EvidenceLog {
     }
 }
 
-/// Samples every claim of the last run that has truth; `log` watched it.
+/// Samples every answer of the last run that has truth; `log` watched it.
 #[must_use]
 pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
     let matched = engine.matched();

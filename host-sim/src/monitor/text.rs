@@ -2,8 +2,8 @@
 
 use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
-use crate::health;
-use crate::listing::{self, Answers};
+use crate::results::health;
+use crate::results::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::{Dims, ObjectDepth};
 use linestereo_wire::{Counters, Counts, FrameHead, VERSION};

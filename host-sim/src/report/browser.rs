@@ -1,6 +1,6 @@
 //! A browser without a window: what a page is after its script has run. For tests of pages.
 
-use crate::board::{packages, process};
+use crate::programs::{packages, process};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::path::{Path, PathBuf};

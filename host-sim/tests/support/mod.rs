@@ -1,7 +1,9 @@
 //! The program as a user calls it, for every test of the command line.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use tempfile::TempDir;
 
 /// Calls the program in a folder.
 pub(crate) fn linestereo(folder: &Path, args: &[&str]) -> Output {
@@ -34,4 +36,33 @@ pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
     assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{args:?}: {line}");
     assert!(line.starts_with("linestereo: ") && output.stdout.is_empty(), "{args:?}: {line}");
     line
+}
+
+/// Calls it once for each list of arguments, and has each fail as it promises, in words that contain the second of the pair.
+#[track_caller]
+pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
+    for (args, says) in cases {
+        let line = refused(folder, args);
+        assert!(line.contains(says), "{args:?} does not say {says}: {line}");
+    }
+}
+
+/// Calls it, has it succeed, and gives the JSON it printed.
+#[track_caller]
+pub(crate) fn json(folder: &Path, args: &[&str]) -> serde_json::Value {
+    serde_json::from_str(&succeed(folder, args)).unwrap()
+}
+
+/// A folder with a rendered scene in the folder `name`.
+pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    succeed(folder.path(), &["scene", "--kind", kind, "--size", size, name]);
+    folder
+}
+
+/// A folder with a `rig.toml`.
+pub(crate) fn with_rig(rig: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    folder
 }

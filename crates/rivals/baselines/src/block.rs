@@ -3,7 +3,8 @@
 use super::cost::CostKind;
 use super::curve::Acceptance;
 use super::map::DisparityMap;
-use super::sums::{Search, for_each_row};
+use super::search::Search;
+use super::sums::for_each_row;
 use super::window::Window;
 use crate::GrayImage;
 

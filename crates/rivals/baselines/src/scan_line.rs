@@ -23,7 +23,8 @@
 use super::cost::CostKind;
 use super::curve::{Fraction, Minimum};
 use super::map::DisparityMap;
-use super::sums::{CurveRow, Search, for_each_row};
+use super::search::Search;
+use super::sums::{CurveRow, for_each_row};
 use super::window::Window;
 use crate::GrayImage;
 

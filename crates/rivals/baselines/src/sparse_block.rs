@@ -19,7 +19,7 @@
 
 use super::curve::{Fraction, Minimum};
 use super::map::DisparityMap;
-use super::sums::Search;
+use super::search::Search;
 use crate::GrayImage;
 
 /// Half the side of the window.

@@ -21,7 +21,7 @@
 //! OpenCV, `calib3d/stereobm.cpp` (Konolige's block matcher); `tests/tests/opencv.rs` compares maps with those of the installed one.
 
 use super::map::DisparityMap;
-use super::sums::Search;
+use super::search::Search;
 use super::window::Window;
 use crate::GrayImage;
 use core::fmt;

@@ -8,7 +8,7 @@
 
 use super::{Cost, mirrored};
 use crate::GrayImage;
-use crate::sums::Search;
+use crate::search::Search;
 use crate::window::{Part, Window};
 
 /// Cost of `1 - NCC = 1`.

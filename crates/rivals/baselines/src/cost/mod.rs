@@ -18,7 +18,7 @@
 mod correlation;
 mod transform;
 
-use super::sums::Search;
+use super::search::Search;
 use super::window::Window;
 use crate::GrayImage;
 use correlation::{Correlation, NormalisedAbsolute};

@@ -1,0 +1,53 @@
+//! Many pairs on every core: results in the order of the pairs, whoever was first.
+//!
+//! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
+
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+
+/// An engine's memory may pass over the stack on its way to the heap.
+const STACK_BYTES: usize = 64 << 20;
+
+/// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error
+/// to appear ends it.
+pub(super) fn for_each_pair<I: Sync, T: Send>(
+    items: &[I],
+    threads: Option<usize>,
+    name: impl Fn(&I) -> String + Sync,
+    work: impl Fn(&I) -> Result<T> + Sync,
+) -> Result<Vec<T>> {
+    let progress = timed_bar(items.len());
+    let one = |item: &I| {
+        progress.set_message(name(item));
+        let result = work(item);
+        progress.inc(1);
+        result
+    };
+    let mut builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
+    if let Some(threads) = threads {
+        builder = builder.num_threads(threads);
+    }
+    let pool = builder.build().context("cannot start threads; give fewer with --threads")?;
+    // One item at a time: neighbours in a list differ in size, and a late large one would leave the others idle.
+    let results = pool.install(|| items.par_iter().with_max_len(1).map(one).collect());
+    progress.finish_and_clear();
+    results
+}
+
+/// The bar of a long evaluation, with the time it takes.
+pub(super) fn timed_bar(length: usize) -> ProgressBar {
+    bar(length, "{bar:30} {pos}/{len} {elapsed} of about {duration} {msg}")
+}
+
+/// The bar of one pair after the other, with the name of the one at hand.
+pub(super) fn named_bar(length: usize) -> ProgressBar {
+    bar(length, "{bar:30} {pos}/{len} {msg}")
+}
+
+/// On stderr, and only when that is a terminal.
+pub(super) fn bar(length: usize, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template);
+    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

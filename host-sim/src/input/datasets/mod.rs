@@ -1,0 +1,115 @@
+//! Folders of stereo pairs as data sets and recorders store them: which layout it is, told from names alone, and the pairs in it.
+//!
+//! ```text
+//! Dataset::find(root):
+//!   a folder is taken by the first layout that knows its files:
+//!     scene.json   left.*, right.* and scene.json                      this project's own, see `scene_file`
+//!     middlebury   im2 + im6, view1 + view5, im0 + im1 + calib.txt     2001 to 2021, the benchmark's version 3, ETH3D's two-view sets
+//!     kitti        image_2 + image_3 (or 0 + 1) with 000000_10.png     2012 and 2015
+//!     euroc        mav0/cam0/data + mav0/cam1/data                     raw: rectified while loading
+//!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them
+//!   folders below it are searched where nothing took it, and below single pairs
+//!   in a tree without any pair, images at least twice as wide as high hold both views side by side
+//! ```
+//!
+//! Only names and small text files are read here; images when a pair is loaded. Each layout's module says where its rules are from.
+
+mod calibration;
+mod euroc;
+mod kitti;
+mod middlebury;
+mod plain;
+
+use super::error::{FrameError, LayoutFault};
+use super::folder::{Listing, folder_name};
+use super::layout::Layout;
+use super::scene_file;
+use super::stored::StoredPair;
+use std::path::Path;
+
+/// The pairs of a folder, whatever their layout.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dataset {
+    /// Sorted by folder, then by number.
+    pub pairs: Vec<StoredPair>,
+    /// Images without a partner.
+    pub alone: usize,
+}
+
+impl Dataset {
+    /// Finds every pair at or below `root`.
+    pub fn find(root: &Path) -> Result<Self, FrameError> {
+        let mut found = Self::default();
+        found.search(root, root)?;
+        if found.pairs.is_empty() {
+            found.pairs = plain::side_by_side_tree(root)?;
+            name_below(root, &mut found.pairs);
+        }
+        if found.pairs.is_empty() {
+            return Err(FrameError::Layout(root.to_path_buf(), LayoutFault::NotRecognised));
+        }
+        Ok(found)
+    }
+
+    /// How many pairs each layout has.
+    #[must_use]
+    pub fn layouts(&self) -> Vec<(Layout, usize)> {
+        let mut counts = std::collections::BTreeMap::new();
+        for pair in &self.pairs {
+            *counts.entry(pair.layout).or_insert(0) += 1;
+        }
+        counts.into_iter().collect()
+    }
+
+    fn search(&mut self, root: &Path, path: &Path) -> Result<(), FrameError> {
+        let folder = Listing::read(path)?;
+        let mut taken = recognised(&folder)?;
+        name_below(root, &mut taken.pairs);
+        // Single pairs may stand above others; what has frames in folders of its own has been searched.
+        let descend = taken.pairs.iter().all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
+        self.pairs.append(&mut taken.pairs);
+        self.alone += taken.alone;
+        if descend {
+            for name in &folder.folders {
+                self.search(root, &path.join(name))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The first layout that knows the folder.
+fn recognised(folder: &Listing) -> Result<Dataset, FrameError> {
+    let of = |pairs| Ok(Dataset { pairs, alone: 0 });
+    let has_scene = folder.has("scene.json");
+    if has_scene && folder.image("left").is_some() && folder.image("right").is_some() {
+        return of(vec![scene_file::stored(&folder.path)?]);
+    }
+    for find in [middlebury::find, kitti::find, euroc::find] {
+        let pairs = find(folder)?;
+        if !pairs.is_empty() {
+            return of(pairs);
+        }
+    }
+    let plain = plain::find(folder)?;
+    // A scene that lacks its images is an error of its own when it is loaded.
+    if plain.pairs.is_empty() && has_scene && scene_file::has_truth(&folder.path)? {
+        return of(vec![scene_file::stored(&folder.path)?]);
+    }
+    Ok(plain)
+}
+
+/// Names as paths below the root; a single pair at the root itself is called as its folder, or as its `scene.json` says.
+fn name_below(root: &Path, pairs: &mut [StoredPair]) {
+    for pair in pairs {
+        let below = pair.folder.strip_prefix(root).unwrap_or(&pair.folder);
+        let frame = if pair.layout == Layout::SceneJson { "" } else { pair.name.as_str() };
+        let path = below.join(frame).display().to_string();
+        let path = path.trim_end_matches('/');
+        if !path.is_empty() {
+            pair.name = path.to_owned();
+        } else if pair.name.is_empty() {
+            pair.name = folder_name(&pair.folder);
+        }
+    }
+}

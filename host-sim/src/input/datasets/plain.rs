@@ -1,0 +1,83 @@
+//! Pairs without a data set's rules: a folder for each camera, the side in each name, one pair in a folder, both views side by side.
+//!
+//! ```text
+//! left/0001.png right/0001.png   truth: disp/, disparity/, gt/ or disp_occ/ with the same names
+//! 0001_left.png 0001_right.png   truth: 0001_disp.*, 0001_gt.*
+//! left.png right.png             truth: disp.*, disparity.*, gt.*
+//! 0001.png (both views)          truth: none; any image in a tree without a pair that is at least twice as wide as high
+//! ```
+//!
+//! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in the folder gives range, rig and, with
+//! `disparity_scale`, the steps of truth images, for every frame.
+
+use super::Dataset;
+use crate::input::error::FrameError;
+use crate::input::folder::Listing;
+use crate::input::layout::Layout;
+use crate::input::scene_file::SceneInfo;
+use crate::input::sequence::{Sequence, SequencePair};
+use crate::input::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
+use std::path::Path;
+
+const TRUTH_FOLDERS: [&str; 4] = ["disp", "disparity", "gt", "disp_occ"];
+const TRUTH_NAMES: [&str; 3] = ["disp", "disparity", "gt"];
+/// Sides of an image that holds two views: a single one is seldom as wide.
+const LEAST_ASPECT: u32 = 2;
+
+/// The pairs of this folder itself; folders below are for the caller.
+pub(super) fn find(folder: &Listing) -> Result<Dataset, FrameError> {
+    let (sequence, in_folders) = Sequence::here(&folder.path)?;
+    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
+    let truths = TRUTH_FOLDERS.iter().filter(|_| in_folders).find(|name| folder.has_folder(name));
+    let truths = truths.map(|name| folder.below(name)).transpose()?.flatten();
+    let pairs =
+        sequence.pairs.iter().map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
+    Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone })
+}
+
+/// `truths` is the folder with truth, if there is one, of frames in folders.
+fn stored(
+    folder: &Listing,
+    pair: &SequencePair,
+    info: Option<&SceneInfo>,
+    truths: Option<Option<&Listing>>,
+) -> StoredPair {
+    let (layout, file) = match truths {
+        Some(truths) => (Layout::CameraFolders, truths.and_then(|listing| listing.disparities(&pair.name))),
+        None if pair.name.is_empty() => {
+            (Layout::PairFolder, TRUTH_NAMES.iter().find_map(|name| folder.disparities(name)))
+        }
+        None => {
+            let beside = |name: &&str| folder.disparities(&format!("{}_{name}", pair.name));
+            (Layout::SidesInNames, TRUTH_NAMES.iter().find_map(beside))
+        }
+    };
+    let scale = info.and_then(SceneInfo::disparity_scale).map_or(Scale::SixteenBit, Scale::Steps);
+    let rig = info.and_then(|info| info.rig_numbers(1.0));
+    StoredPair {
+        name: pair.name.clone(),
+        layout,
+        folder: folder.path.clone(),
+        images: pair.files.clone(),
+        truth: file.map(|file| StoredTruth { file, scale, visibility: Visibility::Truth }),
+        rig: rig.map_or(StoredRig::Unknown, |rig| StoredRig::Rectified(folder.path.join("scene.json"), rig)),
+        max_disparity: info.and_then(|info| info.max_disparity),
+    }
+}
+
+/// The images of a tree that hold both views.
+pub(super) fn side_by_side_tree(root: &Path) -> Result<Vec<StoredPair>, FrameError> {
+    let folder = Listing::read(root)?;
+    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
+    let mut found = Vec::new();
+    for pair in Sequence::find(root, true)?.pairs {
+        let is_wide = image::image_dimensions(pair.left()).is_ok_and(|(width, height)| width >= LEAST_ASPECT * height);
+        if is_wide {
+            found.push(StoredPair { layout: Layout::SideBySide, ..stored(&folder, &pair, info.as_ref(), Some(None)) });
+        }
+    }
+    for name in &folder.folders {
+        found.extend(side_by_side_tree(&root.join(name))?);
+    }
+    Ok(found)
+}

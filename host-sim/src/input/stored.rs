@@ -1,0 +1,273 @@
+//! A pair as a data set stores it -> a [`Scene`]: images, ground truth and rig of one size, whatever the layout.
+//!
+//! ```text
+//! images    two files, or one with both side by side; raw ones are rectified by their rig
+//! truth     stored disparities / scale, or floats; a mask, the right image's truth, or the truth itself says what is visible
+//! --width   images by area, truth at pixel centres, range and rig in proportion
+//! ```
+
+use super::decode::{check_same_size, check_size, is_16_bit, load_gray, load_values};
+use super::disparity_file::{is_float_file, load_disparities};
+use super::error::{FrameError, LayoutFault};
+use super::layout::Layout;
+use super::resample::{area_average, resampled_height};
+use super::sequence::PairFiles;
+use super::truth::Truth;
+use crate::input::interchange::{Options, load_rig};
+use crate::input::rectify::{PairRectifier, reduced};
+use core::fmt;
+use linestereo::{Dims, Rig};
+use linestereo_baselines::GrayImage;
+use linestereo_rig::{Eye, View};
+use linestereo_wire::RigUpdate;
+use std::path::{Path, PathBuf};
+
+/// Derived disparity ranges are multiples of this.
+const RANGE_STEP: u16 = 16;
+/// Disparity range where nothing gives one.
+const DEFAULT_MAX_DISPARITY: u16 = 64;
+
+/// A pair with what is known about it, ready for the core.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the scene: from `scene.json`, else the folder's.
+    pub name: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Left image, the reference.
+    pub left: GrayImage,
+    /// Right image.
+    pub right: GrayImage,
+    /// Disparities to search, 0 .. this, in px.
+    pub max_disparity: u16,
+    /// Rectified rig, if known.
+    pub rig: Option<Rig>,
+    /// The numbers behind it.
+    pub rig_numbers: Option<RigUpdate>,
+    /// Ground truth, if any.
+    pub truth: Option<Truth>,
+}
+
+/// A pair on disk with everything that is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredPair {
+    /// Its path below the folder that was searched, with the frame's name where a folder holds several.
+    pub name: String,
+    /// How it is stored.
+    pub layout: Layout,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Its images.
+    pub images: PairFiles,
+    pub(super) truth: Option<StoredTruth>,
+    pub(super) rig: StoredRig,
+    /// Disparities to search in the images as stored, px.
+    pub(super) max_disparity: Option<f64>,
+}
+
+/// What is known of the cameras.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum StoredRig {
+    /// Nothing.
+    Unknown,
+    /// Images are rectified; the file that says so, and the rig of the images as stored.
+    Rectified(PathBuf, RigUpdate),
+    /// Images are raw: the files with the calibration of both cameras.
+    Raw(Vec<PathBuf>),
+}
+
+/// Ground truth of a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StoredTruth {
+    pub(super) file: PathBuf,
+    pub(super) scale: Scale,
+    pub(super) visibility: Visibility,
+}
+
+/// What a stored value is in px; 0 is unknown in images, not in files of floats, which hold px where no steps are given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Scale {
+    /// Disparity = value / this.
+    Steps(f32),
+    /// The same, by the height of the images: rows and steps.
+    ByHeight(&'static [(u16, f32)]),
+    /// 16 bit: 1/256 px, as KITTI has it. 8 bit do not say.
+    SixteenBit,
+}
+
+/// Where it is said which true matches are visible in the right image.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Visibility {
+    /// A mask: visible is a value above this.
+    Mask(PathBuf, u16),
+    /// The right image's truth, stored like the left one's.
+    RightTruth(PathBuf),
+    /// It follows from the truth itself.
+    Truth,
+}
+
+impl StoredPair {
+    /// There is ground truth.
+    #[must_use]
+    pub fn has_truth(&self) -> bool {
+        self.truth.is_some()
+    }
+
+    /// Loads it, reduced to `width` if asked; images are checked against the core's limits after that.
+    pub fn load(&self, width: Option<u16>) -> Result<Scene, FrameError> {
+        let [left_path, right_path] = self.image_paths();
+        let [left, right] = self.load_images()?;
+        check_same_size((left_path, left.dims), (right_path, right.dims))?;
+        let truth = self.truth.as_ref().map(|truth| truth.load((left_path, left.dims))).transpose()?;
+        let full = left.dims;
+        if let Some(asked) = width.filter(|&width| width == 0 || width > full.width) {
+            return Err(FrameError::Width { have: full.width, asked });
+        }
+        let reduced = width.map_or(full, |width| Dims { width, height: resampled_height(full, width) });
+        let scale = f64::from(reduced.width) / f64::from(full.width);
+        let (images, rig_numbers, rig) = match &self.rig {
+            StoredRig::Raw(files) => {
+                let (images, rig) = rectified(files, reduced, [left, right])?;
+                (images, rig.map(|(numbers, _)| numbers), rig.map(|(_, rig)| rig))
+            }
+            known => {
+                let images = [area_average(&left, reduced.width)?, area_average(&right, reduced.width)?];
+                let (numbers, rig) = known.at(scale)?.unzip();
+                (images, numbers, rig)
+            }
+        };
+        let [left, right] = images;
+        check_size(left_path, &left)?;
+        check_size(right_path, &right)?;
+        let truth = truth.map(|truth| width.map_or(truth.clone(), |width| truth.resampled(width)));
+        let max_disparity = self.range(width.is_some(), scale, truth.as_ref());
+        let (name, folder) = (self.name.clone(), self.folder.clone());
+        Ok(Scene { name, folder, left, right, max_disparity, rig, rig_numbers, truth })
+    }
+
+    fn image_paths(&self) -> [&Path; 2] {
+        match &self.images {
+            PairFiles::Two([left, right]) => [left, right],
+            PairFiles::SideBySide(both) => [both, both],
+        }
+    }
+
+    fn load_images(&self) -> Result<[GrayImage; 2], FrameError> {
+        match &self.images {
+            PairFiles::Two([left, right]) => Ok([load_gray(left)?, load_gray(right)?]),
+            PairFiles::SideBySide(both) => Ok(halves(&load_gray(both)?)),
+        }
+    }
+
+    fn range(&self, is_reduced: bool, scale: f64, truth: Option<&Truth>) -> u16 {
+        match (self.max_disparity, truth.and_then(Truth::largest)) {
+            (Some(range), _) if !is_reduced => range.round() as u16,
+            (Some(range), _) => scaled_max_disparity(range, scale),
+            // A range of N searches 0 .. N - 1: the largest truth itself has to be inside.
+            (None, Some(largest)) => scaled_max_disparity(f64::from(largest.ceil()) + 1.0, 1.0),
+            (None, None) => DEFAULT_MAX_DISPARITY,
+        }
+    }
+}
+
+impl StoredRig {
+    /// The rig of rectified images reduced by `scale`.
+    fn at(&self, scale: f64) -> Result<Option<(RigUpdate, Rig)>, FrameError> {
+        let Self::Rectified(path, numbers) = self else { return Ok(None) };
+        let (focal_px, offset_px) = (numbers.focal_px * scale, numbers.offset_px * scale);
+        let rig =
+            Rig::new(focal_px, numbers.baseline_m, offset_px).map_err(|error| FrameError::Rig(path.clone(), error))?;
+        Ok(Some((RigUpdate { focal_px, baseline_m: numbers.baseline_m, offset_px }, rig)))
+    }
+}
+
+impl StoredTruth {
+    fn load(&self, image: (&Path, Dims)) -> Result<Truth, FrameError> {
+        let disparity = self.disparities(&self.file, image)?;
+        let dims = image.1;
+        Ok(match &self.visibility {
+            Visibility::Truth => Truth::with_reprojected_visibility(dims, disparity),
+            Visibility::RightTruth(path) => Truth::with_right_truth(dims, disparity, &self.disparities(path, image)?),
+            Visibility::Mask(path, above) => {
+                let (mask_dims, values) = load_values(path)?;
+                check_same_size(image, (path, mask_dims))?;
+                Truth::new(dims, disparity, values.into_iter().map(|value| value > *above).collect())
+            }
+        })
+    }
+
+    fn disparities(&self, path: &Path, image: (&Path, Dims)) -> Result<Vec<f32>, FrameError> {
+        if is_float_file(path) {
+            let (dims, mut values) = load_disparities(path)?;
+            if let Scale::Steps(steps) = self.scale {
+                values.iter_mut().for_each(|value| *value /= steps);
+            }
+            return check_same_size(image, (path, dims)).map(|()| values);
+        }
+        let (dims, values) = load_values(path)?;
+        check_same_size(image, (path, dims))?;
+        let scale = match self.scale {
+            Scale::Steps(scale) => Some(scale),
+            Scale::ByHeight(known) => known.iter().find(|(rows, _)| *rows == dims.height).map(|(_, scale)| *scale),
+            Scale::SixteenBit => is_16_bit(path)?.then_some(KITTI_STEPS),
+        };
+        let scale = scale.ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::TruthScale(dims)))?;
+        Ok(values.into_iter().map(|value| if value == 0 { f32::NAN } else { f32::from(value) / scale }).collect())
+    }
+}
+
+/// A disparity range for images reduced by `scale`: rounded up to a multiple of 16.
+#[must_use]
+pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
+    let steps = (range * scale / f64::from(RANGE_STEP)).ceil().max(1.0);
+    (steps as u16).saturating_mul(RANGE_STEP)
+}
+
+/// Steps of KITTI's truth per pixel.
+pub(super) const KITTI_STEPS: f32 = 256.0;
+
+/// Left and right half; a column in the middle belongs to neither.
+#[must_use]
+pub fn halves(image: &GrayImage) -> [GrayImage; 2] {
+    let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
+    [0, width - half].map(|from| GrayImage {
+        dims: Dims { width: half as u16, height: image.dims.height },
+        pixels: image.pixels.chunks_exact(width).flat_map(|row| &row[from..from + half]).copied().collect(),
+    })
+}
+
+type RigOf = Option<(RigUpdate, Rig)>;
+
+/// Raw images, reduced to this size, in the rectified view of the same size: as much of it as has a source everywhere.
+fn rectified(
+    files: &[PathBuf],
+    dims: Dims,
+    [left, right]: [GrayImage; 2],
+) -> Result<([GrayImage; 2], RigOf), FrameError> {
+    let failed = |what: &dyn fmt::Display| FrameError::Layout(files[0].clone(), LayoutFault::RawRig(what.to_string()));
+    let calibration = load_rig(files, &Options::default()).map_err(|error| failed(&error))?.rig.calibration;
+    let raw = calibration.camera(Eye::Left).dims();
+    if raw != left.dims {
+        return Err(failed(&format!("it is of images of {raw}, these are {}", left.dims)));
+    }
+    let calibration = reduced(&calibration, dims).map_err(|error| failed(&error))?;
+    let view = calibration.rectify(dims, View::Alpha(0.0)).map_err(|error| failed(&error))?;
+    let mut rectifier = PairRectifier::new(&view).map_err(|error| failed(&error))?;
+    let (left, right) = (area_average(&left, dims.width)?, area_average(&right, dims.width)?);
+    let (left, right) = rectifier.pair(&left, &right).map_err(|error| failed(&error))?;
+    let rig = view.rig().map_err(|error| FrameError::Rig(files[0].clone(), error))?;
+    let numbers = RigUpdate { focal_px: view.focal(), baseline_m: view.baseline(), offset_px: 0.0 };
+    Ok(([left, right], Some((numbers, rig))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_multiples_of_sixteen() {
+        assert_eq!(scaled_max_disparity(64.0, 0.5), 32);
+        assert_eq!(scaled_max_disparity(65.0, 0.5), 48);
+        assert_eq!(scaled_max_disparity(3.0, 1.0), 16);
+    }
+}

@@ -1,0 +1,132 @@
+//! Distance per direction of one pair: what an autopilot would be told, as a table, a list and the bytes of MAVLink.
+
+use core::convert::Infallible;
+use core::fmt::Write;
+use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
+use linestereo::{HealthFlags, Match, Point};
+use linestereo_mavlink::{AutopilotStream, Policy};
+use serde::Serialize;
+
+/// What is known of each direction after one pair.
+#[derive(Clone, Debug)]
+pub struct Directions {
+    plan: ObstaclePlan,
+    obstacles: Obstacles,
+}
+
+/// One direction in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Direction {
+    /// Of the sector, 0 is ahead.
+    pub index: u8,
+    /// Its middle, clockwise from ahead, -180 .. 180.
+    pub direction_deg: f64,
+    /// `obstacle`, `free`, `unknown`, `outside`.
+    pub state: &'static str,
+    /// Along the ground; of an obstacle.
+    pub distance_m: Option<f64>,
+    /// Of an obstacle and of what is free.
+    pub confidence: Option<f64>,
+    /// Since it was seen.
+    pub age_ms: Option<u32>,
+}
+
+impl Directions {
+    /// Of the matches and points of a pair with this health.
+    #[must_use]
+    pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[Point], health: HealthFlags) -> Self {
+        let mut obstacles = Obstacles::new();
+        obstacles.update(&plan, matches, points.iter().copied(), health, 0);
+        Self { plan, obstacles }
+    }
+
+    /// How far obstacles matter, m.
+    #[must_use]
+    pub fn range_m(&self) -> f64 {
+        f64::from(self.plan.range_cm()) / 100.0
+    }
+
+    /// Width of a sector, degrees.
+    #[must_use]
+    pub fn width_deg(&self) -> f64 {
+        360.0 / f64::from(self.plan.sectors())
+    }
+
+    /// Every direction of the turn, from ahead on, clockwise.
+    #[must_use]
+    pub fn list(&self) -> Vec<Direction> {
+        let width = self.width_deg();
+        let direction = |(sector, index): (Sector, u8)| {
+            let turned = f64::from(index) * width;
+            let none = Direction {
+                index,
+                direction_deg: if turned < 180.0 { turned } else { turned - 360.0 },
+                state: "unknown",
+                distance_m: None,
+                confidence: None,
+                age_ms: None,
+            };
+            match sector {
+                Sector::Outside => Direction { state: "outside", ..none },
+                Sector::Unknown => none,
+                Sector::Free { confidence, age_ms } => Direction {
+                    state: "free",
+                    confidence: Some(five_decimals(confidence.to_num())),
+                    age_ms: Some(age_ms),
+                    ..none
+                },
+                Sector::Obstacle { distance_cm, confidence, age_ms } => Direction {
+                    state: "obstacle",
+                    distance_m: Some(f64::from(distance_cm) / 100.0),
+                    confidence: Some(five_decimals(confidence.to_num())),
+                    age_ms: Some(age_ms),
+                    ..none
+                },
+            }
+        };
+        self.obstacles.sectors(&self.plan, 0).zip(0..).map(direction).collect()
+    }
+
+    /// The directions in view from left to right, one line each.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = format!("sectors of {} degrees, up to {} m", self.width_deg(), self.range_m());
+        text.push_str(if self.obstacles.is_fit() {
+            "\n"
+        } else {
+            ": the pair is not fit to be used, nothing is taken from it\n"
+        });
+        let mut seen = self.list();
+        seen.retain(|direction| direction.state != "outside");
+        seen.sort_by(|a, b| a.direction_deg.total_cmp(&b.direction_deg));
+        for Direction { direction_deg, state, distance_m, confidence, .. } in seen {
+            let _ = write!(text, "  {direction_deg:6.1}  ");
+            let _ = match (distance_m, confidence) {
+                (Some(metres), Some(p)) => writeln!(text, "{metres:7.2} m  p {p:.3}"),
+                (None, Some(p)) => writeln!(text, "{state:>9}  p {p:.3}"),
+                _ => writeln!(text, "{state:>9}"),
+            };
+        }
+        text
+    }
+
+    /// HEARTBEAT and OBSTACLE_DISTANCE, as a board sends them first.
+    #[must_use]
+    pub fn mavlink(&self, policy: Policy) -> Vec<u8> {
+        use linestereo_mavlink::AutopilotParams;
+        let params = AutopilotParams { policy, ..AutopilotParams::of(&self.plan) };
+        let mut bytes = Vec::new();
+        if let Ok(mut stream) = AutopilotStream::new(params, &self.plan) {
+            let Ok(()) = stream.turn(&self.obstacles, &self.plan, 0, &mut |frame| {
+                bytes.extend_from_slice(frame);
+                Ok::<(), Infallible>(())
+            });
+        }
+        bytes
+    }
+}
+
+/// One step of a probability or of a depth is 1.5e-5: five decimals tell all values apart.
+pub(super) fn five_decimals(value: f64) -> f64 {
+    (value * 1e5).round() / 1e5
+}

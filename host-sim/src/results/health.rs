@@ -1,0 +1,172 @@
+//! The health of a pair, for people and for JSON.
+
+use linestereo::HealthFlags;
+use linestereo_wire::{CameraReport, Health, PairReport, RowsReport};
+use serde::Serialize;
+
+/// What to do about each flag, in the order of [`Health::NAMES`].
+const ADVICE: [(&str, &str); Health::NAMES.len()] = [
+    ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
+    ("segments_dropped", "more segments than the board has memory for; the shortest are left out"),
+    ("results_skipped", "the port is slower than the board: raise its speed"),
+    ("pair_missing", "a camera gave no picture: check its cable and power"),
+    (
+        "free_running",
+        "the cameras are not triggered together: wire one trigger to both, or trust only what stands still",
+    ),
+    ("left_exposure", "left image too dark or too bright: set its exposure or change the light"),
+    ("right_exposure", "right image too dark or too bright: set its exposure or change the light"),
+    ("left_saturated", "much of the left image is black or white: change its exposure"),
+    ("right_saturated", "much of the right image is black or white: change its exposure"),
+    ("left_dead", "left image has one grey level: check the camera's cable and power"),
+    ("right_dead", "right image has one grey level: check the camera's cable and power"),
+    ("left_covered", "left camera sees next to nothing of what the right one sees: free and clean its lens"),
+    ("right_covered", "right camera sees next to nothing of what the left one sees: free and clean its lens"),
+    ("left_frozen", "left image does not change: restart the camera, check the buffers of its driver"),
+    ("right_frozen", "right image does not change: restart the camera, check the buffers of its driver"),
+    (
+        "left_view",
+        "little of the left rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+    ),
+    (
+        "right_view",
+        "little of the right rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+    ),
+    ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
+    ("skew", "captured too far apart, not matched: trigger both cameras together"),
+    ("rows_off", "rows do not match: were the images rectified? then the rig has moved: calibrate again"),
+    ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
+    ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
+    (
+        "few_matches",
+        "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
+    ),
+    ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
+];
+
+/// What to do, a line per flag.
+pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let is_set = move |name: &str| health.names().any(|set| set == name);
+    ADVICE.into_iter().filter(move |&(name, _)| is_set(name))
+}
+
+/// May what is matched be believed? With one of these flags it may be wrong, or from another time; the others cost yield, or warn.
+#[must_use]
+pub fn is_fit(health: Health) -> bool {
+    let of_pair = health.of_pair();
+    !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
+}
+
+/// Names of the flags; unnamed ones as a number.
+#[must_use]
+pub fn names(health: Health) -> Vec<String> {
+    let mut names: Vec<String> = health.names().map(str::to_owned).collect();
+    if health.unnamed() != Health::GOOD {
+        names.push(health.unnamed().to_string());
+    }
+    names
+}
+
+/// Health as JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Listing {
+    flags: Vec<String>,
+    #[serde(flatten)]
+    numbers: Option<Numbers>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Numbers {
+    left: Camera,
+    right: Camera,
+    skew_us: Option<u32>,
+    rows: Option<Rows>,
+    row_offset_px: Option<f64>,
+    row_drift_px: Option<f64>,
+    least_disparity_px: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Camera {
+    level: u8,
+    detail: f64,
+    black: f64,
+    white: f64,
+    view: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Rows {
+    offset_px: f64,
+    spread_px: f64,
+    samples: u8,
+}
+
+impl Listing {
+    /// Flags and, when somebody looked, the numbers behind them.
+    #[must_use]
+    pub fn new(health: Health, pair: Option<&PairReport>) -> Self {
+        Self { flags: names(health), numbers: pair.map(Numbers::from) }
+    }
+}
+
+impl From<&PairReport> for Numbers {
+    fn from(pair: &PairReport) -> Self {
+        let [left, right] = pair.cameras.each_ref().map(Camera::from);
+        let px = |q8: i16| f64::from(q8) / 256.0;
+        let rows = |RowsReport { offset_q8, spread_q8, samples }| Rows {
+            offset_px: px(offset_q8),
+            spread_px: f64::from(spread_q8) / 256.0,
+            samples,
+        };
+        Self {
+            left,
+            right,
+            skew_us: pair.skew_us,
+            rows: pair.rows.map(rows),
+            row_offset_px: pair.row_offset_q8.map(px),
+            row_drift_px: pair.row_drift_q8.map(px),
+            least_disparity_px: pair.least_disparity_q6.map(|d| f64::from(d) / 64.0),
+        }
+    }
+}
+
+impl From<&CameraReport> for Camera {
+    fn from(camera: &CameraReport) -> Self {
+        let share = |permille: u16| f64::from(permille) / 1000.0;
+        Self {
+            level: camera.level,
+            detail: f64::from(camera.detail_q4) / 16.0,
+            black: share(camera.black_permille),
+            white: share(camera.white_permille),
+            view: share(camera.view_permille),
+        }
+    }
+}
+
+/// One line per flag with what to do, and the difference of rows behind those about rows; nothing when all is well.
+#[must_use]
+pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
+    let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;
+    let mut text: String = advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();
+    let offset = pair.and_then(|pair| pair.row_offset_q8);
+    if let Some(offset) = offset.filter(|_| rows.names().any(|name| health.names().any(|set| set == name))) {
+        let px = f64::from(offset) / 256.0;
+        text.push_str(&format!(
+            "health: the right image is {:.2} px too {}\n",
+            px.abs(),
+            if px > 0.0 { "low" } else { "high" }
+        ));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_flag_has_its_advice() {
+        assert_eq!(ADVICE.map(|(name, _)| name), Health::NAMES.map(|(_, name)| name));
+    }
+}

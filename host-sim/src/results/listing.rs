@@ -1,0 +1,415 @@
+//! A frame's result as JSON and as CSV.
+//!
+//! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
+//! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
+
+use super::directions::{Direction, five_decimals};
+use crate::engine::FrameResult;
+use crate::results::health;
+use core::fmt::Write;
+use linestereo::{
+    Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner, PixelDepth,
+    PixelRejection, Rejection,
+};
+use linestereo_wire::Counts;
+use serde::{Serialize, Serializer};
+
+/// First line of [`csv`].
+const CSV_HEAD: &str = "id,x0,y0,x1,y1,disparity0_px,disparity1_px,sigma_px,confidence,owner,depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
+
+#[derive(Serialize)]
+struct Listing<'a> {
+    size: [u16; 2],
+    segments: Vec<Segment>,
+    /// x, y, disparity in px, confidence.
+    points: Vec<(u16, u16, f64, f64)>,
+    #[serde(serialize_with = "as_map")]
+    counts: Vec<(&'static str, u32)>,
+    health: health::Listing,
+    #[serde(flatten)]
+    answers: &'a Answers,
+}
+
+/// What was asked of a pair besides its segments and points; what nobody asked for is not listed.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Answers {
+    /// Depth of each region.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects: Option<Vec<Object>>,
+    /// Why the list of objects is empty: its file could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objects_error: Option<String>,
+    /// Depth of each pixel that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queries: Option<Vec<Query>>,
+    /// Every direction of the turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sectors: Option<Vec<Direction>>,
+}
+
+/// The depth of a pixel, or why it is not known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Query {
+    /// Column.
+    pub x: u16,
+    /// Row.
+    pub y: u16,
+    /// `None` where it is not known.
+    pub disparity_px: Option<f64>,
+    /// 0 without a disparity.
+    pub sigma_px: f64,
+    /// `None` without a rig or a disparity, and for an infinite depth.
+    pub depth_m: Option<f64>,
+    /// 0 without a depth.
+    pub sigma_m: f64,
+    /// Probability that the disparity is within 1 px; 0 without a disparity.
+    pub confidence: f64,
+    /// Why there is no disparity.
+    pub reason: Option<&'static str>,
+}
+
+impl Query {
+    /// The core's answer for a pixel.
+    #[must_use]
+    pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
+        let none = |reason| Self {
+            x,
+            y,
+            disparity_px: None,
+            sigma_px: 0.0,
+            depth_m: None,
+            sigma_m: 0.0,
+            confidence: 0.0,
+            reason: Some(reason),
+        };
+        match answer {
+            Err(reason) => none(reason.name()),
+            Ok(found) => Self {
+                disparity_px: Some(found.disparity.to_num()),
+                sigma_px: found.sigma.to_num(),
+                depth_m: found.depth.and_then(finite_metres),
+                sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
+                confidence: five_decimals(found.confidence.to_num()),
+                reason: None,
+                ..none("")
+            },
+        }
+    }
+
+    /// In a line.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Self { x, y, sigma_px, sigma_m, confidence, .. } = self;
+        let Some(disparity) = self.disparity_px else {
+            return format!("pixel {x},{y}: not known ({})\n", self.reason.unwrap_or_default());
+        };
+        let metres = self.depth_m.map_or(String::new(), |z| format!(", {z:.3} +- {sigma_m:.3} m"));
+        format!("pixel {x},{y}: {disparity:.2} +- {sigma_px:.2} px{metres}, p {confidence:.2}\n")
+    }
+}
+
+/// The depth of a region, or why it has none.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Object {
+    /// Value in the mask, or position in the file.
+    pub label: u16,
+    /// What the detector calls it.
+    pub name: Option<String>,
+    /// At the region's centre.
+    pub disparity_px: Option<f64>,
+    /// 0 without a disparity.
+    pub sigma_px: f64,
+    /// `None` without a rig or a disparity, and for an infinite depth.
+    pub depth_m: Option<f64>,
+    /// 0 without a depth.
+    pub sigma_m: f64,
+    /// Nearest credible depth.
+    pub nearest_m: Option<f64>,
+    /// Segments that support it.
+    pub support: u16,
+    /// Probability that the disparity is within 1 px of the object's own range.
+    pub confidence: f64,
+    /// Why there is no disparity.
+    pub reason: Option<&'static str>,
+}
+
+impl Object {
+    /// With the name that the detector gave it.
+    #[must_use]
+    pub fn new(found: &ObjectDepth, name: Option<&str>) -> Self {
+        Self {
+            label: found.label,
+            name: name.map(str::to_owned),
+            disparity_px: found.disparity.ok().map(Disparity::to_num),
+            sigma_px: found.sigma.to_num(),
+            depth_m: found.depth.and_then(finite_metres),
+            sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
+            nearest_m: found.nearest.and_then(finite_metres),
+            support: found.support,
+            confidence: five_decimals(found.confidence.to_num()),
+            reason: found.disparity.err().map(reason_name),
+        }
+    }
+}
+
+fn reason_name(reason: NoDepth) -> &'static str {
+    match reason {
+        NoDepth::LittleSupport => "little_support",
+        NoDepth::TwoSurfaces => "two_surfaces",
+        NoDepth::OnlyOutline => "only_outline",
+        NoDepth::UnhealthyPair => "unhealthy_pair",
+    }
+}
+
+#[derive(Serialize)]
+struct Segment {
+    id: usize,
+    left: [[f64; 2]; 2],
+    disparity_px: [f64; 2],
+    sigma_px: f64,
+    confidence: f64,
+    owner: &'static str,
+    depth_m: Option<[Option<f64>; 2]>,
+    techniques: TechniqueDisparities,
+}
+
+#[derive(Serialize)]
+struct TechniqueDisparities {
+    feature: Option<f64>,
+    window: f64,
+    census: f64,
+}
+
+/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`, and the answers to what was asked.
+pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::Result<String> {
+    let points = result.points.iter();
+    let listing = Listing {
+        size: [dims.width, dims.height],
+        segments: result.matches.iter().enumerate().map(segment).collect(),
+        points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
+        counts: counts(&result.counts),
+        health: health::Listing::new(result.health, result.pair.as_ref()),
+        answers,
+    };
+    let mut text = serde_json::to_string(&listing)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// The segments as CSV, one line each below a line of names.
+#[must_use]
+pub fn csv(result: &FrameResult) -> String {
+    let mut text = String::from(CSV_HEAD);
+    for (id, found) in result.matches.iter().enumerate() {
+        let [start, end] = found.ends.map(position);
+        let [from, to] = found.disparity.map(Disparity::to_num::<f64>);
+        let _ = write!(
+            text,
+            "{id},{},{},{},{},{from},{to},{},{},{}",
+            start[0],
+            start[1],
+            end[0],
+            end[1],
+            found.sigma.to_num::<f64>(),
+            five_decimals(found.confidence.to_num()),
+            owner_name(found.owner)
+        );
+        for metres in [found.depth, found.depth_sigma] {
+            for end in 0..2 {
+                text.push(',');
+                if let Some(finite) = metres.and_then(|ends| finite_metres(ends[end])) {
+                    let _ = write!(text, "{finite}");
+                }
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Objects as CSV, one line each below a line of names; what is unknown is empty.
+#[must_use]
+pub fn objects_csv(objects: &[Object]) -> String {
+    let mut text =
+        String::from("label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n");
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for object in objects {
+        let name = object.name.as_deref().unwrap_or("");
+        let name = if name.contains([',', '"', '\n']) {
+            format!("\"{}\"", name.replace('"', "\"\""))
+        } else {
+            name.to_owned()
+        };
+        let _ = writeln!(
+            text,
+            "{},{name},{},{},{},{},{},{},{},{}",
+            object.label,
+            number(object.disparity_px),
+            object.sigma_px,
+            number(object.depth_m),
+            object.sigma_m,
+            number(object.nearest_m),
+            object.support,
+            object.confidence,
+            object.reason.unwrap_or("")
+        );
+    }
+    text
+}
+
+/// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for space.
+#[must_use]
+pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
+    let mut list = vec![
+        ("segments_left", u32::from(counts.segments_left)),
+        ("segments_right", u32::from(counts.segments_right)),
+        ("matched", u32::from(counts.matched)),
+    ];
+    list.extend(Rejection::ALL.map(|reason| (reason.name(), u32::from(counts.rejected(reason)))));
+    list.extend([
+        ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
+        ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
+        ("searched_fully", u32::from(counts.searched_fully)),
+        ("points", counts.points),
+    ]);
+    list
+}
+
+/// Metres with five decimals, `None` for an infinite depth.
+#[must_use]
+pub fn finite_metres(depth: Depth) -> Option<f64> {
+    (depth != INFINITE_DEPTH).then(|| five_decimals(depth.to_num()))
+}
+
+fn segment((id, found): (usize, &Match)) -> Segment {
+    Segment {
+        id,
+        left: found.ends.map(position),
+        disparity_px: found.disparity.map(Disparity::to_num),
+        sigma_px: found.sigma.to_num(),
+        confidence: five_decimals(found.confidence.to_num()),
+        owner: owner_name(found.owner),
+        depth_m: found.depth.map(|ends| ends.map(finite_metres)),
+        techniques: TechniqueDisparities {
+            feature: found.techniques.feature.map(Disparity::to_num),
+            window: found.techniques.window.to_num(),
+            census: found.techniques.census.to_num(),
+        },
+    }
+}
+
+fn position(point: ImagePosition) -> [f64; 2] {
+    [point.x.to_num(), point.y.to_num()]
+}
+
+/// The side or sides in JSON and CSV.
+#[must_use]
+pub fn owner_name(owner: Owner) -> &'static str {
+    match owner {
+        Owner::Left => "left",
+        Owner::Right => "right",
+        Owner::Both => "both",
+    }
+}
+
+fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(counts.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::diagnostics::Techniques;
+    use linestereo::{Confidence, Point, Position};
+    use linestereo_wire::Health;
+
+    fn example() -> FrameResult {
+        let point = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        let matched = Match {
+            ends: [point(1.5, 2.0), point(3.03125, 40.0)],
+            disparity: [Disparity::from_num(10.25), Disparity::from_num(0)],
+            sigma: Disparity::from_num(0.125),
+            confidence: Confidence::from_num(0.875),
+            owner: Owner::Left,
+            depth: Some([Depth::from_num(2.5), INFINITE_DEPTH]),
+            depth_sigma: None,
+            techniques: Techniques {
+                feature: None,
+                window: Disparity::from_num(10.25),
+                census: Disparity::from_num(10.5),
+            },
+        };
+        let point = Point {
+            x: 7,
+            y: 9,
+            disparity: Disparity::from_num(10),
+            confidence: Confidence::MAX,
+            source: linestereo::Source::Segment(0),
+        };
+        FrameResult {
+            matches: vec![matched],
+            points: vec![point],
+            counts: Counts::default(),
+            health: Health::GOOD,
+            pair: None,
+        }
+    }
+
+    #[test]
+    fn json_is_exactly_this() {
+        let text = json(Dims { width: 64, height: 48 }, &example(), &Answers::default()).unwrap();
+        let (head, counts) = text.split_once("\"counts\":").unwrap();
+        let expected =
+            r#"{"size":[64,48],"segments":[{"id":0,"left":[[1.5,2.0],[3.03125,40.0]],"disparity_px":[10.25,0.0],"#
+                .to_owned()
+                + r#""sigma_px":0.125,"confidence":0.875,"owner":"left","depth_m":[2.5,null],"#
+                + r#""techniques":{"feature":null,"window":10.25,"census":10.5}}],"points":[[7,9,10.0,0.99998]],"#;
+        assert_eq!(head, expected);
+        let (counts, health) = counts.split_once(r#","health":"#).unwrap();
+        assert_eq!(health, "{\"flags\":[]}}\n");
+        let counts = counts.trim_end_matches('}');
+        let head = format!(r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#, Rejection::ALL[0].name());
+        assert!(counts.starts_with(&head), "{counts}");
+        assert!(counts.ends_with(r#""points":0"#), "{counts}");
+    }
+
+    #[test]
+    fn objects_are_exactly_this() {
+        let found = ObjectDepth {
+            label: 3,
+            disparity: Ok(Disparity::from_num(8)),
+            sigma: Disparity::from_num(0.25),
+            slope_q10: [0; 2],
+            spread: Disparity::from_num(1),
+            depth: Some(Depth::from_num(2.5)),
+            depth_sigma: Some(Depth::from_num(0.125)),
+            nearest: Some(Depth::from_num(2.25)),
+            support: 7,
+            confidence: Confidence::from_num(0.875),
+        };
+        let refused = ObjectDepth {
+            disparity: Err(NoDepth::TwoSurfaces),
+            sigma: Disparity::ZERO,
+            depth: None,
+            depth_sigma: None,
+            nearest: None,
+            ..found
+        };
+        let objects = vec![Object::new(&found, Some("cup")), Object::new(&refused, None)];
+        let answers = Answers { objects: Some(objects), ..Answers::default() };
+        let text = json(Dims { width: 64, height: 48 }, &example(), &answers).unwrap();
+        let (_, objects) = text.split_once(r#""health":{"flags":[]},"#).unwrap();
+        let expected = r#""objects":[{"label":3,"name":"cup","disparity_px":8.0,"sigma_px":0.25,"depth_m":2.5,"#
+            .to_owned()
+            + r#""sigma_m":0.125,"nearest_m":2.25,"support":7,"confidence":0.875,"reason":null},"#
+            + r#"{"label":3,"name":null,"disparity_px":null,"sigma_px":0.0,"depth_m":null,"#
+            + r#""sigma_m":0.0,"nearest_m":null,"support":7,"confidence":0.875,"reason":"two_surfaces"}]}"#
+            + "\n";
+        assert_eq!(objects, expected);
+    }
+
+    #[test]
+    fn csv_leaves_what_is_unknown_empty() {
+        assert_eq!(csv(&example()).lines().nth(1), Some("0,1.5,2,3.03125,40,10.25,0,0.125,0.875,left,2.5,,,"));
+    }
+}

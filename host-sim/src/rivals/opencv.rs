@@ -1,0 +1,150 @@
+//! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
+
+use core::fmt;
+use linestereo_baselines::{DisparityMap, GrayImage, Search};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const SCRIPT: &str = include_str!("opencv.py");
+/// Steps of OpenCV's disparities in one px.
+const STEPS: f32 = 16.0;
+
+/// Which Python runs it, where no option says so.
+pub const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
+
+/// OpenCV's methods, in the order of tables: SGBM with uniqueness 10 and 80, BM with 15 and with 90 and texture 3000.
+pub const OPENCV_METHODS: [&str; 4] = ["opencv-bm", "opencv-bm-strict", "opencv-sgbm", "opencv-sgbm-strict"];
+
+/// Why OpenCV does not match.
+#[derive(Debug)]
+pub enum OpenCvError {
+    /// There is no such program.
+    NoPython(OsString, std::io::Error),
+    /// It has no `cv2`.
+    NoOpenCv(OsString),
+    /// It runs, and fails.
+    Failed(String),
+    /// Files cannot be exchanged with it.
+    Files(std::io::Error),
+}
+
+impl fmt::Display for OpenCvError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPython(program, error) => write!(
+                f,
+                "cannot run {}: {error}; install Python, or name one by --python or {PYTHON_VARIABLE}",
+                program.display()
+            ),
+            Self::NoOpenCv(program) => write!(
+                f,
+                "{} has no OpenCV; pip install opencv-python-headless, or name another Python by --python or {PYTHON_VARIABLE}",
+                program.display()
+            ),
+            Self::Failed(what) => write!(f, "OpenCV failed ({what}); try another version of opencv-python-headless"),
+            Self::Files(error) => {
+                write!(f, "cannot exchange files with Python: {error}; free space in the temporary folder")
+            }
+        }
+    }
+}
+
+impl core::error::Error for OpenCvError {}
+
+impl From<std::io::Error> for OpenCvError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Files(error)
+    }
+}
+
+/// A Python with OpenCV.
+#[derive(Clone, Debug)]
+pub struct OpenCv {
+    python: OsString,
+    version: String,
+}
+
+#[derive(Deserialize)]
+struct Answer {
+    milliseconds: BTreeMap<String, f64>,
+}
+
+/// What one method gave.
+#[derive(Clone, Debug)]
+pub struct OpenCvMap {
+    /// One of [`OPENCV_METHODS`].
+    pub name: &'static str,
+    /// Its map; OpenCV says nothing about confidence.
+    pub map: DisparityMap,
+    /// Time of the pair on one thread.
+    pub milliseconds: f64,
+}
+
+impl OpenCv {
+    /// Looks for OpenCV in this Python, else in that of the environment variable, else in `python3`.
+    pub fn find(python: Option<&Path>) -> Result<Self, OpenCvError> {
+        let python = python
+            .map(|path| path.as_os_str().to_owned())
+            .or_else(|| std::env::var_os(PYTHON_VARIABLE))
+            .unwrap_or_else(|| "python3".into());
+        let version = ["-c", "import cv2; print(cv2.__version__)"];
+        let output = Command::new(&python).args(version).output();
+        let output = output.map_err(|error| OpenCvError::NoPython(python.clone(), error))?;
+        if !output.status.success() {
+            return Err(OpenCvError::NoOpenCv(python));
+        }
+        Ok(Self { python, version: String::from_utf8_lossy(&output.stdout).trim().to_owned() })
+    }
+
+    /// Its version.
+    #[must_use]
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// Matches a pair by all of its methods, each so many times for the median of its times.
+    pub fn run(
+        &self,
+        left: &GrayImage,
+        right: &GrayImage,
+        search: Search,
+        runs: usize,
+    ) -> Result<Vec<OpenCvMap>, OpenCvError> {
+        let folder = tempfile::tempdir()?;
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("opencv.py"), SCRIPT)?;
+        fs::write(at("left.pgm"), pgm(left))?;
+        fs::write(at("right.pgm"), pgm(right))?;
+        let (count, runs) = (search.count.to_string(), runs.to_string());
+        let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, &runs, "."];
+        let output = Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            return Err(OpenCvError::Failed(text.lines().last().unwrap_or("no message").to_owned()));
+        }
+        let answer: Answer =
+            serde_json::from_slice(&output.stdout).map_err(|error| OpenCvError::Failed(error.to_string()))?;
+        let read = |name: &'static str| {
+            let bytes = fs::read(at(&format!("{name}.i16")))?;
+            let milliseconds = answer.milliseconds.get(name).copied().unwrap_or(f64::NAN);
+            Ok(OpenCvMap { name, map: map(left, &bytes), milliseconds })
+        };
+        OPENCV_METHODS.into_iter().map(read).collect()
+    }
+}
+
+fn pgm(image: &GrayImage) -> Vec<u8> {
+    let mut bytes = format!("P5\n{} {}\n255\n", image.dims.width, image.dims.height).into_bytes();
+    bytes.extend_from_slice(&image.pixels);
+    bytes
+}
+
+/// Negative values are gaps.
+fn map(left: &GrayImage, bytes: &[u8]) -> DisparityMap {
+    let values = bytes.chunks_exact(2).map(|pair| i16::from_ne_bytes([pair[0], pair[1]]));
+    DisparityMap::of_values(left.dims, values.map(|value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS }))
+}

@@ -1,0 +1,460 @@
+//! Calibration from boards: rigs that are known, rigs that were photographed, and photos that cannot be used.
+
+use linestereo::Dims;
+use linestereo_baselines::GrayImage;
+use linestereo_rig::{Calibration, Camera, Eye, Lens};
+use linestereo_sim::calibration::{
+    Board, BoardFinder, BoardPair, ChessFinder, Estimate, EstimateError, LensModel, NotFound, Options, Verdict, assess,
+    estimate, find_pairs,
+};
+use linestereo_sim::input::load_gray;
+use linestereo_sim::input::rig_file::quaternion;
+use linestereo_tests::captured;
+use linestereo_tests::drawn::Random;
+use std::path::Path;
+
+const VGA: Dims = Dims { width: 640, height: 480 };
+
+fn board() -> Board {
+    Board::new(9, 6, 0.025).unwrap()
+}
+
+fn brown(focal: [f64; 2], centre: [f64; 2], k: [f64; 3], p: [f64; 2]) -> Camera {
+    Camera::new(VGA, focal, centre, 0.0, Lens::BrownConrady { k, p }).unwrap()
+}
+
+fn rig(left: Camera, right: Camera, rotation: [f64; 3]) -> Calibration {
+    Calibration::new(left, right, quaternion(rotation), [-0.08, 0.001, -0.002]).unwrap()
+}
+
+/// The rigs that are recovered: name, rig, family of lens.
+fn rigs() -> Vec<(&'static str, Calibration, LensModel)> {
+    let lens = |k, p| {
+        let left = brown([520.0, 523.0], [322.0, 236.0], k, p);
+        let right = brown([517.0, 519.0], [315.0, 243.0], k.map(|k| 0.95 * k), [p[1], -p[0]]);
+        rig(left, right, [0.004, -0.006, 0.003])
+    };
+    let wide = |focal: f64, cx: f64| {
+        Camera::new(VGA, [focal, focal + 1.0], [cx, 241.0], 0.0, Lens::Fisheye { k: [-0.02, 0.006, -0.004, 0.001] })
+            .unwrap()
+    };
+    let barrel = [-0.31, 0.12, -0.02];
+    let turned = {
+        let left = brown([520.0, 523.0], [322.0, 236.0], barrel, [4e-4, -3e-4]);
+        let right = brown([517.0, 519.0], [315.0, 243.0], barrel, [-2e-4, 5e-4]);
+        rig(left, right, [0.010, 0.030, -0.015]) // 2 degrees in all
+    };
+    vec![
+        ("barrel", lens(barrel, [4e-4, -3e-4]), LensModel::BrownConrady),
+        ("pincushion", lens([0.18, 0.05, 0.0], [-5e-4, 2e-4]), LensModel::BrownConrady),
+        ("mustache", lens([-0.25, 0.30, -0.06], [3e-4, 1e-4]), LensModel::BrownConrady),
+        ("fisheye", rig(wide(285.0, 320.0), wide(287.0, 316.0), [0.004, -0.006, 0.003]), LensModel::Fisheye),
+        ("2 degrees", turned, LensModel::BrownConrady),
+    ]
+}
+
+/// Where a board stands: rows of its rotation into the left camera, and its first corner there.
+#[derive(Clone, Copy)]
+struct Placed {
+    rotation: [[f64; 3]; 3],
+    shift: [f64; 3],
+}
+
+fn rows_of([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+fn turned([a, b, c]: [[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    [a, b, c].map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+impl Placed {
+    /// Tilted by up to 40 degrees, its middle anywhere in the left image.
+    fn anywhere(rig: &Calibration, board: &Board, random: &mut Random) -> Self {
+        let mut angle = |limit: f64| random.uniform(-limit, limit);
+        let rotation = rows_of(quaternion([angle(0.6), angle(0.6), angle(0.4)]));
+        let camera = rig.camera(Eye::Left);
+        let at = [random.uniform(0.15, 0.85) * 640.0, random.uniform(0.15, 0.85) * 480.0];
+        let [x, y] = camera.unproject(at).unwrap();
+        let depth = random.uniform(0.22, 0.5) * camera.focal()[0] / 520.0;
+        let last = board.points()[board.corners() - 1];
+        let middle = turned(rotation, [last[0] / 2.0, last[1] / 2.0, 0.0]);
+        Self { rotation, shift: [x * depth - middle[0], y * depth - middle[1], depth - middle[2]] }
+    }
+
+    fn in_left(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        let v = turned(self.rotation, [x, y, 0.0]);
+        [0, 1, 2].map(|i| v[i] + self.shift[i])
+    }
+}
+
+/// A point of the left camera in the right one.
+fn in_right(rig: &Calibration, point: [f64; 3]) -> [f64; 3] {
+    let v = turned(rows_of(rig.rotation()), point);
+    [0, 1, 2].map(|i| v[i] + rig.translation()[i])
+}
+
+/// Boards that both cameras see whole, their corners displaced by noise.
+fn boards(rig: &Calibration, board: &Board, count: usize, noise: f64, random: &mut Random) -> Vec<BoardPair> {
+    let mut pairs = Vec::new();
+    while pairs.len() < count {
+        let placed = Placed::anywhere(rig, board, random);
+        let seen = |eye: Eye| -> Option<Vec<[f64; 2]>> {
+            let camera = rig.camera(eye);
+            let at = |place: [f64; 2]| {
+                let point = placed.in_left(place);
+                let point = if eye == Eye::Left { point } else { in_right(rig, point) };
+                camera.project(point).filter(|&at| camera.is_inside(at))
+            };
+            board.points().into_iter().map(at).collect()
+        };
+        if let (Some(left), Some(right)) = (seen(Eye::Left), seen(Eye::Right)) {
+            let mut noisy = |corners: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+                corners.into_iter().map(|at| at.map(|v| v + noise * random.normal())).collect()
+            };
+            pairs.push(BoardPair { name: pairs.len().to_string(), corners: [noisy(left), noisy(right)] });
+        }
+    }
+    pairs
+}
+
+/// What was put in, by the names of the estimate's parameters.
+fn truth(rig: &Calibration, name: &str) -> f64 {
+    let (part, name) = name.split_once('.').unwrap();
+    if part == "pose" {
+        let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis)).unwrap();
+        let vector = linestereo_sim::input::rig_file::rotation_vector(rig.rotation());
+        return if name.starts_with('r') { vector[axis] } else { rig.translation()[axis] };
+    }
+    let camera = rig.camera(if part == "left" { Eye::Left } else { Eye::Right });
+    let numbered = |values: &[f64]| values[name[1..].parse::<usize>().unwrap() - 1];
+    match (name, camera.lens()) {
+        ("fx", _) => camera.focal()[0],
+        ("fy", _) => camera.focal()[1],
+        ("cx", _) => camera.centre()[0],
+        ("cy", _) => camera.centre()[1],
+        ("skew", _) => camera.skew(),
+        (_, Lens::BrownConrady { k, p }) => numbered(if name.starts_with('k') { &k } else { &p }),
+        (_, Lens::Fisheye { k }) => numbered(&k),
+    }
+}
+
+/// Errors in stated standard deviations, by name; what was held has none.
+fn scores(rig: &Calibration, estimate: &Estimate) -> Vec<(String, f64)> {
+    let free = estimate.parameters.iter().filter(|parameter| parameter.sigma > 0.0);
+    free.map(|p| (p.name.clone(), (p.value - truth(rig, &p.name)) / p.sigma)).collect()
+}
+
+#[test]
+fn known_rigs_are_recovered_within_three_stated_deviations() {
+    let (mut compared, mut beyond) = (0, Vec::new());
+    for (seed, (name, rig, lens)) in rigs().into_iter().enumerate() {
+        let pairs = boards(&rig, &board(), 20, 0.1, &mut Random(seed as u64));
+        let options = Options { lens, ..Options::default() };
+        let found = estimate(&board(), VGA, &pairs, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
+        // The distance of two coordinates with a deviation of 0.1 px each.
+        assert!((found.rms / 0.1414 - 1.0).abs() < 0.05, "{name}: {}", found.rms);
+        assert!(found.views.iter().all(|view| view.dropped.is_none()), "{name}");
+        let scores = scores(&rig, &found);
+        assert_eq!(scores.len(), if lens == LensModel::Fisheye { 22 } else { 24 }, "{name}");
+        compared += scores.len();
+        beyond.extend(scores.into_iter().filter(|(_, score)| score.abs() > 3.0).map(|found| (name, found)));
+        let baseline = (found.calibration.baseline() - rig.baseline()).abs();
+        assert!(baseline < 3.0 * found.baseline_sigma && found.baseline_sigma < 2e-4, "{name}: {baseline}");
+    }
+    assert_eq!(beyond, [], "of {compared}");
+}
+
+#[test]
+fn stated_deviations_are_those_of_many_repetitions() {
+    const SEEDS: u64 = 24;
+    let (_, rig, lens) = rigs().remove(0);
+    let options = Options { lens, ..Options::default() };
+    let mut squares: Vec<(String, f64)> = Vec::new();
+    let (mut compared, mut beyond) = (0, 0);
+    for seed in 100..100 + SEEDS {
+        let pairs = boards(&rig, &board(), 12, 0.1, &mut Random(seed));
+        let found = estimate(&board(), VGA, &pairs, &options).unwrap();
+        let scores = scores(&rig, &found);
+        squares.resize(scores.len(), (String::new(), 0.0));
+        for (sum, (name, score)) in squares.iter_mut().zip(scores) {
+            *sum = (name, sum.1 + score * score / SEEDS as f64);
+            compared += 1;
+            beyond += u32::from(score.abs() > 3.0);
+        }
+    }
+    // The root of the mean of 24 squares of normal numbers is within 0.57 to 1.43 with 99.7 %.
+    for (name, square) in &squares {
+        assert!((0.55..1.45).contains(&square.sqrt()), "{name}: {}", square.sqrt());
+    }
+    let mean = squares.iter().map(|(_, square)| square).sum::<f64>() / squares.len() as f64;
+    assert!((0.8..1.2).contains(&mean.sqrt()), "{}", mean.sqrt());
+    assert!(f64::from(beyond) <= 0.01 * f64::from(compared), "{beyond} of {compared}");
+}
+
+#[test]
+fn a_bad_view_and_bad_corners_are_left_out() {
+    let (_, rig, lens) = rigs().remove(0);
+    let random = &mut Random(7);
+    let mut pairs = boards(&rig, &board(), 12, 0.1, random);
+    // The board was moved before the right photo was taken.
+    pairs[3].corners[1] = boards(&rig, &board(), 1, 0.1, random).remove(0).corners[1].clone();
+    pairs[5].corners[0][10][0] += 2.5;
+    let found = estimate(&board(), VGA, &pairs, &Options { lens, ..Options::default() }).unwrap();
+    let dropped: Vec<usize> = (0..12).filter(|&view| found.views[view].dropped.is_some()).collect();
+    assert_eq!(dropped, [3]);
+    let bad: Vec<usize> = found.views.iter().map(|view| view.bad_corners).collect();
+    assert!(bad[5] == 1 && bad.iter().enumerate().all(|(view, &bad)| view == 3 || view == 5 || bad == 0), "{bad:?}");
+    assert!((found.rms / 0.1414 - 1.0).abs() < 0.05, "{}", found.rms);
+}
+
+#[test]
+fn photos_that_cannot_be_used_are_named() {
+    let (_, rig, lens) = rigs().remove(0);
+    let options = Options { lens, ..Options::default() };
+    let pairs = boards(&rig, &board(), 10, 0.1, &mut Random(8));
+    let with = |change: fn(&mut Vec<BoardPair>)| {
+        let mut pairs = pairs.clone();
+        change(&mut pairs);
+        estimate(&board(), VGA, &pairs, &options).unwrap_err().to_string()
+    };
+    let few = with(|pairs| pairs.truncate(4));
+    assert!(few.contains("only 4 of 4 views"), "{few}");
+    let swapped = with(|pairs| pairs.iter_mut().for_each(|pair| pair.corners.reverse()));
+    assert!(swapped.contains("cameras are swapped"), "{swapped}");
+    // As if the board had been turned round between the two photos.
+    let flipped = with(|pairs| pairs.iter_mut().step_by(2).for_each(|pair| pair.corners[1].reverse()));
+    assert!(flipped.contains("flipped"), "{flipped}");
+    let shuffled = with(|pairs| {
+        let last = pairs[9].corners[1].clone();
+        for i in (1..10).rev() {
+            pairs[i].corners[1] = pairs[i - 1].corners[1].clone();
+        }
+        pairs[0].corners[1] = last;
+    });
+    assert!(shuffled.contains("do not belong together"), "{shuffled}");
+}
+
+#[test]
+fn few_parallel_boards_are_not_called_good() {
+    let (_, rig, lens) = rigs().remove(0);
+    let random = &mut Random(9);
+    let flat = rows_of(quaternion([0.0, 0.02, 0.0]));
+    let camera = rig.camera(Eye::Left);
+    let pairs: Vec<BoardPair> = (0..6)
+        .map(|i| {
+            let place = Placed { rotation: flat, shift: [-0.1 + 0.01 * f64::from(i), -0.06, 0.45] };
+            let points = board().points();
+            let left = points.iter().map(|&at| camera.project(placed_point(&place, at)).unwrap());
+            let right = points
+                .iter()
+                .map(|&at| rig.camera(Eye::Right).project(in_right(&rig, placed_point(&place, at))).unwrap());
+            let [left, right] = [left.collect::<Vec<_>>(), right.collect()];
+            let mut noisy =
+                |corners: Vec<[f64; 2]>| corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect();
+            BoardPair { name: i.to_string(), corners: [noisy(left), noisy(right)] }
+        })
+        .collect();
+    // Either no numbers at all, or a verdict that says what to do.
+    match estimate(&board(), VGA, &pairs, &Options { lens, ..Options::default() }) {
+        Ok(found) => {
+            let assessment = assess(&found, 64);
+            assert_eq!(assessment.verdict, Verdict::Repeat);
+            assert!(
+                assessment.findings.iter().any(|finding| finding.remedy.contains("tilt it")),
+                "{:?}",
+                assessment.findings
+            );
+        }
+        Err(error) => assert!(
+            matches!(error, EstimateError::Undetermined | EstimateError::NoFit(_) | EstimateError::Camera(..)),
+            "{error}"
+        ),
+    }
+}
+
+fn placed_point(placed: &Placed, at: [f64; 2]) -> [f64; 3] {
+    placed.in_left(at)
+}
+
+/// A photo of a board: each pixel is the mean of 3x3 rays, dark 40, light 210, grey beyond the board.
+struct Photographer {
+    dims: Dims,
+    rays: Vec<[f64; 3]>,
+}
+
+const RAYS: usize = 3;
+
+impl Photographer {
+    fn new(rig: &Calibration, eye: Eye) -> Self {
+        let camera = rig.camera(eye);
+        let dims = camera.dims();
+        let (width, height) = (usize::from(dims.width), usize::from(dims.height));
+        let place = |i: usize| (i as f64 + 0.5) / RAYS as f64 - 0.5;
+        let ray = |i: usize| {
+            let [x, y] =
+                camera.unproject([place(i % (width * RAYS)), place(i / (width * RAYS))]).unwrap_or([100.0, 0.0]);
+            [x, y, 1.0]
+        };
+        Self { dims, rays: (0..width * height * RAYS * RAYS).map(ray).collect() }
+    }
+
+    /// The plane of the board is given by the first corner and the directions of rows and columns, in this camera's coordinates.
+    fn take(&self, board: &Board, [first, right, down]: [[f64; 3]; 3]) -> GrayImage {
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let normal = cross(right, down);
+        let grey = |ray: &[f64; 3]| {
+            let scale = dot(normal, first) / dot(normal, *ray);
+            let on = [0, 1, 2].map(|i| ray[i] * scale - first[i]);
+            let (col, row) = (dot(on, right) / 0.025 + 1.0, dot(on, down) / 0.025 + 1.0);
+            let outside = |v: f64, corners: usize| v < 0.0 || v >= corners as f64 + 1.0;
+            if outside(col, board.cols()) || outside(row, board.rows()) {
+                return 180.0;
+            }
+            if (col.floor() + row.floor()) as i64 % 2 == 0 { 40.0 } else { 210.0 }
+        };
+        let width = usize::from(self.dims.width);
+        let pixel = |i: usize| {
+            let (x, y) = (i % width * RAYS, i / width * RAYS);
+            let rays = (0..RAYS * RAYS).map(|k| &self.rays[(y + k / RAYS) * width * RAYS + x + k % RAYS]);
+            (rays.map(grey).sum::<f64>() / (RAYS * RAYS) as f64).round() as u8
+        };
+        GrayImage { dims: self.dims, pixels: (0..width * usize::from(self.dims.height)).map(pixel).collect() }
+    }
+}
+
+fn mirrored(image: &GrayImage) -> GrayImage {
+    let width = usize::from(image.dims.width);
+    let pixels = image.pixels.chunks_exact(width).flat_map(|row| row.iter().rev().copied()).collect();
+    GrayImage { dims: image.dims, pixels }
+}
+
+/// Photos of one rig at 320x240.
+fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImage; 2]>) {
+    let dims = Dims { width: 320, height: 240 };
+    let lens = Lens::BrownConrady { k: [-0.28, 0.1, 0.0], p: [3e-4, -2e-4] };
+    let camera = |focal: f64, centre: [f64; 2]| Camera::new(dims, [focal; 2], centre, 0.0, lens).unwrap();
+    let rig = Calibration::new(
+        camera(260.0, [161.0, 118.0]),
+        camera(258.0, [158.0, 122.0]),
+        quaternion([0.01, 0.02, -0.01]),
+        [-0.06, 0.0, 0.0],
+    );
+    let rig = rig.unwrap();
+    let photographers = Eye::BOTH.map(|eye| Photographer::new(&rig, eye));
+    let random = &mut Random(seed);
+    let mut photos = Vec::new();
+    while photos.len() < count {
+        let mut angle = |limit: f64| random.uniform(-limit, limit);
+        let rotation = rows_of(quaternion([angle(0.5), angle(0.5), angle(0.3)]));
+        let depth = random.uniform(0.28, 0.45);
+        let middle = turned(rotation, [0.0125 * (board.cols() - 1) as f64, 0.0125 * (board.rows() - 1) as f64, 0.0]);
+        let place = [random.uniform(-0.35, 0.45) * depth, random.uniform(-0.3, 0.3) * depth];
+        let placed = Placed { rotation, shift: [place[0] - middle[0], place[1] - middle[1], depth - middle[2]] };
+        let far = [-1.0, board.cols() as f64].map(|c| [-1.0, board.rows() as f64].map(|r| [0.025 * c, 0.025 * r]));
+        let whole = far.iter().flatten().all(|&at| {
+            let point = placed.in_left(at);
+            Eye::BOTH.into_iter().all(|eye| {
+                let point = if eye == Eye::Left { point } else { in_right(&rig, point) };
+                rig.camera(eye).project(point).is_some_and(|at| rig.camera(eye).is_inside(at))
+            })
+        });
+        if !whole {
+            continue;
+        }
+        let corner = placed.in_left([0.0, 0.0]);
+        let column = |i: usize| [0, 1, 2].map(|row: usize| placed.rotation[row][i]);
+        let spin = |v: [f64; 3]| turned(rows_of(rig.rotation()), v);
+        let left = photographers[0].take(board, [corner, column(0), column(1)]);
+        let right = photographers[1].take(board, [in_right(&rig, corner), spin(column(0)), spin(column(1))]);
+        photos.push([left, right]);
+    }
+    (rig, photos)
+}
+
+/// What the command does with photos, once they are read.
+fn found(board: &Board, photos: &[[GrayImage; 2]]) -> Vec<BoardPair> {
+    let find = |image: &GrayImage| ChessFinder.find(image, board);
+    let pair = |(index, [left, right]): (usize, &[GrayImage; 2])| {
+        let left = find(left).ok()?;
+        let right = find(right).ok()?.turned_like(&left);
+        Some(BoardPair { name: index.to_string(), corners: [left.into_inner(), right.into_inner()] })
+    };
+    photos.iter().enumerate().filter_map(pair).collect()
+}
+
+#[test]
+fn boards_are_found_in_drawn_photos() {
+    // 9x6 has one numbering, 8x6 two, 6x6 four.
+    for (cols, rows) in [(9, 6), (8, 6), (6, 6)] {
+        let board = Board::new(cols, rows, 0.025).unwrap();
+        let (rig, photos) = photos(&board, 12, 3);
+        let pairs = found(&board, &photos);
+        // Squares of 14 px, steeply tilted, are the limit of what is found.
+        assert!(pairs.len() >= 11, "{board}: {}", pairs.len());
+        let estimate = estimate(&board, photos[0][0].dims, &pairs, &Options::default()).unwrap();
+        assert!(estimate.rms < 0.1, "{board}: {}", estimate.rms);
+        assert!((estimate.calibration.baseline() / rig.baseline() - 1.0).abs() < 0.005, "{board}");
+        for eye in Eye::BOTH {
+            let (found, put) = (estimate.calibration.camera(eye).focal()[0], rig.camera(eye).focal()[0]);
+            assert!((found / put - 1.0).abs() < 0.005, "{board}: {found} for {put}");
+        }
+        // Rows with independent errors differ by 0.8 times the RMS in the mean.
+        let vertical = assess(&estimate, 64).rectified.unwrap().vertical;
+        assert!(vertical < estimate.rms, "{board}: {vertical}");
+    }
+}
+
+#[test]
+fn mirrored_photos_and_wrong_sizes_are_named() {
+    let (_, photos) = photos(&board(), 8, 4);
+    let options = Options::default();
+    for (side, eye) in [(0, Eye::Left), (1, Eye::Right)] {
+        let mut turned = photos.clone();
+        turned.iter_mut().for_each(|pair| pair[side] = mirrored(&pair[side]));
+        let pairs = found(&board(), &turned);
+        assert_eq!(pairs.len(), 8);
+        assert_eq!(estimate(&board(), photos[0][0].dims, &pairs, &options), Err(EstimateError::Mirrored(eye)));
+    }
+    for (cols, rows) in [(10, 7), (8, 5), (7, 6)] {
+        let wrong = Board::new(cols, rows, 0.025).unwrap();
+        assert_eq!(ChessFinder.find(&photos[0][0], &wrong), Err(NotFound::OtherSize(9, 6)), "{cols}x{rows}");
+    }
+    let empty = GrayImage { dims: VGA, pixels: vec![99; 640 * 480] };
+    assert_eq!(ChessFinder.find(&empty, &board()), Err(NotFound::Nothing));
+}
+
+fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {
+    let board = Board::new(9, 6, square_m).unwrap();
+    let (pairs, _) = find_pairs(folder, false).unwrap();
+    let photos: Vec<[GrayImage; 2]> =
+        pairs.iter().map(|pair| pair.files.each_ref().map(|file| load_gray(file).unwrap())).collect();
+    let views = found(&board, &photos);
+    let estimate = estimate(&board, photos[0][0].dims, &views, &Options::default()).unwrap();
+    let vertical = assess(&estimate, 64).rectified.unwrap().vertical;
+    (views.len(), estimate, vertical)
+}
+
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn photographed_boards_give_the_known_rigs() {
+    let Some(folder) = captured::folder("calibration_boards/opencv_chessboard") else { return };
+    let (found, estimate, vertical) = calibrated(&folder, 0.025);
+    assert_eq!(found, 13);
+    assert!(estimate.rms <= 0.23, "{}", estimate.rms);
+    assert!((1e3 * estimate.calibration.baseline() - 83.2).abs() <= 0.3, "{}", estimate.calibration.baseline());
+    assert!(vertical <= 0.15, "{vertical}");
+
+    let Some(folder) = captured::folder("calibration_boards/sourishg_2") else { return };
+    let (found, estimate, _) = calibrated(&folder, 0.024_23);
+    assert!(found >= 27, "{found}");
+    assert!(estimate.rms <= 0.22, "{}", estimate.rms);
+    assert!((1e3 * estimate.calibration.baseline() - 93.9).abs() <= 0.5, "{}", estimate.calibration.baseline());
+}

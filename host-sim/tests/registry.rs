@@ -1,0 +1,134 @@
+//! Packages with real pairs: what is checked of a package file before anything of it is laid out. The packages here are made up.
+
+use linestereo_sim::input::SceneInfo;
+use linestereo_sim::input::registry::{Package, PackageError, Way, packages, parsed};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Command;
+
+/// SHA-256 of "left image", "right image" and "truth", by sha256sum.
+const SUMS: [&str; 3] = [
+    "4230803192fa7f90b73203fef848dabb7d4900bee4a5802d48b8e099bb5ea864",
+    "edc3dd147f33a49cc93c009be397a22ea204c0424cdf8f95924d8c03a6a7d937",
+    "c5c4bad89ee44b4da0321344964f145dd3023fc1ab0d9c2473e2716b788481ae",
+];
+
+fn package(way: &str, sums: [&str; 3]) -> Package {
+    let list = format!(
+        "[[package]]\nname = \"pairs\"\nway = \"{way}\"\nrequirement = \"pairs==1\"\n[[package.scene]]\nfolder = \"set/a\"\n\
+         files = [[\"data/l.png\", \"left.png\", \"{}\"], [\"data/r.png\", \"right.png\", \"{}\"]]\n\
+         info = '{{\"scene\":\"a\"}}'\n[[package.scene]]\nfolder = \"set/b\"\nfiles = [[\"data/t.npz\", \"gt.npz\", \"{}\"]]\n\
+         info = '{{\"scene\":\"b\"}}'\n",
+        sums[0], sums[1], sums[2]
+    );
+    parsed(&list).unwrap().remove(0)
+}
+
+const FILES: [(&str, &str); 4] =
+    [("data/l.png", "left image"), ("data/r.png", "right image"), ("data/t.npz", "truth"), ("code.py", "evil()")];
+
+fn wheel(path: &Path, files: &[(&str, &str)]) {
+    let mut archive = zip::ZipWriter::new(fs::File::create(path).unwrap());
+    for (name, content) in files {
+        archive.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        archive.write_all(content.as_bytes()).unwrap();
+    }
+    archive.finish().unwrap();
+}
+
+fn check_laid_out(package: &Package, out: &Path) {
+    assert!(package.is_laid_out(out));
+    let read = |path: &str| fs::read_to_string(out.join("set").join(path)).unwrap();
+    assert_eq!([read("a/left.png"), read("a/right.png"), read("b/gt.npz")], ["left image", "right image", "truth"]);
+    assert_eq!([read("a/scene.json"), read("b/scene.json")], [r#"{"scene":"a"}"#, r#"{"scene":"b"}"#]);
+    assert_eq!(fs::read_dir(out.join("set/a")).unwrap().count(), 3, "what nobody asked for stays in the package");
+}
+
+#[test]
+fn a_wheel_is_checked_and_laid_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
+    let package = package("pip", SUMS);
+    wheel(&file, &FILES);
+    assert!(!package.is_laid_out(&out));
+    package.lay_out(&file, &out).unwrap();
+    check_laid_out(&package, &out);
+    // What was changed is no longer laid out, and is put right again.
+    fs::write(out.join("set/a/left.png"), "another image").unwrap();
+    assert!(!package.is_laid_out(&out));
+    package.lay_out(&file, &out).unwrap();
+    check_laid_out(&package, &out);
+}
+
+#[test]
+fn a_debian_package_is_checked_and_laid_out() {
+    if Command::new("dpkg-deb").arg("--version").output().is_err() {
+        eprintln!("SKIPPED: no dpkg-deb");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (tree, file, out) =
+        (folder.path().join("tree"), folder.path().join("pairs_1_all.deb"), folder.path().join("out"));
+    for (name, content) in FILES {
+        let path = tree.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+    fs::create_dir(tree.join("DEBIAN")).unwrap();
+    let control = "Package: pairs\nVersion: 1\nArchitecture: all\nMaintainer: nobody <a@b>\nDescription: made up\n";
+    fs::write(tree.join("DEBIAN/control"), control).unwrap();
+    let built = Command::new("dpkg-deb").arg("--build").args([&tree, &file]).output().unwrap();
+    assert!(built.status.success(), "{built:?}");
+    let package = package("apt", SUMS);
+    package.lay_out(&file, &out).unwrap();
+    check_laid_out(&package, &out);
+
+    fs::write(&file, "no package").unwrap();
+    let error = package.lay_out(&file, &out).unwrap_err();
+    assert!(matches!(error.downcast_ref(), Some(PackageError::Archive(..))), "{error}");
+}
+
+#[test]
+fn nothing_is_laid_out_that_is_not_what_it_should_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
+    let fails = |package: &Package| {
+        let error = package.lay_out(&file, &out).unwrap_err();
+        assert!(error.to_string().contains("pairs-1.whl") && error.to_string().contains("; "), "{error}");
+        error.downcast::<PackageError>().unwrap()
+    };
+    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Read(..)));
+    fs::write(&file, "no archive").unwrap();
+    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Archive(..)));
+    wheel(&file, &FILES[..1]);
+    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Missing(_, name) if name == "data/r.png"));
+    wheel(&file, &[FILES[0], ("data/r.png", "right imagE"), FILES[2]]);
+    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Checksum { file, .. } if file == "data/r.png"));
+    assert!(!out.exists());
+}
+
+#[test]
+fn the_list_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = packages();
+    let ways: Vec<_> = all.iter().map(|package| (package.name.as_str(), package.way, package.scenes.len())).collect();
+    assert_eq!(ways, [("scikit-image", Way::Pip, 1), ("stereodemo", Way::Pip, 12), ("opencv-doc", Way::Apt, 2)]);
+    for (file, name) in [
+        ("scikit_image-0.26.0-cp311-cp311-manylinux_2_28_x86_64.whl", "scikit-image"),
+        ("a/stereodemo-0.7-py3-none-any.whl", "stereodemo"),
+        ("opencv-doc_4.6.0+dfsg-12_all.deb", "opencv-doc"),
+    ] {
+        assert_eq!(Package::of_file(Path::new(file)).unwrap().name, name);
+    }
+    for file in ["numpy-2.0.whl", "stereodemos-1.whl", ""] {
+        assert!(matches!(Package::of_file(Path::new(file)), Err(PackageError::Unknown(_))), "{file}");
+    }
+    for scene in all.iter().flat_map(|package| &package.scenes) {
+        let path = folder.path().join("scene.json");
+        fs::write(&path, scene.info()).unwrap();
+        let info = SceneInfo::load(&path).unwrap();
+        assert!(scene.folder.ends_with(info.scene.as_deref().unwrap()), "{}", scene.folder);
+        assert_eq!(info.rig(&path, 1.0).unwrap().is_none(), scene.folder.starts_with("calibration_boards"));
+    }
+}

@@ -1,0 +1,252 @@
+//! The report page in a browser: what it shows is what the run gave. Without a browser these tests say so and pass.
+
+use linestereo::Area;
+use linestereo::{Dims, Params, Rejection, Rig};
+use linestereo_baselines::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::input::regions::{Object, Pixels};
+use linestereo_sim::report::browser::Browser;
+use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
+use linestereo_sim::results::listing;
+use linestereo_sim::scene::Kind;
+use linestereo_tests::drawn::rendered;
+use std::path::Path;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+struct Run {
+    images: [GrayImage; 2],
+    result: FrameResult,
+    rejected: Vec<Rejected>,
+    objects: Vec<(Object, listing::Object)>,
+}
+
+fn run(seed: u64) -> Run {
+    let rendering = rendered(Kind::Boxes, DIMS, 1.0, seed);
+    let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
+    let mut engine = Engine::new(&Params { rig: Some(rig), ..Params::default() }, DIMS).unwrap();
+    let mut log = RejectionLog::default();
+    let views = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let result = engine.run_next(views, None, &mut log).unwrap();
+    let rejected = log.rejected(engine.matched().candidates());
+    let area = Area { left: 40, top: 30, right: 200, bottom: 200 };
+    let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
+    let depths = engine.objects(&[object.region(DIMS).unwrap()], true);
+    let objects = vec![(object, listing::Object::new(&depths[0], Some("<box>")))];
+    Run { images: [rendering.left, rendering.right], result, rejected, objects }
+}
+
+#[test]
+fn every_rejected_segment_is_logged_with_its_reason() {
+    for seed in 1..4 {
+        let run = run(seed);
+        for reason in Rejection::ALL {
+            let logged = run.rejected.iter().filter(|lost| lost.reason == reason).count();
+            assert_eq!(logged, usize::from(run.result.counts.rejected(reason)), "seed {seed}, {}", reason.name());
+        }
+        assert!(!run.rejected.is_empty() && !run.result.matches.is_empty());
+    }
+}
+
+fn page(runs: &[Run]) -> String {
+    let setup = PageSetup {
+        title: "two scenes".to_owned(),
+        max_disparity: 64,
+        rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap().with_principal_point([159.5, 119.5]).unwrap()),
+        many: true,
+    };
+    let mut page = Page::new(setup);
+    for (run, index) in runs.iter().zip(0..) {
+        let Run { images, result, rejected, objects } = run;
+        page.push(&PageFrame { name: format!("frame {index}"), images, result, rejected, objects }).unwrap();
+    }
+    page.push_error("frame 2", "right.png is damaged");
+    page.html().unwrap()
+}
+
+/// A visitor: moves the pointer, presses keys, pushes buttons, and writes down what the page says, a line each.
+const VISITOR: &str = r##"
+<script>
+const notes = [];
+const note = (name, value) => notes.push(`${name}: ${String(value).replace(/\s+/g, " ").trim()}`);
+addEventListener("error", event => note("error", event.message));
+const $ = id => document.getElementById(id);
+const data = JSON.parse($("data").textContent);
+const field = name => document.querySelector(`[data-field="${name}"]`)?.textContent;
+const move = (side, x, y, type = "pointermove", pointerType = "mouse") => {
+  const rect = $(side).getBoundingClientRect(), [w, h] = data[0].size;
+  const at = { clientX: rect.left + (x + 0.5) * rect.width / w, clientY: rect.top + (y + 0.5) * rect.height / h };
+  $(side).dispatchEvent(new PointerEvent(type, { ...at, pointerType, bubbles: true }));
+};
+const key = (side, key) => $(side).dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+const shown = kind => document.querySelectorAll(`#left svg .${kind}`).length;
+addEventListener("load", () => {
+  note("summary", $("summary").textContent);
+  note("left size", $("left").querySelector("img").naturalWidth + "x" + $("left").querySelector("img").naturalHeight);
+  note("segments", `${shown("segment")} ${document.querySelectorAll("#right svg .segment").length}`);
+  note("hint", $("details").textContent);
+  // The middle of every segment is nearest to that segment, unless another crosses it there.
+  let right = 0, both = 0;
+  data[0].segments.forEach(([x0, y0, x1, y1, d0, d1], id) => {
+    move("left", (x0 + x1) / 2, (y0 + y1) / 2);
+    const left = document.querySelector("#details h3")?.textContent;
+    move("right", (x0 + x1 - d0 - d1) / 2, (y0 + y1) / 2);
+    right += left === `Segment ${id}`;
+    both += document.querySelector("#details h3")?.textContent === `Segment ${id}`;
+  });
+  note("pointed", `${right} ${both}`);
+  move("left", -400, -400, "pointerdown");
+  note("nothing", $("details").textContent);
+  key("left", "ArrowRight");
+  note("first key", document.querySelector("#details h3").textContent);
+  for (const name of ["disparity", "depth", "uncertainty", "confidence", "owner", "feature", "window", "census"]) note(name, field(name));
+  note("highlights", document.querySelectorAll(".chosen").length);
+  key("right", "ArrowRight");
+  note("second key", document.querySelector("#details h3").textContent);
+  key("left", "Escape");
+  note("escape", $("details").textContent);
+  note("top", `${document.querySelectorAll("#top .segment").length} ${document.querySelectorAll("#top .ring").length > 0} ${document.querySelectorAll("#top .object").length}`);
+  note("objects", $("objects").rows[1].textContent);
+  $("show-rejected").click();
+  note("rejected", shown("rejected"));
+  const reason = data[0].rejected[0][4], setup = JSON.parse($("setup").textContent);
+  document.querySelector(`[data-reason="${setup.reasons[reason][0]}"]`).click();
+  note("one reason", `${setup.reasons[reason][0]} ${shown("rejected")}`);
+  $("show-matched").click();
+  const [x0, y0, x1, y1] = data[0].rejected[0];
+  move("left", (x0 + x1) / 2, (y0 + y1) / 2, "pointerdown", "touch");
+  note("why", $("details").textContent);
+  $("show-matched").click();
+  const slide = to => { $("frame").value = to; $("frame").dispatchEvent(new Event("input")); };
+  slide(1);
+  note("second", `${$("frame-name").textContent}; ${$("summary").textContent}`);
+  $("next").click();
+  note("third", `${$("error").textContent}; ${document.querySelector("main").hidden}`);
+  $("next").click();
+  note("again", `${$("frame-name").textContent}; ${document.querySelector("main").hidden}`);
+  note("width", document.documentElement.scrollWidth <= innerWidth);
+  note("requests", performance.getEntriesByType("resource").filter(entry => !entry.name.startsWith("data:")).length);
+  const out = document.createElement("pre");
+  out.id = "notes";
+  out.textContent = notes.join("\n");
+  document.body.append(out);
+});
+</script>
+"##;
+
+fn visited(browser: &Browser, html: &str, flags: &[&str]) -> Vec<(String, String)> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("page.html");
+    std::fs::write(&file, html.replace("</body>", &format!("{VISITOR}</body>"))).unwrap();
+    let document = browser.document(&file, flags).unwrap();
+    let notes = document.split_once("<pre id=\"notes\">").map(|(_, rest)| rest.split("</pre>").next().unwrap());
+    let notes = notes.unwrap_or_else(|| panic!("the visitor did not come to an end: {}", head(&document)));
+    let plain = notes.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+    plain.lines().filter_map(|line| line.split_once(": ")).map(|(a, b)| (a.to_owned(), b.to_owned())).collect()
+}
+
+fn head(text: &str) -> String {
+    text.chars().take(400).collect()
+}
+
+fn browser() -> Option<Browser> {
+    let browser = Browser::find();
+    if browser.is_none() {
+        eprintln!("SKIPPED: no browser; install chromium (cargo xtask setup does), or name one in LINESTEREO_BROWSER");
+    }
+    browser
+}
+
+#[test]
+fn a_visitor_sees_what_the_run_gave() {
+    let Some(browser) = browser() else { return };
+    let runs = [run(1), run(2)];
+    let html = page(&runs);
+    let Run { result, rejected, objects, .. } = &runs[0];
+    // Also as narrow as a phone is.
+    for flags in [&[][..], &["--window-size=500,1200"]] {
+        let notes = visited(&browser, &html, flags);
+        let said = |name: &str| {
+            let found = notes.iter().find(|(given, _)| given == name);
+            found.unwrap_or_else(|| panic!("nothing about {name} in {notes:?}")).1.as_str()
+        };
+        assert!(notes.iter().all(|(name, _)| name != "error"), "{notes:?}");
+        let counts = |result: &FrameResult| {
+            let counts = &result.counts;
+            format!("{} of {} segments matched, {} points", counts.matched, counts.segments_left, counts.points)
+        };
+        assert!(said("summary").ends_with(&counts(result)), "{notes:?}");
+        assert_eq!(said("left size"), "320x240");
+        let matched = result.matches.len();
+        assert_eq!(said("segments"), format!("{matched} {matched}"));
+        assert!(said("hint").starts_with("ImagePosition at a segment"));
+        let pointed: Vec<usize> = said("pointed").split(' ').map(|count| count.parse().unwrap()).collect();
+        assert!(pointed.iter().all(|&count| count <= matched && 10 * count >= 9 * matched), "{pointed:?} of {matched}");
+        assert_eq!((said("nothing"), said("escape")), (said("hint"), said("hint")));
+        assert_eq!((said("first key"), said("second key")), ("Segment 0", "Segment 1"));
+
+        let first = &result.matches[0];
+        let range = |values: [f64; 2], text: &dyn Fn(f64) -> String| match values.map(text) {
+            [a, b] if a == b => a,
+            [a, b] => format!("{a} to {b}"),
+        };
+        let px = |value: f64| format!("{value:.2} px");
+        assert_eq!(close(said("disparity")), close(&range(first.disparity.map(|d| d.to_num()), &px)));
+        let metres = |value: f64| format!("{value:.3} m");
+        assert_eq!(close(said("depth")), close(&range(first.depth.unwrap().map(|z| z.to_num()), &metres)));
+        let sure = (first.confidence.to_num::<f64>() * 1e3).round() / 1e3;
+        let percent = if sure > 0.999 { "above 99.9 %".to_owned() } else { format!("{:.1} %", 100.0 * sure) };
+        assert_eq!(said("confidence"), percent);
+        assert!(said("uncertainty").starts_with("± ") && said("uncertainty").ends_with(" m"));
+        assert_eq!(close(said("window")), close(&px(first.techniques.window.to_num())));
+        assert_eq!(close(said("census")), close(&px(first.techniques.census.to_num())));
+        assert!(["left side", "right side", "both sides", "above", "below"].contains(&said("owner")));
+        assert_eq!(said("highlights"), "3"); // both images and from above
+
+        let placed = result.matches.iter().filter(|found| found.depth.is_some()).count();
+        let top: Vec<&str> = said("top").split(' ').collect();
+        assert!(top[0].parse::<usize>().unwrap() * 10 >= placed * 9, "{top:?}");
+        assert_eq!((top[1], top[2]), ("true", if objects[0].1.depth_m.is_some() { "1" } else { "0" }));
+        assert!(said("objects").starts_with("<box>"), "{}", said("objects"));
+
+        assert_eq!(said("rejected"), rejected.len().to_string());
+        let reason = rejected[0].reason;
+        assert_eq!(said("one reason"), format!("{} {}", reason.name(), result.counts.rejected(reason)));
+        assert!(said("why").starts_with(&format!("Rejected: {}", reason.name().replace('_', " "))), "{}", said("why"));
+        assert_eq!(said("second").split("; ").next(), Some("2 of 3: frame 1"));
+        assert!(said("second").ends_with(&counts(&runs[1].result)));
+        assert_eq!(said("third"), "right.png is damaged; true");
+        assert_eq!(said("again"), "1 of 3: frame 0; false");
+        assert_eq!((said("width"), said("requests")), ("true", "0"));
+    }
+}
+
+/// Numbers of a text to one decimal: halves are rounded one way here and the other way there.
+fn close(text: &str) -> Vec<String> {
+    let numbers = text.split(' ').filter_map(|word| word.parse::<f64>().ok());
+    numbers.map(|number| format!("{:.1}", number + 1e-3)).collect()
+}
+
+#[test]
+fn a_page_without_a_rig_says_what_is_missing() {
+    let Some(browser) = browser() else { return };
+    let Run { images, mut result, rejected, .. } = run(3);
+    result.matches.iter_mut().for_each(|found| (found.depth, found.depth_sigma) = (None, None));
+    let setup = PageSetup { title: "pair".to_owned(), max_disparity: 64, rig: None, many: false };
+    let mut page = Page::new(setup);
+    page.push(&PageFrame {
+        name: "pair".to_owned(),
+        images: &images,
+        result: &result,
+        rejected: &rejected,
+        objects: &[],
+    })
+    .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("page.html");
+    std::fs::write(&file, page.html().unwrap()).unwrap();
+    let document = browser.document(Path::new(&file), &[]).unwrap();
+    assert!(document.contains("Metres need a rig"));
+    assert!(document.contains("ImagePosition at a segment"));
+    assert!(document.contains("<h1 id=\"title\">pair</h1>"));
+}
