@@ -15,15 +15,15 @@ type Place = Vec<String>;
 type Modules = BTreeMap<Place, String>;
 
 /// Crates, and how many modules stand at the top of each at least.
-const CRATES: [(&str, usize); 4] =
-    [("core/src", 25), ("crates/wire/src", 10), ("crates/rivals/baselines/src", 14), ("host-sim/src", 16)];
-/// Uses that close a circle and may: folder, module, module it names, why.
-const ALLOWED: [(&str, &str, &str, &str); 1] = [(
-    "core/src/support",
-    "paths",
-    "grid",
-    "the distance of support points, which is the grid's; to be moved below both",
-)];
+const CRATES: [(&str, usize); 7] = [
+    ("core/src", 24),
+    ("crates/mavlink/src", 4),
+    ("crates/rig/src", 9),
+    ("crates/rivals/baselines/src", 14),
+    ("crates/wire/src", 8),
+    ("firmware/src", 20),
+    ("host-sim/src", 16),
+];
 
 fn read(folder: &Path, place: &Place, modules: &mut Modules) {
     for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -159,12 +159,9 @@ fn modules_form_no_circle() {
         let graphs = graphs(&modules);
         let at_top = &graphs[&Vec::new()];
         assert!(at_top.len() >= least, "{crate_folder}: {:?}", at_top.keys());
-        assert!(at_top.values().any(|named| named.len() > 3), "{crate_folder}: nothing is found");
-        for (place, mut graph) in graphs {
+        assert!(at_top.values().any(|named| named.len() > 1), "{crate_folder}: nothing is found");
+        for (place, graph) in graphs {
             let folder = [&[crate_folder.to_owned()], place.as_slice()].concat().join("/");
-            for (_, module, named, _) in ALLOWED.iter().filter(|(at, ..)| *at == folder) {
-                graph.entry((*module).to_owned()).or_default().remove(*named);
-            }
             let circles = circles(graph);
             assert!(circles.is_empty(), "{folder}: {circles:#?}");
         }

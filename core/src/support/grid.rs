@@ -1,15 +1,11 @@
 //! Positions of support points, and the memory that matching them takes.
 
-use super::paths;
-use super::ranks;
+use super::{SUPPORT_PITCH, paths, ranks};
 use crate::area::Area;
 use crate::image::Dims;
 use crate::params::Params;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::units::quotient;
-
-/// Distance from one support point to the next, across and down, px.
-pub const SUPPORT_PITCH: u16 = 8;
 
 /// Largest number of support points of images of this size.
 #[must_use]

@@ -28,7 +28,7 @@ mod ranks;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
-pub use grid::{SUPPORT_PITCH, most_support_points};
+pub use grid::most_support_points;
 
 use crate::area::Area;
 use crate::confidence::Model;
@@ -44,6 +44,8 @@ use heapless::vec::VecView;
 use paths::{MAX_COLUMNS, Paths};
 use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
+/// Distance from one support point to the next, across and down, px.
+pub const SUPPORT_PITCH: u16 = 8;
 /// Cost where the window leaves the usable part of the right image: half of the largest, and P2 as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
 /// Least [`SupportPoint::uniqueness_q8`] of a point that guides the search of segments, log2 in Q8.
