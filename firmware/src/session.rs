@@ -226,6 +226,7 @@ impl<'a> Session<'a> {
     }
 
     /// The matcher for pairs of this size.
+    #[inline(never)] // its plans are on the stack only while it works
     pub fn matcher(&mut self, dims: Dims) -> Result<&mut Matcher, Refusal> {
         let plan = match &self.matcher {
             Some(matcher) if self.is_planned && matcher.plan().dims() == dims => *matcher.plan(),

@@ -172,6 +172,7 @@ fn truncated(pixels: usize, given: usize) -> Refusal {
 }
 
 /// Points are made twice, to count them and to send them: no board has the memory to list them.
+#[inline(never)] // its head and points are on the stack only while it sends
 fn write_results(matched: &mut Matched<'_>, sequence: u32, pair: &PairHead, output: &mut impl ByteSink) {
     let mut points = 0;
     matched.points(|_| points += 1);
