@@ -7,7 +7,7 @@
 //! ```
 //! A record is sent whole or not at all: half of one would cost the next one as well.
 
-use crate::ports::{ByteSink, ByteSource};
+use crate::ports::{ByteSink, ByteSource, Room};
 
 /// Is there anybody at the other end of a line?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,8 @@ pub trait Line {
     /// Is there anybody?
     fn listener(&self) -> Listener;
 
-    /// Bytes that it takes at once.
-    fn room(&self) -> usize;
+    /// Bytes that it takes at once, of those of its buffer.
+    fn room(&self) -> Room;
 
     /// Takes these bytes; there is room for them.
     fn put(&mut self, bytes: &[u8]);
@@ -55,7 +55,7 @@ impl<L: Line, N: Fn() -> u64> HostLine<L, N> {
     fn has_room(&mut self, bytes: usize) -> bool {
         let is_waited_for = !self.is_stuck && self.line.listener() == Listener::Somebody;
         let until_us = if is_waited_for { (self.now_us)().saturating_add(self.patience_us) } else { 0 };
-        while self.line.room() < bytes {
+        while self.line.room().free < bytes {
             if self.line.listener() == Listener::Nobody || (self.now_us)() >= until_us {
                 return false;
             }
@@ -81,6 +81,10 @@ impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
             self.line.put(bytes);
         }
     }
+
+    fn room(&self) -> Room {
+        self.line.room()
+    }
 }
 
 /// Two lines as one port of a program.
@@ -101,5 +105,16 @@ impl<A: Line, B: Line, N: Fn() -> u64> ByteSink for HostLines<A, B, N> {
     fn write(&mut self, bytes: &[u8]) {
         self.0.write(bytes);
         self.1.write(bytes);
+    }
+
+    /// Of the lines on which somebody listens, else of those that do not know, the one with less.
+    fn room(&self) -> Room {
+        let lines = [(self.0.line.listener(), self.0.room()), (self.1.line.listener(), self.1.room())];
+        let of =
+            |wanted: Listener| lines.iter().filter(move |(listener, _)| *listener == wanted).map(|(_, room)| *room);
+        let least = |rooms: &mut dyn Iterator<Item = Room>| rooms.min_by_key(|room| room.free);
+        least(&mut of(Listener::Somebody))
+            .or_else(|| least(&mut of(Listener::Perhaps)))
+            .unwrap_or(Room { free: usize::MAX, all: usize::MAX })
     }
 }

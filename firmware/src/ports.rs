@@ -47,10 +47,24 @@ pub trait ByteSource {
     fn read(&mut self, bytes: &mut [u8]) -> usize;
 }
 
+/// Bytes of a buffer before a port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// That are free.
+    pub free: usize,
+    /// That it holds when it is empty.
+    pub all: usize,
+}
+
 /// Where bytes go. Waits as long as they take.
 pub trait ByteSink {
     /// Writes all of `bytes`.
     fn write(&mut self, bytes: &[u8]);
+
+    /// Bytes that [`ByteSink::write`] takes now without waiting, and those that it takes at most.
+    fn room(&self) -> Room {
+        Room { free: usize::MAX, all: usize::MAX }
+    }
 }
 
 /// A port as the function that encoders write packets with; it cannot fail.
@@ -69,6 +83,11 @@ pub trait PairSource {
 
     /// Size of the images that the cameras deliver; `None` when they come rectified.
     fn raw_dims(&self) -> Option<Dims> {
+        None
+    }
+
+    /// Time of the clock of its pairs, microseconds; `None` where they carry no times.
+    fn clock_us(&self) -> Option<u64> {
         None
     }
 

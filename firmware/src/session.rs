@@ -213,6 +213,7 @@ impl<'a> Session<'a> {
     /// The memory is ready for this rig, and it lies in this slot.
     fn use_rig(&mut self, image: &RigImage, params: Params, slot: Option<Slot>) {
         self.set_params(params);
+        self.matcher = None; // its row offset and health history are of the rig before
         self.report.in_use = Some(RigInUse::new(image, slot.map(|slot| slot as u8)));
         self.rig = Some(image.encode(0));
     }

@@ -30,6 +30,7 @@ const LIMITS: Limits = Limits {
     rows: ROWS as u16,
     row_bytes: WIDTH,
     row_gap_us: 3 * ROW_US as u32,
+    readout_us: PERIOD_US as u32,
     silence_us: 2 * PERIOD_US as u32,
     pair_us: PERIOD_US as u32 / 4,
 };

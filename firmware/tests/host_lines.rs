@@ -2,7 +2,7 @@
 
 use core::cell::{Cell, RefCell};
 use linestereo_firmware::host_lines::{HostLine, HostLines, Line, Listener};
-use linestereo_firmware::ports::{ByteSink as _, ByteSource as _};
+use linestereo_firmware::ports::{ByteSink as _, ByteSource as _, Room};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -27,12 +27,12 @@ impl Line for FakeLine {
         self.listener
     }
 
-    fn room(&self) -> usize {
-        CAPACITY - self.waiting.borrow().len()
+    fn room(&self) -> Room {
+        Room { free: CAPACITY - self.waiting.borrow().len(), all: CAPACITY }
     }
 
     fn put(&mut self, bytes: &[u8]) {
-        assert!(bytes.len() <= self.room(), "there was no room");
+        assert!(bytes.len() <= self.room().free, "there was no room");
         self.waiting.borrow_mut().extend(bytes);
     }
 

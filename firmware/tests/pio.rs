@@ -319,8 +319,14 @@ impl Bench {
         let cameras = [0, 2].map(|number| Rc::new(RefCell::new(Camera::new(number, rows.into()))));
         let kept = rows - 2 * BORDER as u16;
         let rings = [0, 1].map(|i: usize| Ring(cameras[i].clone()));
-        let limits =
-            Limits { rows: kept, row_bytes: ROW_BYTES as u16, row_gap_us: 1000, silence_us: 100_000, pair_us: 2000 };
+        let limits = Limits {
+            rows: kept,
+            row_bytes: ROW_BYTES as u16,
+            row_gap_us: 1000,
+            readout_us: 60_000,
+            silence_us: 100_000,
+            pair_us: 2000,
+        };
         let kept = Kept { frames: [vec![], vec![]], row: vec![0; WIDTH], rows: kept.into() };
         Self { cameras, rings, capture: Capture::new(limits, FrameStart::Triggered), kept, reports: vec![] }
     }

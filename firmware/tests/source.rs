@@ -20,7 +20,8 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 const DIMS: Dims = Dims { width: 64, height: 48 };
-const LIMITS: Limits = Limits { rows: 48, row_bytes: 64, row_gap_us: 200, silence_us: 20_000, pair_us: 500 };
+const LIMITS: Limits =
+    Limits { rows: 48, row_bytes: 64, row_gap_us: 200, readout_us: 3000, silence_us: 20_000, pair_us: 500 };
 const PATIENCE_US: u32 = 50_000;
 
 /// What both cameras and their clock share.

@@ -27,7 +27,7 @@ const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
 
 const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
     let silence_us = 4 * PERIOD_US as u32;
-    Limits { rows: ROWS as u16, row_bytes, row_gap_us: 200, silence_us, pair_us }
+    Limits { rows: ROWS as u16, row_bytes, row_gap_us: 200, readout_us: PERIOD_US as u32, silence_us, pair_us }
 }
 
 /// What every byte of a camera's row is made of.

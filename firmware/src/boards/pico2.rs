@@ -46,8 +46,14 @@ mod wired {
     /// Two frames of the longest exposure.
     const PATIENCE_US: u32 = 150_000;
 
-    const LIMITS: Limits =
-        Limits { rows: DIMS.height, row_bytes: RAW.width, row_gap_us: 1000, silence_us: 100_000, pair_us: 2000 };
+    const LIMITS: Limits = Limits {
+        rows: DIMS.height,
+        row_bytes: RAW.width,
+        row_gap_us: 1000,
+        readout_us: 60_000,
+        silence_us: 100_000,
+        pair_us: 2000,
+    };
 
     const CAMERAS: StereoConfig = StereoConfig {
         config: Config::new(RAW, Binning::One, FrameStart::Triggered),

@@ -81,7 +81,7 @@ mod on_board {
         let driver = usb::Driver::new_hs_ulpi(
             port, Interrupts, clock, direction, next, stop, d0, d1, d2, d3, d4, d5, d6, d7, packets, config,
         );
-        usb_port::run::<512, _>(driver, super::BOARD.name).await
+        usb_port::run::<512, _>(driver, super::BOARD.name, embassy_stm32::uid::uid_hex()).await
     }
 
     /// The PHY's oscillator on, and the PHY out of its reset (16 ms, far more than its datasheet's 1 us, let the oscillator start).

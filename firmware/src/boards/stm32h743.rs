@@ -55,8 +55,9 @@ mod on_board {
     impl Switch for BusSwitch {
         /// Both are triggered, the one that is not connected reads out for nobody.
         fn shoot(&mut self, eye: Eye) -> bool {
-            // The other camera may end its frame some rows later than the one that was connected.
-            block_for(Duration::from_micros(200));
+            // The other camera ends its frame later than the one that was connected, by as much as its exposure is longer: a step of
+            // automatic exposure.
+            block_for(Duration::from_micros(2000));
             self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds
             self.trigger.set_high();
@@ -72,7 +73,7 @@ mod on_board {
         let mut config = usb::Config::default();
         config.vbus_detection = false; // PA9 is not wired to it on every board
         let driver = usb::Driver::new_fs(port, Interrupts, plus, minus, PACKETS.init([0; 256]), config);
-        usb_port::run::<64, _>(driver, super::BOARD.name).await
+        usb_port::run::<64, _>(driver, super::BOARD.name, embassy_stm32::uid::uid_hex()).await
     }
 
     fn output(pin: Peri<'static, AnyPin>) -> Output<'static> {

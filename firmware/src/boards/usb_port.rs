@@ -12,6 +12,7 @@
 
 use super::pipes::{Pipe, put, put_all};
 use crate::host_lines::{HostLine, Line, Listener};
+use crate::ports::Room;
 use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::join::join4;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
@@ -39,14 +40,16 @@ struct Memory<'a> {
     class: State<'a>,
 }
 
-/// Serves the port for ever, with packets of so many bytes: 64 at full speed, 512 at high speed. At most one.
-pub async fn run<const PACKET: usize, D: Driver<'static>>(driver: D, product: &'static str) {
+/// Serves the port for ever, with packets of so many bytes: 64 at full speed, 512 at high speed. At most one. By the chip's serial number a
+/// host tells two boards apart.
+pub async fn run<const PACKET: usize, D: Driver<'static>>(driver: D, product: &'static str, serial: &'static str) {
     static MEMORY: StaticCell<Memory<'static>> = StaticCell::new();
     let memory =
         MEMORY.init_with(|| Memory { configuration: [0; 128], bos: [0; 16], control: [0; 64], class: State::new() });
     let mut config = Config::new(IDS.0, IDS.1);
     config.manufacturer = Some("linestereo");
     config.product = Some(product);
+    config.serial_number = Some(serial);
     config.composite_with_iads = false;
     config.device_class = 2; // one function: a communications device
     config.device_sub_class = 0;
@@ -117,8 +120,8 @@ impl Line for UsbLine {
         if IS_OPEN.load(Ordering::Relaxed) { Listener::Somebody } else { Listener::Nobody }
     }
 
-    fn room(&self) -> usize {
-        TO_HOST.free_capacity()
+    fn room(&self) -> Room {
+        Room { free: TO_HOST.free_capacity(), all: RESULTS }
     }
 
     fn put(&mut self, bytes: &[u8]) {

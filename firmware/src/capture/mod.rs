@@ -124,6 +124,8 @@ pub struct Limits {
     pub row_bytes: u16,
     /// Longest time between two signals of rows of a frame, microseconds; less than the pause between frames.
     pub row_gap_us: u32,
+    /// Longest time from the start of a frame to its end, microseconds.
+    pub readout_us: u32,
     /// A camera that is silent for so long has stopped, microseconds; more than a frame takes.
     pub silence_us: u32,
     /// Frames that start at most so far apart are a pair, microseconds: less than half a period. What is allowed for matching is the

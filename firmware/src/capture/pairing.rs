@@ -86,6 +86,19 @@ impl Capture {
         &self.losses
     }
 
+    /// After all signals of now: can this shot give no pair any more, because a triggered frame has ended early?
+    #[must_use]
+    pub fn has_failed(&self, now_us: u64) -> bool {
+        let of = |camera: &Camera| camera.has_started && camera.tracker.has_ended_early(&self.limits, now_us);
+        self.start == FrameStart::Triggered && (of(&self.left) || of(&self.right))
+    }
+
+    /// Time after a fault at which no row of the same shot comes any more, microseconds; `None` where frames come without being triggered.
+    #[must_use]
+    pub fn end_of_shot(&self, now_us: u64) -> Option<u64> {
+        (self.start == FrameStart::Triggered).then(|| now_us.saturating_add(self.limits.readout_us.into()))
+    }
+
     /// A pair is requested, now: frames that are half fetched are left, because their rows lie in another sink, and a camera that was silent
     /// until now had nothing to do.
     pub fn request(&mut self, now_us: u64) {

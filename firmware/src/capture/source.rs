@@ -4,6 +4,7 @@
 //! shoot   a trigger for both, or nothing where they run free; a sensor that failed is started again first
 //! let go  when both frames have started, or will not: a trigger that is held is lowered
 //! turn    rows to the rectifiers as they come, or to the frames as they are, until both frames are whole; sleep in between
+//! fault   of triggered frames: no pair comes of this shot; its last rows are waited for, and the next call shoots again
 //! follow  what the left sensor chose is given to the right one; when the middle of the next exposure will be. Without a pair as well: frames of
 //!         triggered sensors start after their exposure, and if these differ by too much there is no pair before they are alike
 //! ```
@@ -68,7 +69,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
     }
 
     fn wait(&mut self, is_shot: bool, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        let until_us = self.now_us().saturating_add(self.patience_us.into());
+        let mut until_us = self.now_us().saturating_add(self.patience_us.into());
         loop {
             match self.capture.turn(&mut self.rings, rows) {
                 Some(Report::Pair(pair)) if is_shot => return Some(pair),
@@ -77,7 +78,12 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
                     self.cameras.let_go();
                     self.cameras.stopped();
                 }
-                Some(_) => {}
+                // Known at the start of a frame: it is the last one's.
+                Some(Report::Pair(_) | Report::Fault(_, Fault::EarlyVsync)) => {}
+                Some(Report::Fault(..) | Report::Refused(..) | Report::Incomplete) => {
+                    until_us = self.capture.end_of_shot(self.now_us()).map_or(until_us, |end_us| end_us.min(until_us));
+                }
+                None if self.capture.has_failed(self.now_us()) => return None,
                 None => {
                     let [left, _] = &self.rings;
                     left.rest();
@@ -108,6 +114,10 @@ impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
 
     fn raw_dims(&self) -> Option<Dims> {
         Some(self.dims)
+    }
+
+    fn clock_us(&self) -> Option<u64> {
+        Some(self.now_us())
     }
 
     fn still_us(&self) -> Option<u32> {

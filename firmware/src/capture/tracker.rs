@@ -114,6 +114,12 @@ impl Tracker {
         self.requested_us = now_us;
     }
 
+    /// After all signals of now: has a frame ended before its last row? The start of the next one is what tells others.
+    pub(super) fn has_ended_early(&self, limits: &Limits, now_us: u64) -> bool {
+        let pause_us = self.last_us.map_or(0, |last_us| now_us.saturating_sub(last_us));
+        matches!(self.phase, Phase::Frame { rows: 1.. }) && pause_us > u64::from(limits.row_gap_us)
+    }
+
     /// After all signals of now: has the camera stopped? Said once.
     pub(super) fn silence(&mut self, limits: &Limits, now_us: u64) -> Option<Fault> {
         let last_us = (*self.last_us.get_or_insert(now_us)).max(self.requested_us);

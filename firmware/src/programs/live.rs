@@ -2,12 +2,12 @@
 
 use crate::autopilot::Autopilot;
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, packets};
+use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_wire::{
-    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome,
-    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, send, send_frame, send_objects,
+    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, MAX_PACKET, Message, Outcome,
+    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
@@ -26,6 +26,8 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     lost: CaptureReport,
     reported_us: Option<u64>,
     photo: Option<Photo>,
+    /// The last frame was not sent: the port had no room for it.
+    has_skipped: bool,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -85,6 +87,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             lost: CaptureReport::default(),
             reported_us: None,
             photo: None,
+            has_skipped: false,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -94,9 +97,35 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
 
     /// With an autopilot at this port: as soon as there is a rig it gets obstacles, whether a host asks for results or not.
     pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
-        let Self { session, clock, port: host, decoder, last, time_us, autopilot, lost, reported_us, photo, .. } = self;
+        let Self {
+            session,
+            clock,
+            port: host,
+            decoder,
+            last,
+            time_us,
+            autopilot,
+            lost,
+            reported_us,
+            photo,
+            has_skipped,
+            ..
+        } = self;
         let autopilot_port = Some(port);
-        Live { session, clock, port: host, decoder, last, time_us, autopilot, autopilot_port, lost, reported_us, photo }
+        Live {
+            session,
+            clock,
+            port: host,
+            decoder,
+            last,
+            time_us,
+            autopilot,
+            autopilot_port,
+            lost,
+            reported_us,
+            photo,
+            has_skipped,
+        }
     }
 }
 
@@ -171,13 +200,15 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         }
     }
 
-    /// Takes a pair as it comes, to be sent in the turns that follow.
+    /// Takes a pair as it comes, to be sent in the turns that follow. A photo that is not sent yet ends here: its pixels are overwritten.
     fn photograph(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Result<PairHead, Refusal> {
+        self.photo = None;
+        self.autopilot.miss(); // nothing is matched until it is sent
         let pair = camera.next_pair(memory, None).ok_or(Refusal::NoPair)?;
         let Dims { width, height } = pair.dims;
         self.photo = Some(Photo { dims: pair.dims, sent: 0 });
         let times_us = pair.times_us.map(|[left, right]| (left, Some(right)));
-        let (capture_time_us, right_capture_time_us) = times_us.unwrap_or((self.time(), None));
+        let (capture_time_us, right_capture_time_us) = times_us.unwrap_or((self.capture_clock(camera), None));
         Ok(PairHead { width, height, capture_time_us, right_capture_time_us })
     }
 
@@ -214,7 +245,8 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         }
         let Some(pair) = captured else {
             let nothing = Dims { width: 0, height: 0 };
-            self.write_frame(failed_frame(0, now_us, nothing, Health::PAIR_MISSING), None);
+            let missed_us = self.capture_clock(camera);
+            self.write_frame(failed_frame(0, missed_us, nothing, Health::PAIR_MISSING), None);
             return Turn::Missing;
         };
         if let Some(skew_us) = camera.still_us() {
@@ -251,11 +283,38 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         if !self.session.running {
             return;
         }
-        let head = FrameHead { sequence: self.session.next_sequence(), ..head };
-        let Some((matches, objects)) = found else { return self.write(&Message::Frame(head)) };
+        let sequence = self.session.next_sequence();
+        let (matches, objects) = found.unwrap_or_default();
+        let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
+        let head = FrameHead { sequence, health: head.health | skipped, ..head };
+        self.has_skipped = !self.has_room(&head, matches, objects);
+        if self.has_skipped {
+            return;
+        }
         let mut write = packets(&mut self.port);
         let _ = send_frame(&head, matches, &mut write);
         let _ = send_objects(head.sequence, objects, &mut write);
+    }
+
+    /// Time of the clock of captured pairs, microseconds.
+    fn capture_clock(&mut self, camera: &impl PairSource) -> u64 {
+        camera.clock_us().unwrap_or_else(|| self.time())
+    }
+
+    /// Does the port take a frame as a whole without waiting, or hold nothing? A slow host is not to slow the cameras down.
+    fn has_room(&self, head: &FrameHead, matches: &[Match], objects: &[ObjectDepth]) -> bool {
+        let Room { free, all } = self.port.room();
+        if free >= all || free >= (3 + matches.len().div_ceil(SEGMENTS_PER_PACKET)) * MAX_PACKET {
+            return true;
+        }
+        let mut bytes = 0;
+        let mut count = |packet: &[u8]| {
+            bytes += packet.len();
+            Ok::<(), core::convert::Infallible>(())
+        };
+        let _ = send_frame(head, matches, &mut count);
+        let _ = send_objects(head.sequence, objects, &mut count);
+        free >= bytes
     }
 
     /// Microseconds since the start. Right as long as the clock does not wrap between two questions.

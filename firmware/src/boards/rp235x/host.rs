@@ -2,12 +2,16 @@
 
 use super::time_us;
 use crate::boards::usb_port::{self, UsbPort};
+use core::fmt::Write as _;
 use embassy_executor::InterruptExecutor;
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt as _, Priority};
+use embassy_rp::otp;
 use embassy_rp::peripherals::USB;
 use embassy_rp::usb::{Driver, InterruptHandler};
 use embassy_rp::{Peri, bind_interrupts};
+use heapless::String;
+use static_cell::StaticCell;
 
 bind_interrupts!(struct Interrupts {
     USBCTRL_IRQ => InterruptHandler<USB>;
@@ -24,7 +28,10 @@ unsafe fn SWI_IRQ_0() {
 
 #[embassy_executor::task]
 async fn serve(driver: Driver<'static, USB>, product: &'static str) {
-    usb_port::run::<64, _>(driver, product).await;
+    static SERIAL: StaticCell<String<16>> = StaticCell::new();
+    let serial = SERIAL.init(String::new());
+    let _ = write!(serial, "{:016X}", otp::get_chipid().unwrap_or(0)); // fits
+    usb_port::run::<64, _>(driver, product, serial).await;
 }
 
 /// Starts the port. At most once.

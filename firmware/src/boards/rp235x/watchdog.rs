@@ -1,13 +1,13 @@
 //! The watchdog, and why the board was reset.
 //!
 //! # Source
-//! RP2350 datasheet: 12.9 (watchdog), 6.4 (POWMAN: CHIP_RESET), 7.1 (resets).
+//! RP2350 datasheet: 12.9 (watchdog), 6.4 (POWMAN: CHIP_RESET), 7.1 (resets), 7.4 (PSM: WDSEL).
 
 use crate::ending;
 use crate::ports::Watchdog;
 use core::fmt;
 use embassy_rp::Peri;
-use embassy_rp::pac::{POWMAN, WATCHDOG};
+use embassy_rp::pac::{POWMAN, PSM, WATCHDOG, psm};
 use embassy_rp::peripherals;
 use embassy_rp::watchdog;
 use embassy_time::Duration;
@@ -37,6 +37,8 @@ impl FrameWatchdog {
         watchdog.pause_on_debug(true);
         WATCHDOG.scratch0().write_value(OURS);
         watchdog.start(PATIENCE);
+        // The HAL selects what to reset by the RP2040's layout, without processors, XIP and half of the SRAM: everything but the oscillators.
+        PSM.wdsel().write_value(psm::regs::Wdsel(0x01ff_fff3));
         Self(watchdog)
     }
 }

@@ -59,7 +59,14 @@ impl Row {
             Self::Both => 1000,
             Self::One => 60_000,
         };
-        Limits { rows: DIMS.height, row_bytes: self.bytes(), row_gap_us: 2000, silence_us: 100_000, pair_us }
+        Limits {
+            rows: DIMS.height,
+            row_bytes: self.bytes(),
+            row_gap_us: 2000,
+            readout_us: 15_000,
+            silence_us: 100_000,
+            pair_us,
+        }
     }
 }
 

@@ -120,9 +120,9 @@ pub struct DcmiStream {
 
 impl DcmiStream {
     /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are high.
-    /// `None` when the ring is larger than the memory for it.
+    /// `None` when the ring is larger than the memory for it, or VSYNC is a pin below 5, which has an interrupt of its own.
     pub fn start(interface: CameraInterface, layout: RingLayout) -> Option<Self> {
-        if layout.bytes() as usize > RING_BYTES || !layout.row_bytes.is_multiple_of(4) {
+        if layout.bytes() as usize > RING_BYTES || !layout.row_bytes.is_multiple_of(4) || interface.pins.vsync.1 < 5 {
             return None;
         }
         let (port, pin) = interface.pins.vsync;

@@ -15,7 +15,7 @@ use super::clocks::now_us;
 use crate::boards::pipes::{Pipe, put, put_all};
 use crate::boards::usb_port::{self, UsbLine};
 use crate::host_lines::{HostLine, HostLines, Line, Listener};
-use crate::ports::ByteSink;
+use crate::ports::{ByteSink, Room};
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::Pull;
@@ -29,13 +29,14 @@ use embassy_time::Timer;
 use embedded_io_async::{Read as _, Write as _};
 use static_cell::StaticCell;
 
-/// Bytes that wait for the other end of a UART: some twenty records; and for the program: more than a command.
-const OUT: usize = 4096;
+/// Bytes that wait for the host's end of its UART: the records of a frame; for the autopilot's; and for the program: more than a command.
+const OUT: usize = 8192;
+const AUTOPILOT_OUT: usize = 1024;
 const IN: usize = 1024;
 
 static TO_UART: Pipe<OUT> = Pipe::new();
 static FROM_UART: Pipe<IN> = Pipe::new();
-static TO_AUTOPILOT: Pipe<OUT> = Pipe::new();
+static TO_AUTOPILOT: Pipe<AUTOPILOT_OUT> = Pipe::new();
 
 /// How long a record waits for a host at the UART, microseconds: more than a full buffer takes on the UART.
 const PATIENCE_US: u64 = 100_000;
@@ -77,11 +78,20 @@ async fn tick() -> ! {
 /// Bytes of one write to a UART: fewer than its buffer, which is empty before.
 const CHUNK: usize = 64;
 
+#[embassy_executor::task]
+async fn send_to_host(uart: BufferedUartTx<'static>) -> ! {
+    send_uart(uart, &TO_UART).await
+}
+
+#[embassy_executor::task]
+async fn send_to_autopilot(uart: BufferedUartTx<'static>) -> ! {
+    send_uart(uart, &TO_AUTOPILOT).await
+}
+
 /// From the program to a UART.
 ///
 /// embassy-stm32 0.6 waits for ever in a write for which its buffer lacks room: it registers no waker there. So every write finds it empty.
-#[embassy_executor::task(pool_size = 2)]
-async fn send_uart(mut uart: BufferedUartTx<'static>, pipe: &'static Pipe<OUT>) -> ! {
+async fn send_uart<const BYTES: usize>(mut uart: BufferedUartTx<'static>, pipe: &'static Pipe<BYTES>) -> ! {
     let mut bytes = [0; CHUNK];
     loop {
         let count = pipe.read(&mut bytes).await;
@@ -114,8 +124,8 @@ impl Line for UartLine {
         if self.has_received { Listener::Somebody } else { Listener::Perhaps }
     }
 
-    fn room(&self) -> usize {
-        TO_UART.free_capacity()
+    fn room(&self) -> Room {
+        Room { free: TO_UART.free_capacity(), all: OUT }
     }
 
     fn put(&mut self, bytes: &[u8]) {
@@ -144,7 +154,7 @@ pub fn host_port<T: Instance>(
     let (out, into) = (OUT.init([0; 256]), IN.init([0; 256]));
     let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(HOST_BAUD)).ok()?;
     let (sender, receiver) = uart.split();
-    spawner.spawn(send_uart(sender, &TO_UART).ok()?);
+    spawner.spawn(send_to_host(sender).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
     let line = UartLine { has_received: false };
     Some(HostLines(usb_port::port(now_us), HostLine::new(line, now_us, PATIENCE_US)))
@@ -167,7 +177,7 @@ pub fn autopilot_port<T: Instance>(
     let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(AUTOPILOT_BAUD)).ok()?;
     let (sender, receiver) = uart.split();
     core::mem::forget(receiver);
-    spawner.spawn(send_uart(sender, &TO_AUTOPILOT).ok()?);
+    spawner.spawn(send_to_autopilot(sender).ok()?);
     Some(AutopilotPort(()))
 }
 

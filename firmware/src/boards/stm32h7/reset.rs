@@ -10,8 +10,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, peripherals};
 use linestereo_wire::{Reset, ResetCause};
 
-/// Longer than a sector takes to be erased: 4 s at most (DS12110, table "Flash memory programming").
-const WATCHDOG_US: u32 = 5_000_000;
+/// Twice the longest time without a finished frame: a sector takes up to 4 s to be erased (DS12110, table "Flash memory programming"), making
+/// ready for its rig half a second; the watchdog's oscillator may be 5 % fast.
+const WATCHDOG_US: u32 = 10_000_000;
 
 /// What the flags and the note of the last run say, once. Power on sets the brown-out's and the pin's flags as well, and every reset the pin's.
 #[must_use]
@@ -43,7 +44,7 @@ pub fn cause() -> Option<Reset> {
 pub struct IndependentDog(IndependentWatchdog<'static, peripherals::IWDG1>);
 
 impl IndependentDog {
-    /// Resets the chip when it is not fed for 5 s.
+    /// Resets the chip when it is not fed for 10 s.
     #[must_use]
     pub fn start(peripheral: Peri<'static, peripherals::IWDG1>) -> Self {
         DBGMCU.apb4fzr1().modify(|frozen| frozen.set_iwdg1(true)); // while a debugger has stopped the processor
