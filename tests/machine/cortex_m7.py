@@ -12,7 +12,6 @@ FLASH, FLASH_BYTES = 0x08000000, 0x200000
 MHZ = 400.0
 IT_BITS = 0x0600FC00
 LOW = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR)
-FOREVER = 1e18
 
 # Called for every block of code: in C, because it is most of the time that a run takes.
 HOOK = """
@@ -93,7 +92,7 @@ class Core:
         self.enabled, self.pending, self.active, self.frames = set(), set(), [], []
         self.registers.clear()
         self.registers[0xE000ED08] = FLASH
-        self.regions, self.event, self.ending = {}, False, None
+        self.regions, self.event, self.ending, self.forced = {}, False, None, None
         self.events.clear()
         sp, pc = struct.unpack("<2I", self.uc.mem_read(FLASH, 8))
         for register in (UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK):
@@ -117,6 +116,10 @@ class Core:
 
     def raise_interrupt(self, number):
         self.pending.add(number)
+        self.clock.stop = 0
+
+    def raise_fault(self):
+        self.forced = -13
         self.clock.stop = 0
 
     def where(self, address):
@@ -160,6 +163,8 @@ class Core:
         return constants.get(at, self.registers.get(at, 0))
 
     def _system_write(self, at, value):
+        if at in (0xE000ED28, 0xE000ED2C):  # CFSR, HFSR: what is written as 1 is cleared
+            value = self.registers.get(at, 0) & ~value
         self.registers[at] = value
         numbers = {(at & 0x1F) * 8 + i for i in range(32) if value >> i & 1}
         if 0xE000E100 <= at < 0xE000E120:
@@ -260,11 +265,12 @@ class Core:
         while self.now < limit and not self.ending:
             while self.events and self.events[0][0] <= self.now:
                 heapq.heappop(self.events)[2]()
-            number, count = self._next(), 0
+            number, count = self.forced or self._next(), 0
             if number is not None and uc.reg_read(UC_ARM_REG_XPSR) & IT_BITS:
                 number, count = None, 1  # Unicorn cannot come back into an IT block: a step, and again
             if number is not None:
                 self.pending.discard(number)
+                self.forced = None
                 self.enter(number)
                 self.event = True
             self.clock.stop = min(self.events[0][0] if self.events else limit, limit)
@@ -293,7 +299,7 @@ class Core:
         if self.event:
             self.event = False
             return
-        while not self.pending & self.enabled:
+        while not self.pending & self.enabled and not self.forced:
             if not self.events or self.now > limit:
                 self.clock.now = max(self.now, limit)
                 return

@@ -8,8 +8,8 @@ watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond re
 Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's rig sectors or absent;
 erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `main`.
 """
-import json, sys
-from cortex_m7 import FOREVER, Core
+import functools, json, sys
+from cortex_m7 import Core
 
 WIDTH, HEIGHT, ROW_US = 320, 240, 27.5
 RAM = [(0x1FF00000, 0x20000), (0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
@@ -19,11 +19,16 @@ TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
 bit = lambda value, at: value >> at & 1
 
 
+@functools.lru_cache(maxsize=256)
+def blocks(row, picture):
+    grey = lambda column: 40 + ((column * 73 + row * 151 + picture * 29) * 2654435761 >> 13) % 180
+    return b"".join(bytes([grey(column)]) * 8 for column in range(WIDTH // 8 + 2))
+
+
 def sensor_row(camera, frame, y):
     """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine.rs."""
     shift = 10 if camera == "right" else 0
-    grey = lambda x: 40 + ((x // 8 * 73 + y // 8 * 151 + frame // 2 * 29) * 2654435761 >> 13) % 180
-    return bytes(grey(x + shift) for x in range(WIDTH))
+    return blocks(y // 8, frame // 2)[shift:shift + WIDTH]
 
 
 class Sensor:
@@ -409,7 +414,7 @@ def main(image, scenario, result):
         for i, byte in enumerate(bytes.fromhex(data)):
             core.at(time + board.host.byte_us * i, lambda byte=byte: board.host.receive(byte))
     if scenario.get("hard_fault_us"):
-        core.at(scenario["hard_fault_us"], lambda: core.enter(-13))
+        core.at(scenario["hard_fault_us"], core.raise_fault)
     resets = []
     while True:
         core.run(scenario["until_us"], board.levels)

@@ -96,7 +96,7 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
             let found = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(wanted)));
             found.map(|symbol| (symbol.address()..symbol.address() + symbol.size(), symbol.section_index()))
         };
-        let (workspace, section) = symbol("WORKSPACE").unwrap_or_else(|| panic!("{name} has no workspace"));
+        let (workspace, section) = symbol("6boards6MEMORY").unwrap_or_else(|| panic!("{name} has no workspace"));
         assert!(contains(&ram, &workspace) && workspace.end - workspace.start > 250_000, "{name}: {workspace:x?}");
         let kind = file.section_by_index(section.unwrap()).unwrap().kind();
         assert_eq!(kind, SectionKind::UninitializedData, "{name}: the workspace takes flash");
