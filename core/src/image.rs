@@ -42,22 +42,22 @@ impl Span {
     }
 }
 
-/// Largest distance of pixels that are read from a usable one, px.
+/// Largest distance of pixels that are read from a valid one, px.
 pub const MARGIN: u16 = 4;
 
-/// Spans of pixels with content -> spans of pixels that are usable: everything within [`MARGIN`] of them has content. Pixels outside
+/// Spans of pixels with content -> spans of pixels that are valid: everything within [`MARGIN`] of them has content. Pixels outside
 /// the image count as content, because borders are handled everywhere. `spans` has the rows of the image in order; the result holds for all frames.
 ///
 /// ```
 /// use linestereo::Span;
-/// use linestereo::image::shrink_to_usable;
+/// use linestereo::image::shrink_to_valid;
 /// let mut spans = [Span { start: 3, end: 40 }; 20];
 /// spans[0].end = 0; // nothing in the first row
-/// shrink_to_usable(&mut spans, 40);
+/// shrink_to_valid(&mut spans, 40);
 /// assert!(spans[..5].iter().all(|span| span.start == span.end));
 /// assert!(spans[5..].iter().all(|&span| span == Span { start: 7, end: 40 }));
 /// ```
-pub fn shrink_to_usable(spans: &mut [Span], width: u16) {
+pub fn shrink_to_valid(spans: &mut [Span], width: u16) {
     for _ in 0..MARGIN {
         let mut above = None::<Span>;
         for y in 0..spans.len() {
@@ -100,7 +100,7 @@ pub enum ViewError {
         /// Bytes given.
         given: usize,
     },
-    /// The number of spans of usable pixels is not that of rows.
+    /// The number of spans of valid pixels is not that of rows.
     Spans {
         /// Rows of the image.
         rows: u16,
@@ -124,9 +124,9 @@ impl fmt::Display for ViewError {
             }
             Self::Stride { stride, width } => write!(f, "a stride of {stride} is shorter than a row of {width}"),
             Self::TooShort { needed, given } => write!(f, "the image needs {needed} bytes, {given} were given"),
-            Self::Spans { rows, given } => write!(f, "an image of {rows} rows has {given} spans of usable pixels"),
+            Self::Spans { rows, given } => write!(f, "an image of {rows} rows has {given} spans of valid pixels"),
             Self::Span { row, span: Span { start, end } } => {
-                write!(f, "the usable pixels {start} .. {end} of row {row} are no part of the image")
+                write!(f, "the valid pixels {start} .. {end} of row {row} are no part of the image")
             }
         }
     }
@@ -148,7 +148,7 @@ pub struct Gray<'a> {
     pixels: &'a [u8],
     dims: Dims,
     stride: usize,
-    usable: &'a [Span],
+    valid: &'a [Span],
 }
 
 impl<'a> Gray<'a> {
@@ -165,32 +165,32 @@ impl<'a> Gray<'a> {
         if pixels.len() < needed {
             return Err(ViewError::TooShort { needed, given: pixels.len() });
         }
-        Ok(Self { pixels, dims, stride, usable: &[] })
+        Ok(Self { pixels, dims, stride, valid: &[] })
     }
 
     /// The view restricted to these pixels, a span for each row: edges and disparities lie in them, and pixels more than [`MARGIN`] px outside never
-    /// influence a result. See [`shrink_to_usable`].
-    pub fn with_usable(self, spans: &'a [Span]) -> Result<Self, ViewError> {
+    /// influence a result. See [`shrink_to_valid`].
+    pub fn with_valid(self, spans: &'a [Span]) -> Result<Self, ViewError> {
         if spans.len() != usize::from(self.dims.height) {
             return Err(ViewError::Spans { rows: self.dims.height, given: spans.len() });
         }
         match spans.iter().position(|span| span.start > span.end || span.end > self.dims.width) {
             Some(row) => Err(ViewError::Span { row, span: spans.get(row).copied().unwrap_or_default() }),
-            None => Ok(Self { usable: spans, ..self }),
+            None => Ok(Self { valid: spans, ..self }),
         }
     }
 
-    /// The spans of [`Gray::with_usable`]; empty when every pixel is usable.
+    /// The spans of [`Gray::with_valid`]; empty when every pixel is valid.
     #[must_use]
-    pub fn usable(self) -> &'a [Span] {
-        self.usable
+    pub fn valid(self) -> &'a [Span] {
+        self.valid
     }
 
-    /// Usable columns of a row; above and below the image those of the nearest row.
-    pub(crate) fn usable_columns(self, y: i32) -> Span {
+    /// Valid columns of a row; above and below the image those of the nearest row.
+    pub(crate) fn valid_columns(self, y: i32) -> Span {
         let last = i32::from(self.dims.height) - 1;
         let whole = Span { start: 0, end: self.dims.width };
-        self.usable.get(y.max(0).min(last) as usize).copied().unwrap_or(whole)
+        self.valid.get(y.max(0).min(last) as usize).copied().unwrap_or(whole)
     }
 
     /// Width and height.

@@ -107,6 +107,7 @@ pub use area::Area;
 pub use focus::Focus;
 pub use health::{HealthFlags, HealthLimits, PairHealth};
 pub use image::{Dims, Gray, Span};
+pub use kernel::KERNELS;
 pub use matched::{Matched, Summary};
 pub use matcher::{Matcher, Pair};
 pub use objects::{NoDepth, ObjectDepth, Region, RegionError};

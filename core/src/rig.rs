@@ -39,7 +39,7 @@ pub struct Rig {
     principal_point_q16: Option<[i32; 2]>,
 }
 
-/// Number of a rig that is not usable.
+/// Number of a rig that is not valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.

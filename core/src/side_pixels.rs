@@ -10,7 +10,7 @@ use crate::matching::flat::FlatLine;
 /// Additional distance of the first pixels beside a near-horizontal segment, px.
 const FLAT_OFFSET: i32 = 1;
 
-/// Valid pixels of a pair: the size of both images and their usable pixels.
+/// Valid pixels of a pair: the size of both images and their valid pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct ValidPixels<'a> {
     dims: Dims,
@@ -22,10 +22,10 @@ impl<'a> ValidPixels<'a> {
     /// The valid pixels of a pair of the same size.
     #[must_use]
     pub fn of(left: Gray<'a>, right: Gray<'a>) -> Self {
-        Self { dims: left.dims(), left: left.usable(), right: right.usable() }
+        Self { dims: left.dims(), left: left.valid(), right: right.valid() }
     }
 
-    /// The valid pixels of pairs whose pixels are all usable.
+    /// The valid pixels of pairs whose pixels are all valid.
     #[must_use]
     pub const fn whole(dims: Dims) -> Self {
         Self { dims, left: &[], right: &[] }
@@ -35,18 +35,18 @@ impl<'a> ValidPixels<'a> {
         self.dims
     }
 
-    /// True when the left pixel and its match at this disparity are usable.
+    /// True when the left pixel and its match at this disparity are valid.
     pub(crate) fn allow(&self, x: i32, y: i32, d_q6: i32) -> bool {
         let right_q6 = (x << 6) - d_q6;
-        let usable = |spans: &[Span], x: i32| {
+        let valid = |spans: &[Span], x: i32| {
             let span = usize::try_from(y).ok().and_then(|y| spans.get(y));
             span.is_none_or(|span| span.contains(x))
         };
         (0..i32::from(self.dims.width)).contains(&x)
             && (0..i32::from(self.dims.height)).contains(&y)
             && (0..i32::from(self.dims.width) << 6).contains(&right_q6)
-            && usable(self.left, x)
-            && usable(self.right, (right_q6 + 32) >> 6)
+            && valid(self.left, x)
+            && valid(self.right, (right_q6 + 32) >> 6)
     }
 }
 

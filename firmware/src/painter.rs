@@ -31,7 +31,7 @@ pub enum Scene {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Eye {
+enum CameraSide {
     Left,
     Right,
 }
@@ -68,7 +68,7 @@ impl Scene {
 
     /// Paints the left and the right image at the start of their memories; what does not fit is left out.
     pub fn paint(self, dims: Dims, left: &mut [u8], right: &mut [u8]) {
-        for (image, eye) in [(left, Eye::Left), (right, Eye::Right)] {
+        for (image, eye) in [(left, CameraSide::Left), (right, CameraSide::Right)] {
             let rows = image.chunks_exact_mut(usize::from(dims.width).max(1)).take(dims.height.into());
             for (row, y) in rows.zip(0..) {
                 for (pixel, x) in row.iter_mut().zip(0..) {
@@ -78,12 +78,12 @@ impl Scene {
         }
     }
 
-    fn grey(self, x: i32, y: i32, eye: Eye, width: i32) -> u8 {
-        let shifted = |d: i32| if eye == Eye::Right { x + d } else { x };
+    fn grey(self, x: i32, y: i32, eye: CameraSide, width: i32) -> u8 {
+        let shifted = |d: i32| if eye == CameraSide::Right { x + d } else { x };
         let black_or_white = |white: bool| if white { 255 } else { 0 };
         match self {
             Self::Blocks => blocks(x, y, eye, width),
-            Self::RowsOff => blocks(x, if eye == Eye::Right { y - 1 } else { y }, eye, width),
+            Self::RowsOff => blocks(x, if eye == CameraSide::Right { y - 1 } else { y }, eye, width),
             Self::Bricks => hash(shifted(8) >> 3, y >> 3, 1) as u8,
             Self::Contrast => black_or_white(hash(shifted(12) >> 3, y >> 3, 2) & 1 == 1),
             Self::Noise => hash(shifted(4), y, 3) as u8,
@@ -99,12 +99,12 @@ impl Scene {
 const BOARDS: i32 = 12;
 
 /// The nearest board at this pixel, or the wall.
-fn blocks(x: i32, y: i32, eye: Eye, width: i32) -> u8 {
-    let noise = (hash(x, y, if eye == Eye::Left { 4 } else { 5 }) & 3) as i32;
+fn blocks(x: i32, y: i32, eye: CameraSide, width: i32) -> u8 {
+    let noise = (hash(x, y, if eye == CameraSide::Left { 4 } else { 5 }) & 3) as i32;
     for board in 0..BOARDS {
         let random = |what: i32, below: i32| (hash(board, what, 6) >> 8) as i32 % below.max(1);
         let d = (44 - 3 * board) * width / 320; // px, nearest first
-        let u = if eye == Eye::Right { x + d } else { x };
+        let u = if eye == CameraSide::Right { x + d } else { x };
         let (across, down) = (u - random(0, width), y - random(1, width * 3 / 4));
         let slant = random(2, 9) - 4; // sixteenths of a px per row
         if down.abs() <= width / 24 + random(3, width / 12)
@@ -113,7 +113,7 @@ fn blocks(x: i32, y: i32, eye: Eye, width: i32) -> u8 {
             return (texture(u, y, 8 + board) / 2 + random(5, 128) + noise) as u8;
         }
     }
-    (texture(if eye == Eye::Right { x + width / 100 } else { x }, y, 7) / 2 + 60 + noise) as u8
+    (texture(if eye == CameraSide::Right { x + width / 100 } else { x }, y, 7) / 2 + 60 + noise) as u8
 }
 
 /// Spots of 3 px on spots of 11 px, 0 to 90.

@@ -13,7 +13,7 @@ use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::Dims;
 use linestereo_firmware::camera::*;
 use linestereo_firmware::ports::FrameStart;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use std::rc::Rc;
 
 /// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
@@ -509,7 +509,7 @@ fn one_of_two_cameras_is_missing() {
     let right = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
     let mut pair = CameraPair::new(left, right);
     let error = pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.cause, error.other), (Eye::Left, Cause::Missing, Condition::Unknown));
+    assert_eq!((error.eye, error.error.cause, error.other), (CameraSide::Left, Cause::Missing, Condition::Unknown));
     done(pair.release().0);
 
     let fake = Fake::of::<Mt9v034>();
@@ -517,7 +517,7 @@ fn one_of_two_cameras_is_missing() {
     let right = Chip::<Mt9v034, Mock, _>::new(Mock::new(&absent), 0x48, NoReset);
     let mut pair = CameraPair::new(left, right);
     let error = pair.start(&case.config, PairExposure::Fixed(case.fixed), &mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.cause, error.other), (Eye::Right, Cause::Missing, Condition::Standby));
+    assert_eq!((error.eye, error.error.cause, error.other), (CameraSide::Right, Cause::Missing, Condition::Standby));
     assert_eq!(pair.conditions(), [Condition::Standby, Condition::Unknown]);
     assert_eq!(fake.get(0x07), 0, "the left one sends nothing");
     let text = error.to_string();
@@ -540,7 +540,7 @@ fn a_camera_that_fails_later_stops_the_other_one() {
     left.set(AEC_EXPOSURE_OUTPUT, 101);
     let error = pair.follow(&mut NoopDelay).unwrap_err();
     let not_kept = Cause::NotKept { register: COARSE_SHUTTER_WIDTH_TOTAL, written: 101, read: 7 };
-    assert_eq!((error.eye, error.error.cause), (Eye::Right, not_kept));
+    assert_eq!((error.eye, error.error.cause), (CameraSide::Right, not_kept));
     assert_eq!(pair.conditions(), [Condition::Standby; 2]);
     assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
     assert!(pair.follow(&mut NoopDelay).is_err_and(|error| error.error.cause == Cause::NotRunning));
@@ -552,18 +552,18 @@ fn a_camera_that_fails_later_stops_the_other_one() {
     pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
     left.0.borrow_mut().stuck.insert(ANALOG_GAIN, 18);
     let error = pair.freeze(&mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.left, error.other), (Eye::Left, Condition::Standby, Condition::Standby));
+    assert_eq!((error.eye, error.error.left, error.other), (CameraSide::Left, Condition::Standby, Condition::Standby));
     assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
     // Neither can be stopped, and both are tried.
     for camera in [&left, &right] {
         camera.0.borrow_mut().stuck.insert(CHIP_CONTROL, 0x188);
     }
     let error = pair.stop(&mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.other), (Eye::Left, Condition::HalfConfigured));
+    assert_eq!((error.eye, error.other), (CameraSide::Left, Condition::HalfConfigured));
     assert_eq!(pair.conditions(), [Condition::HalfConfigured; 2]);
     left.0.borrow_mut().stuck.clear();
     let error = pair.stop(&mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.other), (Eye::Right, Condition::Standby));
+    assert_eq!((error.eye, error.other), (CameraSide::Right, Condition::Standby));
     let text = error.to_string();
     assert!(text.contains("register 0x0007 holds 0x0188 after 0x0000 was written"), "{text}");
 }
@@ -705,12 +705,17 @@ fn what_went_wrong_is_said_in_words() {
 #[test]
 fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
     /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a camera; `None` when there are fewer.
-    fn fail<M: Model>(case: &Case, eye: Eye, after: usize, ask: fn(&mut Both<M>) -> bool) -> Option<[Condition; 2]> {
+    fn fail<M: Model>(
+        case: &Case,
+        eye: CameraSide,
+        after: usize,
+        ask: fn(&mut Both<M>) -> bool,
+    ) -> Option<[Condition; 2]> {
         let (mut pair, fakes) = both::<M>(case.address);
         fakes[0].set(AGC_GAIN_OUTPUT, 16);
         fakes[0].set(AEC_EXPOSURE_OUTPUT, 76);
         pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
-        let fake = &fakes[usize::from(eye == Eye::Right)];
+        let fake = &fakes[usize::from(eye == CameraSide::Right)];
         fakes[0].set(AEC_EXPOSURE_OUTPUT, 77);
         fake.0.borrow_mut().fails_after = Some(after);
         let is_done = ask(&mut pair);
@@ -726,12 +731,12 @@ fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
         (|pair| pair.freeze(&mut NoopDelay).is_ok(), [11, 8]),
     ];
     for (ask, least) in asks {
-        for (eye, least) in Eye::BOTH.into_iter().zip(least) {
+        for (eye, least) in CameraSide::BOTH.into_iter().zip(least) {
             let ends = (0..).map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask)).collect::<Vec<_>>();
             assert!(ends.len() >= least, "{}", ends.len());
             for (after, ends) in ends.iter().enumerate() {
                 // All three that `follow` asks of the left one are reads: what runs goes on.
-                let is_read = eye == Eye::Left && after < 3 && least < 30;
+                let is_read = eye == CameraSide::Left && after < 3 && least < 30;
                 let expected = if is_read { Condition::Running } else { Condition::Standby };
                 assert_eq!(*ends, [expected; 2], "{eye:?}, transaction {after}");
             }

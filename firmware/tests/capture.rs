@@ -11,7 +11,7 @@ use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
-use linestereo_rig::{Eye, RowError};
+use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
@@ -68,8 +68,8 @@ enum Step {
 }
 
 /// The steps of a frame, from the time at which it starts.
-fn script(eye: Eye, frame: u32, what: Injected, after_torn: Option<u32>) -> Vec<(u64, Step)> {
-    let skew_us = if eye == Eye::Left { 0 } else { 3 };
+fn script(eye: CameraSide, frame: u32, what: Injected, after_torn: Option<u32>) -> Vec<(u64, Step)> {
+    let skew_us = if eye == CameraSide::Left { 0 } else { 3 };
     let start = u64::from(frame) * PERIOD_US + skew_us;
     let mut steps = Vec::new();
     let first = after_torn.unwrap_or(0);
@@ -95,7 +95,7 @@ fn script(eye: Eye, frame: u32, what: Injected, after_torn: Option<u32>) -> Vec<
 }
 
 /// What every byte of a row is made of.
-fn paint(eye: Eye, frame: u32, row: u32) -> [u8; WIDTH as usize] {
+fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
     let mut bytes = [0; WIDTH as usize];
     let [a, b, c, d] = frame.to_le_bytes();
     for (place, byte) in bytes.iter_mut().enumerate() {
@@ -108,7 +108,7 @@ fn paint(eye: Eye, frame: u32, row: u32) -> [u8; WIDTH as usize] {
 fn read(bytes: &[u8]) -> Option<(u8, u32, u8)> {
     let [eye, a, b, c, d, row, ..] = *bytes else { return None };
     let frame = u32::from_le_bytes([a, b, c, d]);
-    let eyes = [Eye::Left, Eye::Right];
+    let eyes = [CameraSide::Left, CameraSide::Right];
     let is_whole = eyes.into_iter().any(|of| of as u8 == eye && paint(of, frame, row.into()) == *bytes);
     is_whole.then_some((eye, frame, row))
 }
@@ -120,7 +120,7 @@ struct Hardware {
 }
 
 struct FakeCamera {
-    eye: Eye,
+    eye: CameraSide,
     steps: VecDeque<(u64, Step)>,
     ring: Vec<[u8; WIDTH as usize]>,
     written: u32,
@@ -129,7 +129,7 @@ struct FakeCamera {
 }
 
 impl FakeCamera {
-    fn new(eye: Eye, first_row: u32) -> Self {
+    fn new(eye: CameraSide, first_row: u32) -> Self {
         let ring = vec![[0xee; WIDTH as usize]; RING as usize];
         Self { eye, steps: VecDeque::new(), ring, written: first_row, queue: VecDeque::new(), is_lost: false }
     }
@@ -171,7 +171,7 @@ impl FakeCamera {
 /// One camera's ring, of the hardware that both share.
 struct FakeRing {
     hardware: Rc<RefCell<Hardware>>,
-    eye: Eye,
+    eye: CameraSide,
     /// Time passes with every row that is copied.
     copy_us: u64,
     /// Time passes with every look at the clock.
@@ -180,7 +180,7 @@ struct FakeRing {
 
 impl FakeRing {
     fn camera<T>(&self, with: impl FnOnce(&mut FakeCamera) -> T) -> T {
-        with(&mut self.hardware.borrow_mut().cameras[usize::from(self.eye == Eye::Right)])
+        with(&mut self.hardware.borrow_mut().cameras[usize::from(self.eye == CameraSide::Right)])
     }
 }
 
@@ -234,12 +234,12 @@ fn source(hardware: &Rc<RefCell<Hardware>>, start: FrameStart, patience_us: u64)
 }
 
 fn hardware(first_row: u32) -> Rc<RefCell<Hardware>> {
-    let cameras = Eye::BOTH.map(|eye| FakeCamera::new(eye, first_row));
+    let cameras = CameraSide::BOTH.map(|eye| FakeCamera::new(eye, first_row));
     Rc::new(RefCell::new(Hardware { now_us: 0, cameras }))
 }
 
 fn rings(hardware: &Rc<RefCell<Hardware>>) -> [FakeRing; 2] {
-    Eye::BOTH.map(|eye| FakeRing { hardware: hardware.clone(), eye, copy_us: 0, look_us: 0 })
+    CameraSide::BOTH.map(|eye| FakeRing { hardware: hardware.clone(), eye, copy_us: 0, look_us: 0 })
 }
 
 const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
@@ -253,7 +253,7 @@ fn frames(memory: &mut impl Memory) -> Frames {
 /// The frame that lies there whole, of both cameras. Anything else is the failure that must not be.
 fn frame_of(frames: &Frames) -> Result<u32, String> {
     let mut found = None;
-    for (eye, frame) in Eye::BOTH.into_iter().zip(frames) {
+    for (eye, frame) in CameraSide::BOTH.into_iter().zip(frames) {
         for (y, row) in (0..).zip(frame.chunks(WIDTH.into())) {
             let (of, number, row) = read(row).ok_or(format!("{eye:?} row {y} is torn"))?;
             if (of, row) != (eye as u8, y) || *found.get_or_insert(number) != number {
@@ -329,7 +329,7 @@ impl Plan {
             if is_good && frame > 0 && frame + 8 < frames && random.below(100) < percent / 2 {
                 plan.stalls.insert(frame);
                 // More rows than the ring holds come of both meanwhile.
-                for eye in Eye::BOTH {
+                for eye in CameraSide::BOTH {
                     *plan.faults.entry((eye as u8, Fault::TooSlow as usize)).or_default() += 1;
                 }
                 is_good = false;
@@ -401,19 +401,19 @@ struct Resumed<'a> {
 }
 
 impl RowSink for Resumed<'_> {
-    fn restart(&mut self, eye: Eye) {
-        self.rows[usize::from(eye == Eye::Right)] = 0;
+    fn restart(&mut self, eye: CameraSide) {
+        self.rows[usize::from(eye == CameraSide::Right)] = 0;
     }
 
-    fn row(&mut self, eye: Eye) -> &mut [u8] {
-        let eye = usize::from(eye == Eye::Right);
+    fn row(&mut self, eye: CameraSide) -> &mut [u8] {
+        let eye = usize::from(eye == CameraSide::Right);
         let row = usize::from(self.rows[eye]);
         self.frames[eye].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
     }
 
     /// A rectifier would use the row at once: it has to be whole, of this camera, in its place, and of the frame that it is in.
-    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
-        let place = usize::from(eye == Eye::Right);
+    fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
+        let place = usize::from(eye == CameraSide::Right);
         let rows = &mut self.rows[place];
         let mut all = self.frames[place].chunks(WIDTH.into()).map(read);
         let first = all.next().unwrap().expect("the first row is torn").1;
@@ -443,7 +443,7 @@ fn a_hundred_thousand_frames_with_faults() {
             println!("  {fault:?}: injected {injected:?}, reported {reported:?}");
             assert_eq!(reported, injected, "seed {seed}: {fault:?}");
             assert_eq!(
-                Eye::BOTH.map(|eye| run.losses.faults[eye as usize][fault as usize]),
+                CameraSide::BOTH.map(|eye| run.losses.faults[eye as usize][fault as usize]),
                 injected,
                 "seed {seed}: {fault:?}"
             );
@@ -469,7 +469,12 @@ fn a_hundred_thousand_frames_with_faults() {
 }
 
 /// Plays frames of both cameras from a list, with a consumer that works on every pair for a while.
-fn play(frames: u32, work_us: u64, what: impl Fn(Eye, u32) -> Injected, copy_us: u64) -> (Vec<u32>, CaptureReport) {
+fn play(
+    frames: u32,
+    work_us: u64,
+    what: impl Fn(CameraSide, u32) -> Injected,
+    copy_us: u64,
+) -> (Vec<u32>, CaptureReport) {
     let hardware = hardware(0);
     // The cameras go on while the last pair is worked on.
     for frame in 0..frames + (work_us / PERIOD_US) as u32 + 4 {
@@ -512,10 +517,10 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
         let is_skipped = work_us > PAUSE_US;
         assert_eq!(losses.skipped > 0, is_skipped, "{work_us}: {losses:?}");
         // Signals that nobody fetched are lost, and that is said, of each camera.
-        let slow = Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
+        let slow = CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
         assert_eq!(slow, [is_lost; 2], "{work_us}: {losses:?}");
         let others = losses.faults.iter().flatten().sum::<u32>()
-            - Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize]).iter().sum::<u32>();
+            - CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize]).iter().sum::<u32>();
         assert_eq!(others, 0, "{work_us}: {losses:?}");
         if !is_skipped {
             assert_eq!(delivered, (0..2000).collect::<Vec<_>>());
@@ -527,7 +532,7 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
 fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
     for copy_us in [2, 6, 11, 25, 39] {
         let (delivered, losses) = play(500, 0, |_, _| Injected::Nothing, copy_us);
-        let slow: u32 = Eye::BOTH.iter().map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize]).sum();
+        let slow: u32 = CameraSide::BOTH.iter().map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize]).sum();
         // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold what is behind, in less than 4 rows.
         let is_late = u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
         assert_eq!((slow > 0, delivered.len() == 500), (is_late, !is_late), "{copy_us}: {losses:?}");
@@ -543,17 +548,17 @@ fn both_cameras_stop_and_come_back() {
     };
     let (delivered, losses) = play(20, 0, what, 0);
     assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
-    assert_eq!(Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!(CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
 }
 
 #[test]
 fn a_frame_without_a_partner_is_counted() {
     // The right camera starts three frames late; the left one's are whole and of no use.
-    let what = |eye, frame| if eye == Eye::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
+    let what = |eye, frame| if eye == CameraSide::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
     let (delivered, losses) = play(10, 0, what, 0);
     assert_eq!(delivered, (3..10).collect::<Vec<_>>());
-    assert_eq!((losses.unpaired, losses.faults[Eye::Right as usize][Fault::Stopped as usize]), (3, 1));
+    assert_eq!((losses.unpaired, losses.faults[CameraSide::Right as usize][Fault::Stopped as usize]), (3, 1));
 }
 
 /// Cameras that run by themselves, each at its own pace; the right one starts so much later.
@@ -561,9 +566,9 @@ fn running(frames: u32, later_us: u64, longer_us: u64) -> Rc<RefCell<Hardware>> 
     let hardware = hardware(0);
     for frame in 0..frames {
         let [left, right] = &mut hardware.borrow_mut().cameras;
-        left.steps.extend(script(Eye::Left, frame, Injected::Nothing, None));
+        left.steps.extend(script(CameraSide::Left, frame, Injected::Nothing, None));
         let late_us = later_us + u64::from(frame) * longer_us;
-        let steps = script(Eye::Right, frame, Injected::Nothing, None);
+        let steps = script(CameraSide::Right, frame, Injected::Nothing, None);
         right.steps.extend(steps.into_iter().map(|(time_us, step)| (time_us - 3 + late_us, step)));
     }
     hardware
@@ -593,7 +598,10 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
     let hardware = hardware(0);
     let mut source = source(&hardware, FrameStart::Triggered, 5000);
     assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
-    assert_eq!(Eye::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!(
+        CameraSide::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
+        [1, 1]
+    );
     assert!((5000..5010).contains(&hardware.borrow().now_us));
 }
 
@@ -657,17 +665,17 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
 #[test]
 fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trace() {
     let (dims, rectification) = (Dims { width: 64, height: 48 }, rectification());
-    let grey = |eye: Eye, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
+    let grey = |eye: CameraSide, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
     let rectified = |torn_after: usize| {
         let mut memory = Box::new(Workspace::new());
         memory.set_rig(&rectification).unwrap();
         let mut sink = MemoryRows::new(&mut *memory, dims);
-        sink.restart(Eye::Left);
+        sink.restart(CameraSide::Left);
         for y in 0..torn_after {
-            sink.row(Eye::Left).fill(y as u8);
-            sink.push(Eye::Left).unwrap();
+            sink.row(CameraSide::Left).fill(y as u8);
+            sink.push(CameraSide::Left).unwrap();
         }
-        for eye in [Eye::Right, Eye::Left] {
+        for eye in [CameraSide::Right, CameraSide::Left] {
             sink.restart(eye);
             for y in 0..48 {
                 assert_eq!(sink.complete(), None);
@@ -676,7 +684,7 @@ fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trac
             }
         }
         assert_eq!(sink.complete(), Some(dims));
-        assert_eq!(sink.push(Eye::Left), Err(RowError::TooMany));
+        assert_eq!(sink.push(CameraSide::Left), Err(RowError::TooMany));
         let [left, right] = memory.views(dims).unwrap();
         [left, right].map(|view| (0..48).flat_map(|y| view.row(y).unwrap()).copied().collect::<Vec<_>>())
     };
@@ -688,14 +696,14 @@ fn frames_refuse_what_does_not_fit() {
     let (mut left, mut right) = ([0; 6], [0; 5]);
     let mut rows = FrameRows::new([&mut left, &mut right], Dims { width: 3, height: 2 });
     for y in 0..2 {
-        rows.row(Eye::Left).fill(y);
-        assert_eq!(rows.push(Eye::Left), Ok(()));
+        rows.row(CameraSide::Left).fill(y);
+        assert_eq!(rows.push(CameraSide::Left), Ok(()));
     }
-    assert_eq!((rows.row(Eye::Left).len(), rows.push(Eye::Left)), (0, Err(RowError::TooMany)));
-    assert_eq!(rows.push(Eye::Right), Err(RowError::Frame { needed: 6, given: 5 }));
+    assert_eq!((rows.row(CameraSide::Left).len(), rows.push(CameraSide::Left)), (0, Err(RowError::TooMany)));
+    assert_eq!(rows.push(CameraSide::Right), Err(RowError::Frame { needed: 6, given: 5 }));
     assert_eq!(rows.complete(), None);
-    rows.restart(Eye::Left);
-    rows.row(Eye::Left).fill(7);
+    rows.restart(CameraSide::Left);
+    rows.row(CameraSide::Left).fill(7);
     assert_eq!(left, [7, 7, 7, 1, 1, 1]);
 }
 
@@ -706,13 +714,13 @@ struct Unfit {
 }
 
 impl RowSink for Unfit {
-    fn restart(&mut self, _: Eye) {}
+    fn restart(&mut self, _: CameraSide) {}
 
-    fn row(&mut self, _: Eye) -> &mut [u8] {
+    fn row(&mut self, _: CameraSide) -> &mut [u8] {
         &mut self.row
     }
 
-    fn push(&mut self, _: Eye) -> Result<(), RowError> {
+    fn push(&mut self, _: CameraSide) -> Result<(), RowError> {
         if self.is_refused { Err(RowError::NoMesh) } else { Ok(()) }
     }
 
@@ -723,7 +731,9 @@ impl RowSink for Unfit {
 
 #[test]
 fn a_rig_that_does_not_fit_is_told() {
-    for (is_refused, expected) in [(true, Report::Refused(Eye::Left, RowError::NoMesh)), (false, Report::Incomplete)] {
+    for (is_refused, expected) in
+        [(true, Report::Refused(CameraSide::Left, RowError::NoMesh)), (false, Report::Incomplete)]
+    {
         let hardware = running(2, 0, 0);
         let (mut rings, mut capture) = (rings(&hardware), Capture::new(LIMITS, FrameStart::Triggered));
         let mut sink = Unfit { row: [0; _], is_refused };

@@ -12,7 +12,7 @@ use linestereo_firmware::boards::rp235x::rows::{
 };
 use linestereo_firmware::capture::{Capture, Fault, Limits, Report, RowRing, RowSink, Signal};
 use linestereo_firmware::ports::FrameStart;
-use linestereo_rig::{Eye, RowError};
+use linestereo_rig::{CameraSide, RowError};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -285,15 +285,15 @@ struct Kept {
 }
 
 impl RowSink for Kept {
-    fn restart(&mut self, eye: Eye) {
+    fn restart(&mut self, eye: CameraSide) {
         self.frames[eye as usize].clear();
     }
 
-    fn row(&mut self, _: Eye) -> &mut [u8] {
+    fn row(&mut self, _: CameraSide) -> &mut [u8] {
         &mut self.row
     }
 
-    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+    fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
         self.frames[eye as usize].extend_from_slice(&self.row);
         Ok(())
     }
@@ -446,7 +446,7 @@ fn expect_fault(bad: Frame, fault: Fault) {
     bench.expect_pair(1, ROWS_SENT);
     let mut reports = bench.send([bad, Frame::good(2, ROWS_SENT)]);
     bench.expect_pair_after(&mut reports, 3);
-    assert_eq!(reports, [Report::Fault(Eye::Left, fault)], "{bad:?}");
+    assert_eq!(reports, [Report::Fault(CameraSide::Left, fault)], "{bad:?}");
     bench.expect_pair(5, ROWS_SENT);
 }
 
@@ -483,7 +483,7 @@ fn too_few_and_too_many_rows_are_seen() {
     let mut bench = Bench::new(ROWS_SENT as u16);
     bench.expect_pair(1, ROWS_SENT);
     let reports = bench.send([Frame::good(2, ROWS_SENT + 1), Frame::good(3, ROWS_SENT)]);
-    assert!(reports.contains(&Report::Fault(Eye::Left, Fault::MissingVsync)), "{reports:?}");
+    assert!(reports.contains(&Report::Fault(CameraSide::Left, Fault::MissingVsync)), "{reports:?}");
     bench.expect_pair(5, ROWS_SENT);
 }
 
@@ -493,7 +493,7 @@ fn a_frame_without_an_end_is_seen() {
     bench.expect_pair(1, ROWS_SENT);
     bench.send([Frame { is_end_missing: true, ..Frame::good(2, ROWS_SENT) }, Frame::good(3, ROWS_SENT)]);
     let reports = bench.send([Frame::good(4, ROWS_SENT), Frame::good(5, ROWS_SENT)]);
-    assert_eq!(reports, [Report::Fault(Eye::Left, Fault::MissingVsync)]);
+    assert_eq!(reports, [Report::Fault(CameraSide::Left, Fault::MissingVsync)]);
     bench.expect_pair(7, ROWS_SENT);
 }
 
@@ -512,7 +512,7 @@ fn an_interrupt_that_comes_after_a_frame_says_so() {
     bench.expect_pair(1, ROWS_SENT);
     bench.cameras[0].borrow_mut().latency = 400_000;
     let reports = bench.send([Frame::good(2, ROWS_SENT), Frame::good(3, ROWS_SENT)]);
-    assert_eq!(reports, [Report::Fault(Eye::Left, Fault::TooSlow)]);
+    assert_eq!(reports, [Report::Fault(CameraSide::Left, Fault::TooSlow)]);
     bench.cameras[0].borrow_mut().latency = 60;
     bench.expect_pair(5, ROWS_SENT);
 }

@@ -11,7 +11,7 @@ use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
 use linestereo_firmware::session::Session;
-use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, RigImage, RigImageError, View};
+use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, RigImage, RigImageError, View};
 use linestereo_wire::*;
 use std::collections::BTreeSet;
 
@@ -224,7 +224,7 @@ fn raw_pairs_are_rectified_row_by_row() {
     // The same frames, rectified whole.
     let image = rig(DIMS);
     let mut twin = Box::new(Workspace::new());
-    for (eye, raw) in Eye::BOTH.into_iter().zip(painted(RAW, Scene::Blocks)) {
+    for (eye, raw) in CameraSide::BOTH.into_iter().zip(painted(RAW, Scene::Blocks)) {
         let mut mesh: Box<Mesh<NODES, 96>> = Box::new(Mesh::new());
         let mut band: Box<Band<{ 200 * 150 }>> = Box::new(Band::new());
         mesh.build(image.rectification(), eye).unwrap();

@@ -14,7 +14,7 @@ use linestereo_firmware::camera::{
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -38,12 +38,12 @@ struct Bench {
 }
 
 /// The grey level of a pixel of a frame.
-fn grey(eye: Eye, frame: u32, x: usize, y: u32) -> u8 {
+fn grey(eye: CameraSide, frame: u32, x: usize, y: u32) -> u8 {
     (x as u32 * 3 + y * 5 + eye as u32 * 77 + frame * 11) as u8
 }
 
 /// A ring that holds the last frame, whose rows are there at once.
-struct Ring(Rc<Bench>, Eye);
+struct Ring(Rc<Bench>, CameraSide);
 
 impl RowRing for Ring {
     fn rows(&self) -> u32 {
@@ -111,7 +111,7 @@ impl Cameras for Sensors {
 fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
     let bench = Rc::new(Bench::default());
     bench.now_us.set(start_us);
-    let rings = Eye::BOTH.map(|eye| Ring(bench.clone(), eye));
+    let rings = CameraSide::BOTH.map(|eye| Ring(bench.clone(), eye));
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
     (bench.clone(), CameraSource::new(rings, Sensors(bench), capture, DIMS, PATIENCE_US))
 }
@@ -132,7 +132,7 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
         expected.set_rig(&rectification()).unwrap();
         expected.restart();
         for y in 0..48 {
-            for eye in Eye::BOTH {
+            for eye in CameraSide::BOTH {
                 let row = expected.raw_row();
                 row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = grey(eye, frame, x, y));
                 expected.push_row(eye).unwrap();
@@ -169,7 +169,7 @@ fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert_eq!(bench.stops.get(), 2, "both are told of, once each");
     let losses = source.losses().unwrap();
-    assert_eq!(Eye::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!(CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
     bench.is_silent.set(false);
     let pair = source.next_pair(&mut *memory, None).unwrap();
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
@@ -203,7 +203,7 @@ impl Timed {
         self.now_us.set(self.now_us.get() + us);
     }
 
-    fn begin(&self, eye: Eye, time_us: u64) {
+    fn begin(&self, eye: CameraSide, time_us: u64) {
         let first = 48 * self.begun[eye as usize].get();
         let start = (time_us, Signal::FrameStart { time_us, row: first });
         let rows = (1..=48).map(|row| {
@@ -217,7 +217,7 @@ impl Timed {
     /// Frames that have started by the level until now.
     fn run(&self) {
         let mut next_us = self.next_us.get();
-        for (eye, next_us) in Eye::BOTH.into_iter().zip(&mut next_us) {
+        for (eye, next_us) in CameraSide::BOTH.into_iter().zip(&mut next_us) {
             while let Some(start_us) = next_us.filter(|&start_us| start_us <= self.now_us.get()) {
                 self.begin(eye, start_us);
                 *next_us = Some(start_us + PERIOD_US);
@@ -232,7 +232,7 @@ impl Timed {
 }
 
 /// Fetching a row takes so long that two cameras at once are not followed.
-struct TimedRing(Rc<Timed>, Eye);
+struct TimedRing(Rc<Timed>, CameraSide);
 
 impl RowRing for TimedRing {
     fn rows(&self) -> u32 {
@@ -273,7 +273,7 @@ struct Exposing {
 impl Cameras for Exposing {
     fn shoot(&mut self) -> bool {
         let now_us = self.bench.now_us.get();
-        for (eye, exposure_us) in Eye::BOTH.into_iter().zip(self.exposures_us) {
+        for (eye, exposure_us) in CameraSide::BOTH.into_iter().zip(self.exposures_us) {
             self.bench.begin(eye, now_us + exposure_us);
         }
         let [left_us, _] = &mut self.exposures_us;
@@ -294,7 +294,7 @@ impl Cameras for Exposing {
 #[test]
 fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
     let bench = Rc::new(Timed::default());
-    let rings = Eye::BOTH.map(|eye| TimedRing(bench.clone(), eye));
+    let rings = CameraSide::BOTH.map(|eye| TimedRing(bench.clone(), eye));
     // Further apart than `pair_us` from the beginning.
     let cameras = Exposing { bench: bench.clone(), exposures_us: [3000, 1000] };
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
@@ -358,7 +358,7 @@ fn held(late_us: [Option<u64>; 2], limits: Limits) -> (Rc<Timed>, CameraSource<T
     };
     let trigger = Trigger::new(Level(bench.clone())).unwrap();
     let cameras = StereoCamera::new((left, right), Some(trigger), Level(bench.clone()), config);
-    let rings = Eye::BOTH.map(|eye| TimedRing(bench.clone(), eye));
+    let rings = CameraSide::BOTH.map(|eye| TimedRing(bench.clone(), eye));
     let capture = Capture::new(limits, FrameStart::Triggered);
     (bench, CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US), fakes)
 }
@@ -433,7 +433,7 @@ fn frames_that_nobody_asked_for_do_not_lower_a_level() {
     let (bench, mut source, _) = held([Some(8000); 2], LIMITS);
     let mut memory = Box::new(Workspace::new());
     assert!(source.next_pair(&mut *memory, None).is_some());
-    for eye in Eye::BOTH {
+    for eye in CameraSide::BOTH {
         bench.begin(eye, bench.now_us.get() + 50);
         bench.pass(PERIOD_US); // too far apart for a pair
     }

@@ -10,7 +10,7 @@ use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -31,7 +31,7 @@ const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
 }
 
 /// What every byte of a camera's row is made of.
-fn paint(eye: Eye, frame: u32, row: u32) -> [u8; WIDTH as usize] {
+fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
     let [a, b, c, _] = frame.to_le_bytes();
     core::array::from_fn(|place| [eye as u8, a, b, c, row as u8, !a, !b, place as u8][place % 8] ^ (place as u8 & 8))
 }
@@ -207,7 +207,7 @@ impl Stream for FakeStream {
 /// The number of the frame that lies in the memory whole, of each camera.
 fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
     let mut found = [0; 2];
-    for ((eye, frame), found) in Eye::BOTH.into_iter().zip(frames).zip(&mut found) {
+    for ((eye, frame), found) in CameraSide::BOTH.into_iter().zip(frames).zip(&mut found) {
         let [_, a, b, c, ..] = *frame else { return Err("no frame".into()) };
         *found = u32::from_le_bytes([a, b, c, 0]);
         for (y, row) in (0..ROWS).zip(frame.chunks(WIDTH.into())) {
@@ -220,7 +220,7 @@ fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
 }
 
 fn both(frame: u32) -> Vec<Vec<u8>> {
-    (0..ROWS).map(|row| [paint(Eye::Left, frame, row), paint(Eye::Right, frame, row)].concat()).collect()
+    (0..ROWS).map(|row| [paint(CameraSide::Left, frame, row), paint(CameraSide::Right, frame, row)].concat()).collect()
 }
 
 const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
@@ -329,11 +329,11 @@ fn ten_thousand_frames_side_by_side_with_faults() {
     assert!(delivered == good, "seed {seed}: others were delivered than were good");
     assert_eq!(capture.losses().faults, expected.faults, "seed {seed}");
     for fault in [Fault::ShortLine, Fault::EarlyVsync, Fault::MissingVsync, Fault::Overrun] {
-        assert!(expected.faults[Eye::Left as usize][fault as usize] > 100, "{fault:?} was hardly ever injected");
+        assert!(expected.faults[CameraSide::Left as usize][fault as usize] > 100, "{fault:?} was hardly ever injected");
     }
     // Set to the start of the ring after wrong rows and overruns, and only then.
-    let restarts = expected.faults[Eye::Left as usize][Fault::ShortLine as usize]
-        + expected.faults[Eye::Left as usize][Fault::Overrun as usize];
+    let restarts = expected.faults[CameraSide::Left as usize][Fault::ShortLine as usize]
+        + expected.faults[CameraSide::Left as usize][Fault::Overrun as usize];
     assert_eq!(fake.borrow().restarts, restarts);
 }
 
@@ -392,17 +392,17 @@ struct FakeSwitch {
     fake: Rc<RefCell<Fake>>,
     /// Of the frames of both cameras.
     count: u32,
-    shots: Rc<RefCell<Vec<Eye>>>,
+    shots: Rc<RefCell<Vec<CameraSide>>>,
     /// This shot's frame is short by a row.
     short: Option<u32>,
 }
 
 impl Switch for FakeSwitch {
-    fn shoot(&mut self, eye: Eye) -> bool {
+    fn shoot(&mut self, eye: CameraSide) -> bool {
         let mut fake = self.fake.borrow_mut();
         let has_rows = fake.steps.iter().any(|step| matches!(step.1, Step::Begin(_) | Step::Row(_)));
         assert!(!has_rows, "a camera is switched off in the middle of its frame");
-        if eye == Eye::Right {
+        if eye == CameraSide::Right {
             assert!(fake.steps.is_empty(), "the left frame has not ended");
         }
         let rows = if self.short == Some(self.count) { ROWS - 1 } else { ROWS };
@@ -461,9 +461,9 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     assert_eq!(seen, [Some([0, 1]), Some([2, 3]), None, Some([5, 6]), Some([7, 8])]);
     // Four pairs whose frames have both started, and five ends of waiting.
     assert_eq!(let_go.get(), 4 + 5);
-    let [l, r] = Eye::BOTH;
+    let [l, r] = CameraSide::BOTH;
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
-    assert_eq!(source.losses().unwrap().faults[Eye::Left as usize][Fault::EarlyVsync as usize], 1);
+    assert_eq!(source.losses().unwrap().faults[CameraSide::Left as usize][Fault::EarlyVsync as usize], 1);
     assert_eq!(source.losses().unwrap().faults[1], [0; 7]);
 }
 

@@ -84,12 +84,12 @@ impl KeptImage {
             self.pixels.extend_from_slice(image.row(y).unwrap_or(&[]));
         }
         self.usable.clear();
-        self.usable.extend_from_slice(image.usable());
+        self.usable.extend_from_slice(image.valid());
     }
 
     fn view(&self, dims: Dims) -> Result<Gray<'_>, ViewError> {
         let view = Gray::new(&self.pixels, dims, dims.width.into())?;
-        if self.usable.is_empty() { Ok(view) } else { view.with_usable(&self.usable) }
+        if self.usable.is_empty() { Ok(view) } else { view.with_valid(&self.usable) }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use linestereo::Dims;
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Calibration, Camera, Eye, Lens};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 use linestereo_sim::calibration::{
     Board, BoardFinder, BoardPair, ChessFinder, Estimate, EstimateError, LensModel, NotFound, Options, Verdict, assess,
     estimate, find_pairs,
@@ -77,7 +77,7 @@ impl Placed {
     fn anywhere(rig: &Calibration, board: &Board, random: &mut Random) -> Self {
         let mut angle = |limit: f64| random.uniform(-limit, limit);
         let rotation = rows_of(quaternion([angle(0.6), angle(0.6), angle(0.4)]));
-        let camera = rig.camera(Eye::Left);
+        let camera = rig.camera(CameraSide::Left);
         let at = [random.uniform(0.15, 0.85) * 640.0, random.uniform(0.15, 0.85) * 480.0];
         let [x, y] = camera.unproject(at).unwrap();
         let depth = random.uniform(0.22, 0.5) * camera.focal()[0] / 520.0;
@@ -103,16 +103,16 @@ fn boards(rig: &Calibration, board: &Board, count: usize, noise: f64, random: &m
     let mut pairs = Vec::new();
     while pairs.len() < count {
         let placed = Placed::anywhere(rig, board, random);
-        let seen = |eye: Eye| -> Option<Vec<[f64; 2]>> {
+        let seen = |eye: CameraSide| -> Option<Vec<[f64; 2]>> {
             let camera = rig.camera(eye);
             let at = |place: [f64; 2]| {
                 let point = placed.in_left(place);
-                let point = if eye == Eye::Left { point } else { in_right(rig, point) };
+                let point = if eye == CameraSide::Left { point } else { in_right(rig, point) };
                 camera.project(point).filter(|&at| camera.is_inside(at))
             };
             board.points().into_iter().map(at).collect()
         };
-        if let (Some(left), Some(right)) = (seen(Eye::Left), seen(Eye::Right)) {
+        if let (Some(left), Some(right)) = (seen(CameraSide::Left), seen(CameraSide::Right)) {
             let mut noisy = |corners: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
                 corners.into_iter().map(|at| at.map(|v| v + noise * random.normal())).collect()
             };
@@ -130,7 +130,7 @@ fn truth(rig: &Calibration, name: &str) -> f64 {
         let vector = linestereo_sim::input::rig_file::rotation_vector(rig.rotation());
         return if name.starts_with('r') { vector[axis] } else { rig.translation()[axis] };
     }
-    let camera = rig.camera(if part == "left" { Eye::Left } else { Eye::Right });
+    let camera = rig.camera(if part == "left" { CameraSide::Left } else { CameraSide::Right });
     let numbered = |values: &[f64]| values[name[1..].parse::<usize>().unwrap() - 1];
     match (name, camera.lens()) {
         ("fx", _) => camera.focal()[0],
@@ -244,7 +244,7 @@ fn few_parallel_boards_are_not_called_good() {
     let (_, rig, lens) = rigs().remove(0);
     let random = &mut Random(9);
     let flat = rows_of(quaternion([0.0, 0.02, 0.0]));
-    let camera = rig.camera(Eye::Left);
+    let camera = rig.camera(CameraSide::Left);
     let pairs: Vec<BoardPair> = (0..6)
         .map(|i| {
             let place = Placed { rotation: flat, shift: [-0.1 + 0.01 * f64::from(i), -0.06, 0.45] };
@@ -252,7 +252,7 @@ fn few_parallel_boards_are_not_called_good() {
             let left = points.iter().map(|&at| camera.project(placed_point(&place, at)).unwrap());
             let right = points
                 .iter()
-                .map(|&at| rig.camera(Eye::Right).project(in_right(&rig, placed_point(&place, at))).unwrap());
+                .map(|&at| rig.camera(CameraSide::Right).project(in_right(&rig, placed_point(&place, at))).unwrap());
             let [left, right] = [left.collect::<Vec<_>>(), right.collect()];
             let mut noisy =
                 |corners: Vec<[f64; 2]>| corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect();
@@ -290,7 +290,7 @@ struct Photographer {
 const RAYS: usize = 3;
 
 impl Photographer {
-    fn new(rig: &Calibration, eye: Eye) -> Self {
+    fn new(rig: &Calibration, eye: CameraSide) -> Self {
         let camera = rig.camera(eye);
         let dims = camera.dims();
         let (width, height) = (usize::from(dims.width), usize::from(dims.height));
@@ -348,7 +348,7 @@ fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImag
         [-0.06, 0.0, 0.0],
     );
     let rig = rig.unwrap();
-    let photographers = Eye::BOTH.map(|eye| Photographer::new(&rig, eye));
+    let photographers = CameraSide::BOTH.map(|eye| Photographer::new(&rig, eye));
     let random = &mut Random(seed);
     let mut photos = Vec::new();
     while photos.len() < count {
@@ -361,8 +361,8 @@ fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImag
         let far = [-1.0, board.cols() as f64].map(|c| [-1.0, board.rows() as f64].map(|r| [0.025 * c, 0.025 * r]));
         let whole = far.iter().flatten().all(|&at| {
             let point = placed.in_left(at);
-            Eye::BOTH.into_iter().all(|eye| {
-                let point = if eye == Eye::Left { point } else { in_right(&rig, point) };
+            CameraSide::BOTH.into_iter().all(|eye| {
+                let point = if eye == CameraSide::Left { point } else { in_right(&rig, point) };
                 rig.camera(eye).project(point).is_some_and(|at| rig.camera(eye).is_inside(at))
             })
         });
@@ -402,7 +402,7 @@ fn boards_are_found_in_drawn_photos() {
         let estimate = estimate(&board, photos[0][0].dims, &pairs, &Options::default()).unwrap();
         assert!(estimate.rms < 0.1, "{board}: {}", estimate.rms);
         assert!((estimate.calibration.baseline() / rig.baseline() - 1.0).abs() < 0.005, "{board}");
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             let (found, put) = (estimate.calibration.camera(eye).focal()[0], rig.camera(eye).focal()[0]);
             assert!((found / put - 1.0).abs() < 0.005, "{board}: {found} for {put}");
         }
@@ -416,7 +416,7 @@ fn boards_are_found_in_drawn_photos() {
 fn mirrored_photos_and_wrong_sizes_are_named() {
     let (_, photos) = photos(&board(), 8, 4);
     let options = Options::default();
-    for (side, eye) in [(0, Eye::Left), (1, Eye::Right)] {
+    for (side, eye) in [(0, CameraSide::Left), (1, CameraSide::Right)] {
         let mut turned = photos.clone();
         turned.iter_mut().for_each(|pair| pair[side] = mirrored(&pair[side]));
         let pairs = found(&board(), &turned);

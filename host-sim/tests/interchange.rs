@@ -5,7 +5,7 @@
 
 use core::time::Duration;
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Eye, Lens, View};
+use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_sim::input::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
@@ -64,7 +64,7 @@ fn assert_is_the_example(found: &Imported) {
             assert!((seen - expected).abs() < 1e-12, "{}: {point:?} is at {seen:?}", found.format);
         }
     }
-    let (left, right) = (calibration.camera(Eye::Left), calibration.camera(Eye::Right));
+    let (left, right) = (calibration.camera(CameraSide::Left), calibration.camera(CameraSide::Right));
     assert_eq!((left.dims(), left.focal(), left.centre()), (SIZE, [500.0, 501.0], [320.0, 240.0]));
     assert_eq!((right.focal(), right.centre()), ([510.0, 511.0], [322.0, 242.0]));
     assert_eq!(left.lens(), Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [0.001, 0.002] });
@@ -240,12 +240,12 @@ fn what_is_written_is_read_back_as_the_same_numbers() {
 fn fisheyes_and_skew_are_carried_or_refused() {
     let fisheye = KALIBR.replace("radtan", "equidistant");
     let rig = good(&[&fisheye]).rig;
-    let lens = rig.calibration.camera(Eye::Right).lens();
+    let lens = rig.calibration.camera(CameraSide::Right).lens();
     assert_eq!(lens, Lens::Fisheye { k: [-0.2, 0.05, 0.003, 0.004] });
     for to in [Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
         let written = export(&rig, to).unwrap();
         let found = good(&written.texts.iter().map(String::as_str).collect::<Vec<_>>());
-        assert_eq!(found.rig.calibration.camera(Eye::Right), rig.calibration.camera(Eye::Right), "{to}");
+        assert_eq!(found.rig.calibration.camera(CameraSide::Right), rig.calibration.camera(CameraSide::Right), "{to}");
     }
     // One of each, a k3 and a skew: formats that cannot say so refuse to.
     let mixed = good(&[&KALIBR.replacen("radtan", "equidistant", 1)]).rig;
@@ -256,7 +256,7 @@ fn fisheyes_and_skew_are_carried_or_refused() {
     let skew = good(&[&opencv().replace("500., 0., 320.", "500., 0.5, 320.")]).rig;
     assert!(refused(&skew, Format::Kalibr) && refused(&skew, Format::Euroc));
     let again = good(&[&export(&skew, Format::OpencvXml).unwrap().texts[0]]);
-    assert_eq!(again.rig.calibration.camera(Eye::Left).skew(), 0.5);
+    assert_eq!(again.rig.calibration.camera(CameraSide::Left).skew(), 0.5);
 }
 
 #[test]
@@ -335,9 +335,9 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     let fisheye = Lens::Fisheye { k: [-0.3, 0.1, 0.001, 0.002] };
     let options = Options { lens: Some(LensModel::Fisheye), ..Options::default() };
     let found = read(&[&four], &options).unwrap();
-    assert_eq!(found.rig.calibration.camera(Eye::Left).lens(), fisheye);
+    assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
     let found = good(&[&four.replace("image_width", "fisheye_model: 1\nimage_width")]);
-    assert_eq!(found.rig.calibration.camera(Eye::Left).lens(), fisheye);
+    assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
     let found = read(&[&opencv()], &options).unwrap_err();
     assert!(matches!(found.problem, Problem::Shape { .. }), "five coefficients are no fisheye: {found}");
 }
@@ -401,7 +401,7 @@ fn errors_name_the_line() {
     let swapped = yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06");
     assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Swapped)));
     let focal = bad(&[&yaml.replace("500., 0.", "-500., 0.")]);
-    assert!(matches!(focal, (Some(l), Problem::Camera(Eye::Left, _)) if l == m1), "{focal:?}");
+    assert!(matches!(focal, (Some(l), Problem::Camera(CameraSide::Left, _)) if l == m1), "{focal:?}");
     assert!(matches!(bad(&[&(yaml.clone() + "T: 3\n")]), (Some(_), Problem::Duplicate(_))));
     assert!(matches!(bad(&[opencv_xml().replace("0. 501.", "0. x").as_str()]), (Some(8), Problem::NotANumber { .. })));
     assert!(matches!(bad(&[&KALIBR.replace("radtan", "fov")]), (Some(5), Problem::Model(_))));
@@ -491,7 +491,7 @@ fn the_euroc_rig_is_the_one_that_others_read_from_it() {
     let calibration = found.rig.calibration;
     assert_eq!(found.format, Format::Euroc);
     assert!((calibration.baseline() - 47.906_393_844_239_01 / 435.204_695_971_459_9).abs() < 1e-6);
-    assert_eq!(calibration.camera(Eye::Left).focal(), [458.654, 457.296]);
+    assert_eq!(calibration.camera(CameraSide::Left).focal(), [458.654, 457.296]);
     let [left, right] = calibration.rectify(Dims { width: 752, height: 480 }, View::default()).unwrap().rotations();
     let orb_left = [
         [0.999_966_347_530_033, -0.001_422_739_138_722_922, 0.008_079_580_483_432_283],
@@ -527,7 +527,7 @@ fn an_opencv_file_with_its_own_rectification() {
     let rectified = calibration.rectify_as(SIZE, stored.rotations, stored.focal, stored.centre).unwrap();
     for point in [[0.1, -0.2, 1.0], [-0.5, 0.3, 2.0], [1.0, 0.5, 5.0]] {
         let in_right = seen_from_right(&calibration, point);
-        let raw = [(Eye::Left, point), (Eye::Right, in_right)]
+        let raw = [(CameraSide::Left, point), (CameraSide::Right, in_right)]
             .map(|(eye, point)| rectified.rectified(eye, calibration.camera(eye).project(point).unwrap()).unwrap());
         let [a, b, c] = stored.rotations[0][2];
         let depth = a * point[0] + b * point[1] + c * point[2];
@@ -553,8 +553,8 @@ fn real_files_that_are_no_rig_say_what_is_missing() {
     let pose = folder_with_pose();
     let paths = [folder.join("intrinsics.yml"), pose.path().join("extrinsics.yml")];
     let found = load_rig(&paths, &options).unwrap().rig.calibration;
-    assert_eq!(found.camera(Eye::Left).focal(), [534.803_268_450_513_1; 2]);
-    assert_eq!(found.camera(Eye::Right).centre(), [334.557_445_279_120_15, 242.053_245_733_766]);
+    assert_eq!(found.camera(CameraSide::Left).focal(), [534.803_268_450_513_1; 2]);
+    assert_eq!(found.camera(CameraSide::Right).centre(), [334.557_445_279_120_15, 242.053_245_733_766]);
 }
 
 fn folder_with_pose() -> TempDir {

@@ -9,7 +9,7 @@ use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_firmware::programs::pixels;
-use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, View};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -324,9 +324,9 @@ fn pixels_without_source_are_not_used_on_a_board() {
     assert_eq!((found.counts.segments_left_dropped, found.counts.segments_right_dropped), (0, 0));
 
     let mut rectifier = PairRectifier::new(rig.rectification()).unwrap();
-    let usable = Eye::BOTH.map(|eye| rectifier.facts(eye).usable);
+    let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
     let (left, right) = rectifier.pair(&left, &right).unwrap();
-    let view = |image: &'static GrayImage, spans: &'static [Span]| image.view().unwrap().with_usable(spans).unwrap();
+    let view = |image: &'static GrayImage, spans: &'static [Span]| image.view().unwrap().with_valid(spans).unwrap();
     let [left_spans, right_spans] = usable.map(|spans| &*Box::leak(spans.into_boxed_slice()));
     let [left, right] = [left, right].map(|image| &*Box::leak(Box::new(image)));
     let mut engine = Engine::new(&params, board.largest).unwrap();

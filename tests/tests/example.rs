@@ -1,10 +1,65 @@
-//! The firmware example of the README, built for a Cortex-M7 as a package outside of this workspace.
+//! The firmware example of the README, built for boards as a package outside of this workspace.
 
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_tests::board::or_skip;
-use std::path::Path;
+use object::{Object as _, ObjectSection as _};
+use std::path::{Path, PathBuf};
 
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// Objects of the core as it is built for a target, by a package outside of this workspace.
+fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u8> {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    // A copy elsewhere: no configuration of this workspace reaches it.
+    let folder = tempfile::tempdir().unwrap();
+    let core = top.join("core").canonicalize().unwrap();
+    let example = top.join("docs/firmware-example");
+    let manifest = std::fs::read_to_string(example.join("Cargo.toml")).unwrap();
+    std::fs::create_dir(folder.path().join("src")).unwrap();
+    let manifest = manifest.replace("../../core", core.to_str().unwrap());
+    std::fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
+    for name in ["Cargo.lock", "src/lib.rs"] {
+        std::fs::copy(example.join(name), folder.path().join(name)).unwrap();
+    }
+    let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware-example").join(features.join("-"));
+    let mut cargo = toolchain.cargo();
+    cargo.args([
+        "build",
+        "--release",
+        "--locked",
+        "--target",
+        target,
+        "--features",
+        &features.join(","),
+        "--target-dir",
+    ]);
+    let built = cargo.arg(&built_in).current_dir(folder.path()).output().unwrap();
+    assert!(built.status.success(), "{target}: {}", String::from_utf8_lossy(&built.stderr));
+    let libraries =
+        std::fs::read_dir(built_in.join(target).join("release/deps")).unwrap().map(|entry| entry.unwrap().path());
+    let is_core = |path: &PathBuf| {
+        path.extension().is_some_and(|kind| kind == "rlib") && path.to_str().unwrap().contains("/liblinestereo-")
+    };
+    let newest = libraries.filter(is_core).max_by_key(|path| path.metadata().unwrap().modified().unwrap());
+    std::fs::read(newest.unwrap()).unwrap()
+}
+
+/// Instructions USADA8 (Armv7-M Architecture Reference Manual, A7.7.201) in the code of a library.
+fn differences(library: &[u8]) -> usize {
+    let archive = object::read::archive::ArchiveFile::parse(library).unwrap();
+    let members = archive.members().map(|member| member.unwrap().data(library).unwrap());
+    let files = members.filter_map(|data| object::File::parse(data).ok());
+    let of_file = |file: object::File<'_>| -> usize {
+        let code = file.sections().filter(|section| section.kind() == object::SectionKind::Text);
+        let count = |data: &[u8]| {
+            let halves: Vec<u16> = data.chunks_exact(2).map(|half| u16::from_le_bytes([half[0], half[1]])).collect();
+            halves
+                .windows(2)
+                .filter(|two| two[0] & 0xfff0 == 0xfb70 && two[1] & 0xf0 == 0 && two[1] >> 12 != 15)
+                .count()
+        };
+        code.map(|section| count(section.data().unwrap())).sum()
+    };
+    files.map(of_file).sum()
+}
 
 #[test]
 fn the_readme_shows_firmware_that_builds() {
@@ -12,24 +67,20 @@ fn the_readme_shows_firmware_that_builds() {
     let source = std::fs::read_to_string(top.join("docs/firmware-example/src/lib.rs")).unwrap();
     let readme = std::fs::read_to_string(top.join("README.md")).unwrap();
     assert!(readme.contains(&format!("```rust\n{source}```\n")), "docs/firmware-example/src/lib.rs is shown as it is");
+}
 
-    let Some(toolchain) = or_skip(Toolchain::for_target(TARGET)) else { return };
-    // A copy elsewhere: no configuration of this workspace reaches it.
-    let folder = tempfile::tempdir().unwrap();
-    let core = top.join("core").canonicalize().unwrap();
-    let manifest = std::fs::read_to_string(top.join("docs/firmware-example/Cargo.toml")).unwrap();
-    let manifest = manifest.replace("../../core", core.to_str().unwrap());
-    std::fs::create_dir(folder.path().join("src")).unwrap();
-    std::fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
-    std::fs::write(folder.path().join("src/lib.rs"), source).unwrap();
-    // The versions that the workspace has.
-    std::fs::copy(top.join("docs/firmware-example/Cargo.lock"), folder.path().join("Cargo.lock")).unwrap();
-    let built = toolchain
-        .cargo()
-        .args(["build", "--release", "--locked", "--target", TARGET, "--target-dir"])
-        .arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware-example"))
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+/// Whoever depends on the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a feature.
+#[test]
+fn firmware_elsewhere_gets_the_kernels() {
+    let cases: [(&str, &[&str], bool); 3] = [
+        ("thumbv7em-none-eabihf", &[], true),
+        ("thumbv8m.main-none-eabihf", &["dsp"], true),
+        ("thumbv8m.main-none-eabihf", &[], false),
+    ];
+    for (target, features, has_kernels) in cases {
+        let Some(toolchain) = or_skip(Toolchain::for_target(target)) else { return };
+        let count = differences(&core_objects(&toolchain, target, features));
+        assert_eq!(count > 20, has_kernels, "{target}, features {features:?}: {count} USADA8");
+        assert!(has_kernels || count == 0, "{target}: {count}");
+    }
 }

@@ -6,7 +6,7 @@
 use linestereo::health::HealthMonitor;
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Eye, Rectification, View};
+use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::input::interchange::{Options, load_rig};
 use linestereo_sim::input::{Perturbation, Scene, find_scenes, load_gray, load_scene};
@@ -372,7 +372,7 @@ fn a_small_view_is_named_and_its_border_is_not_looked_at() {
         let spans = [Span { start: margin + 4, end: 316 - margin }; 240];
         let (left, right) = (cut(&pair.left), cut(&pair.right));
         let (left, right) = (left.view().unwrap(), right.view().unwrap());
-        let (left, right) = (left.with_usable(&spans).unwrap(), right.with_usable(&spans).unwrap());
+        let (left, right) = (left.with_valid(&spans).unwrap(), right.with_valid(&spans).unwrap());
         let health = Rig::new(DIMS, 64).watch(left, right, None);
         assert_eq!(health.flags, expected, "{margin}: {health:?}");
         assert_eq!(health.cameras[0].view_permille, (312 - 2 * margin) * 25 / 8, "{margin}");
@@ -529,7 +529,7 @@ fn rows_of_euroc_pairs_after_rectification() {
             let raw = ["left.png", "right.png"].map(|name| load_gray(&folder.join(name)).unwrap());
             let name = folder.file_name().unwrap().to_string_lossy();
             let [left, right] =
-                Eye::BOTH.map(|eye| rectified(&rectification, eye, &raw[usize::from(eye == Eye::Right)]));
+                CameraSide::BOTH.map(|eye| rectified(&rectification, eye, &raw[usize::from(eye == CameraSide::Right)]));
             let health = alone(&left, &right, max_disparity);
             eprintln!(
                 "{name} at {dims}: {:?}, {}",
@@ -546,7 +546,7 @@ fn rows_of_euroc_pairs_after_rectification() {
 }
 
 /// By the mean of nine bilinear samples a pixel where the image becomes smaller.
-fn rectified(rectification: &Rectification, eye: Eye, raw: &GrayImage) -> GrayImage {
+fn rectified(rectification: &Rectification, eye: CameraSide, raw: &GrayImage) -> GrayImage {
     let dims = rectification.dims();
     let (width, height) = (i32::from(raw.dims.width), i32::from(raw.dims.height));
     let at = |x: i32, y: i32| f64::from(raw.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]);

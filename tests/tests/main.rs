@@ -26,5 +26,5 @@ mod rectify;
 mod rig;
 mod rig_image;
 mod units;
-mod usable;
+mod valid_pixels;
 mod view;

@@ -210,10 +210,10 @@ fn what_cannot_be_answered_is_named() {
     // Spans that leave out the pixel, or all right columns it could match.
     let summary = *matched.summary();
     let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
-    let cut = l.with_usable(&spans).unwrap();
+    let cut = l.with_valid(&spans).unwrap();
     let mut matched = plan.resume(&summary, [cut, r], small.view()).unwrap();
     assert_eq!(matched.pixel((50, 50), None), Err(PixelRejection::Outside));
-    let cut = r.with_usable(&spans).unwrap();
+    let cut = r.with_valid(&spans).unwrap();
     let mut matched = plan.resume(&summary, [l, cut], small.view()).unwrap();
     assert_eq!(matched.pixel((62, 50), None), Err(PixelRejection::NearBorder));
 

@@ -6,7 +6,8 @@
 use linestereo::{Dims, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{
-    Band, Calibration, Camera, Eye, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes, mesh_nodes,
+    Band, Calibration, Camera, CameraSide, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes,
+    mesh_nodes,
 };
 use linestereo_sim::input::load_gray;
 use linestereo_tests::captured;
@@ -105,14 +106,14 @@ fn quaternion(m: [[f64; 3]; 3]) -> [f64; 4] {
     [w, (m[2][1] - m[1][2]) / (4.0 * w), (m[0][2] - m[2][0]) / (4.0 * w), (m[1][0] - m[0][1]) / (4.0 * w)]
 }
 
-fn mesh(rectification: &Rectification, eye: Eye) -> Box<LargeMesh> {
+fn mesh(rectification: &Rectification, eye: CameraSide) -> Box<LargeMesh> {
     let mut mesh = Box::new(LargeMesh::new());
     mesh.build(rectification, eye).unwrap();
     mesh
 }
 
 /// Largest distance of the mesh from the exact source over all pixels that have one, px; and the share of pixels that have one.
-fn error(rectification: &Rectification, eye: Eye) -> (f64, f64) {
+fn error(rectification: &Rectification, eye: CameraSide) -> (f64, f64) {
     let mesh = mesh(rectification, eye);
     let dims = rectification.dims();
     let (mut worst, mut valid) = (0.0_f64, 0);
@@ -148,7 +149,7 @@ fn rigs() -> Vec<(String, Calibration, Dims)> {
 fn mesh_is_within_a_thirtieth_of_a_pixel() {
     for (name, calibration, dims) in rigs() {
         let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             let (worst, _) = error(&rectification, eye);
             let stated = mesh(&rectification, eye).error();
             let rounding = 1.5e-3;
@@ -163,7 +164,7 @@ fn with_alpha_0_every_pixel_has_a_source() {
     for (name, calibration, dims) in rigs() {
         let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
         let mut touching = 0;
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             let (mesh, raw) = (mesh(&rectification, eye), rectification.camera(eye).dims());
             for y in 0..dims.height {
                 assert_eq!(
@@ -191,7 +192,7 @@ fn with_alpha_1_every_raw_pixel_is_inside() {
             continue; // wider than a flat image shows
         }
         let rectification = calibration.rectify(dims, View::Alpha(1.0)).unwrap();
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             let raw = rectification.camera(eye).dims();
             let (w, h) = (raw.width - 1, raw.height - 1);
             let border = (0..=w).flat_map(|x| [(x, 0), (x, h)]).chain((0..=h).flat_map(|y| [(0, y), (w, y)]));
@@ -243,7 +244,7 @@ fn rows_are_bilinear_at_the_positions_of_the_mesh() {
     for (name, calibration, dims) in rigs() {
         for alpha in [0.0, 0.6, 1.0] {
             let rectification = calibration.rectify(dims, View::Alpha(alpha)).unwrap();
-            let mesh = mesh(&rectification, Eye::Right);
+            let mesh = mesh(&rectification, CameraSide::Right);
             let raw_dims = mesh.raw_dims();
             let raw = noise(raw_dims, 3);
             let frame = rectify(&mesh, &mut band, &raw);
@@ -268,7 +269,7 @@ fn rows_are_bilinear_at_the_positions_of_the_mesh() {
 fn a_restart_leaves_nothing_behind() {
     let (_, calibration, dims) = rigs().swap_remove(5);
     let rectification = calibration.rectify(dims, View::Alpha(1.0)).unwrap();
-    let mesh = mesh(&rectification, Eye::Left);
+    let mesh = mesh(&rectification, CameraSide::Left);
     let (first, second) = (noise(mesh.raw_dims(), 5), noise(mesh.raw_dims(), 6));
     let mut band = Box::new(LargeBand::new());
     let expected = rectify(&mesh, &mut band, &second);
@@ -288,11 +289,11 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
     let mut small = Box::new(Mesh::<100, 240>::new());
     let needed = mesh_nodes(dims);
-    assert_eq!(small.build(&rectification, Eye::Left), Err(MeshError::Nodes { needed, given: 100 }));
+    assert_eq!(small.build(&rectification, CameraSide::Left), Err(MeshError::Nodes { needed, given: 100 }));
     let mut low = Box::new(Mesh::<{ mesh_nodes(QVGA) }, 239>::new());
-    assert_eq!(low.build(&rectification, Eye::Left), Err(MeshError::Rows { needed: 240, given: 239 }));
+    assert_eq!(low.build(&rectification, CameraSide::Left), Err(MeshError::Rows { needed: 240, given: 239 }));
 
-    let mesh = mesh(&rectification, Eye::Left);
+    let mesh = mesh(&rectification, CameraSide::Left);
     let mut frame = vec![9; 320 * 240];
     let given = 320 * 4;
     let row = [100; 320];
@@ -317,7 +318,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
 fn a_band_of_exactly_the_stated_size_is_enough_and_one_row_less_is_not() {
     let (_, calibration, dims) = rigs().swap_remove(1);
     let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
-    let mesh = mesh(&rectification, Eye::Left);
+    let mesh = mesh(&rectification, CameraSide::Left);
     assert!(mesh.band_bytes() < 24 * 1024, "{} bytes", mesh.band_bytes());
     // As a rectified row needs them: from its least raw row to the last one that has come when it is written.
     let (mut held, mut last) = (0, 0);
@@ -375,8 +376,8 @@ fn captured() -> Option<Captured> {
 }
 
 /// Raw position of a rectified pixel as OpenCV's documentation of `initUndistortRectifyMap` writes it; nothing of ours.
-fn opencv_source(xml: &str, eye: Eye, [x, y]: [f64; 2]) -> [f64; 2] {
-    let of = |name: &str| matrix(xml, &format!("{name}{}", if eye == Eye::Left { 1 } else { 2 }));
+fn opencv_source(xml: &str, eye: CameraSide, [x, y]: [f64; 2]) -> [f64; 2] {
+    let of = |name: &str| matrix(xml, &format!("{name}{}", if eye == CameraSide::Left { 1 } else { 2 }));
     let (m, d, r, p) = (of("M"), of("D"), of("R"), of("P"));
     let ray = [(x - p[2]) / p[0], (y - p[6]) / p[5], 1.0];
     // The inverse of a rotation: its columns.
@@ -393,7 +394,7 @@ fn opencv_source(xml: &str, eye: Eye, [x, y]: [f64; 2]) -> [f64; 2] {
 fn captured_pair_is_rectified_as_opencv_does() {
     let Some(Captured { raw, rectification, xml, .. }) = captured() else { return };
     let mut band = Box::new(LargeBand::new());
-    for (eye, raw) in Eye::BOTH.into_iter().zip(&raw) {
+    for (eye, raw) in CameraSide::BOTH.into_iter().zip(&raw) {
         let mesh = mesh(&rectification, eye);
         let frame = rectify(&mesh, &mut band, &raw.pixels);
         let dims = mesh.dims();
@@ -445,12 +446,12 @@ fn captured_rotations_are_ours() {
         }
     }
     let translation = r2[0].map(|r| r * p[3] / p[0]);
-    let [left, right] = Eye::BOTH.map(|eye| *rectification.camera(eye));
+    let [left, right] = CameraSide::BOTH.map(|eye| *rectification.camera(eye));
     let calibration = Calibration::new(left, right, quaternion(rotation), translation).unwrap();
     let ours = calibration.rectify(raw[0].dims, View::Focal(p[0])).unwrap();
     let [dx, dy] = [0, 1].map(|i| ours.centre()[i] - rectification.centre()[i]);
     let mut worst = 0.0_f64;
-    for eye in Eye::BOTH {
+    for eye in CameraSide::BOTH {
         for (x, y) in [(100.0, 80.0), (500.0, 100.0), (320.0, 240.0), (120.0, 400.0), (560.0, 380.0)] {
             let theirs = rectification.source(eye, [x, y]).unwrap();
             let same = ours.source(eye, [x + dx, y + dy]).unwrap();
@@ -552,8 +553,8 @@ fn points_far_away_lie_at_the_same_place_in_both_rectified_images() {
         for (x, y) in [(20.0, 30.0), (80.0, 60.0), (100.0, 20.0)] {
             for depth in [1e7, 2.0] {
                 // By the rig alone: a point in the left camera's coordinates, then in the right one's.
-                let left_raw = rectification.source(Eye::Left, [x, y]).unwrap();
-                let [a, b] = rectification.camera(Eye::Left).unproject(left_raw).unwrap();
+                let left_raw = rectification.source(CameraSide::Left, [x, y]).unwrap();
+                let [a, b] = rectification.camera(CameraSide::Left).unproject(left_raw).unwrap();
                 let ray = [a, b, 1.0];
                 // Distance along the common z axis: that of the ray's length for the wanted depth.
                 let common = [(x - cx) / focal, (y - cy) / focal, 1.0];
@@ -562,8 +563,8 @@ fn points_far_away_lie_at_the_same_place_in_both_rectified_images() {
                 let moved = rotated(calibration.rotation(), point);
                 let t = calibration.translation();
                 let right = [0, 1, 2].map(|i| moved[i] + t[i]);
-                let right_raw = rectification.camera(Eye::Right).project(right).unwrap();
-                let [rx, ry] = rectification.rectified(Eye::Right, right_raw).unwrap();
+                let right_raw = rectification.camera(CameraSide::Right).project(right).unwrap();
+                let [rx, ry] = rectification.rectified(CameraSide::Right, right_raw).unwrap();
                 let disparity = focal * baseline / depth;
                 assert!(
                     (x - rx - disparity).abs() < 1e-4 && (y - ry).abs() < 1e-4,

@@ -5,7 +5,9 @@ use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Dims, Params};
 use linestereo_firmware::rig_store::{LayoutError, RigKeeper as _, RigStore, Slot, SlotError, StoreError};
-use linestereo_rig::{Calibration, Camera, Eye, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View};
+use linestereo_rig::{
+    Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View,
+};
 use std::panic::catch_unwind;
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -225,7 +227,7 @@ fn the_number_that_is_refused_has_a_name() {
         assert!(error.to_string().contains(says), "{error} does not say {says}");
     }
     let wrong = RigImage::decode(&resealed(good, 96, &0.0_f64.to_le_bytes()));
-    assert!(matches!(wrong, Err(RigImageError::Camera(Eye::Left, _))));
+    assert!(matches!(wrong, Err(RigImageError::Camera(CameraSide::Left, _))));
     let pair = calibration(barrel(), barrel());
     let wrong = RigImage::new(pair, QVGA, View::Focal(f64::NAN), (0, 64));
     assert!(matches!(wrong, Err(RigImageError::View(RectifyError::Rig(_)))), "{wrong:?}");

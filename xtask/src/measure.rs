@@ -7,7 +7,7 @@ use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, Params};
-use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, View};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, Costs, Machine, update};
 use linestereo_sim::input::rectify::PairRectifier;
@@ -174,7 +174,7 @@ fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
         let mut replayed = machine.run_raw_pairs(&rig, &params, &[(&rendering.left, &rendering.right)])?;
         let found = replayed.pairs.pop().context("no pair was answered")??;
         let rectifier = PairRectifier::new(rig.rectification())?;
-        let band = Eye::BOTH.map(|eye| rectifier.facts(eye).band_bytes as u64);
+        let band = CameraSide::BOTH.map(|eye| rectifier.facts(eye).band_bytes as u64);
         let pair = RawPair {
             rectification: found.rectification,
             matching: bench::total(&found.costs),

@@ -30,7 +30,7 @@ pub struct CameraHealth {
     pub black_permille: u16,
     /// Samples at 253 ..= 255 per thousand.
     pub white_permille: u16,
-    /// Usable pixels ([`Gray::with_usable`]) per thousand: 1000 for images without a restriction. The other numbers refer to usable pixels.
+    /// Valid pixels ([`Gray::with_valid`]) per thousand: 1000 for images without a restriction. The other numbers refer to valid pixels.
     pub view_permille: u16,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
     /// Difference between the brightest and the darkest sample.
     pub(super) range: u8,
-    /// Digest of all usable pixels of the sampled rows: equal for different ones with a probability of 2^-32.
+    /// Digest of all valid pixels of the sampled rows: equal for different ones with a probability of 2^-32.
     pub(super) digest: u32,
 }
 
@@ -51,12 +51,12 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
     let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
     let (mut samples, mut sum, mut black, mut white, mut steps) = (0_u32, 0_u32, 0_u32, 0_u32, 0_u32);
     let (mut low, mut high, mut digest) = (u8::MAX, 0_u8, Fnv::EMPTY);
-    let (mut usable, mut all) = (0_u32, 0_u32);
+    let (mut valid, mut all) = (0_u32, 0_u32);
     let mut y = down / 2;
     while let Some(row) = image.row(y) {
-        let span = image.usable_columns(y as i32);
+        let span = image.valid_columns(y as i32);
         let row = row.get(usize::from(span.start)..usize::from(span.end)).unwrap_or(&[]);
-        usable += row.len() as u32;
+        valid += row.len() as u32;
         all += u32::from(dims.width);
         let (words, rest) = row.as_chunks();
         let words = words.iter().map(|&word| u32::from_le_bytes(word));
@@ -82,7 +82,7 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
         detail_q4: share(steps, 16) as u16,
         black_permille: share(black, 1000) as u16,
         white_permille: share(white, 1000) as u16,
-        view_permille: quotient(usable as i32 * 1000, all as i32) as u16,
+        view_permille: quotient(valid as i32 * 1000, all as i32) as u16,
     };
     CameraCheck { health, range: high.saturating_sub(low), digest: digest.value() }
 }

@@ -38,9 +38,9 @@ impl HealthFlags {
     pub const LEFT_FROZEN: Self = Self(1 << 8);
     /// The right image repeats the one before, as for the left one.
     pub const RIGHT_FROZEN: Self = Self(1 << 9);
-    /// Too few pixels of the left image are usable.
+    /// Too few pixels of the left image are valid.
     pub const LEFT_VIEW: Self = Self(1 << 10);
-    /// Too few pixels of the right image are usable.
+    /// Too few pixels of the right image are valid.
     pub const RIGHT_VIEW: Self = Self(1 << 11);
     /// One image is much brighter than the other.
     pub const EXPOSURES_DIFFER: Self = Self(1 << 12);

@@ -21,7 +21,7 @@ pub struct HealthLimits {
     pub covered_level: u8,
     /// Number of pairs for which an image may stay the same, bit for bit. Default 0: a sensor's noise never repeats.
     pub frozen_pairs: u8,
-    /// Least share of usable pixels of a rectified image, per thousand. Default 500.
+    /// Least share of valid pixels of a rectified image, per thousand. Default 500.
     pub view_permille: u16,
     /// Largest ratio of the mean levels, 1/256. Default 448 (1.75).
     pub exposure_ratio_q8: u16,

@@ -186,10 +186,10 @@ impl Edge {
         while x <= last {
             let (y, d_q6) = self.at(x);
             let u_q6 = (x << 6) - d_q6;
-            // Pixels of a rectified image that are not usable have no content.
+            // Pixels of a rectified image that are not valid have no content.
             let is_usable = |image: Gray<'_>, x: i32, reach: i32| {
-                image.usable().is_empty()
-                    || [y - reach, y + reach].into_iter().all(|y| image.usable_columns(y).contains(x))
+                image.valid().is_empty()
+                    || [y - reach, y + reach].into_iter().all(|y| image.valid_columns(y).contains(x))
             };
             let is_valid = is_usable(left, x, LEFT_FIRST) && is_usable(right, u_q6 >> 6, RIGHT_FIRST);
             if is_valid && y >= RIGHT_FIRST && y + RIGHT_FIRST < height && u_q6 >= 0 {

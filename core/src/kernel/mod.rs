@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
-//! thumbv8m.main (Cortex-M33 and above)    dsp       where target-cpu has the DSP extension, as in .cargo/config.toml
+//! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
 //! x86_64                                  sse2      sad_curve, rank_costs, path_step; the others are portable
 //! any other, such as RISC-V               portable
 //! ```
@@ -13,6 +13,15 @@
 //! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards and on a PC.
 
 pub mod portable;
+
+/// Kernels that this build has: `dsp`, `sse2` or `portable`.
+pub const KERNELS: &str = if cfg!(dsp) {
+    "dsp"
+} else if cfg!(target_arch = "x86_64") {
+    "sse2"
+} else {
+    "portable"
+};
 
 #[cfg(dsp)]
 #[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]

@@ -41,8 +41,8 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     breadth: i32,
     anchor: i32,
     edge: i32,
-    /// Usable columns of each row; empty when all are.
-    usable: &'a [Span],
+    /// Valid columns of each row; empty when all are.
+    valid: &'a [Span],
     /// Areas in which edges start; everywhere without.
     areas: Option<&'a [Area]>,
     /// A bit per position: a row of bits for each step.
@@ -82,8 +82,8 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
-        let usable = image.usable();
-        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, usable, areas, marks }
+        let valid = image.valid();
+        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, valid, areas, marks }
     }
 
     /// Draws every edge and calls `emit` with each chain.
@@ -96,7 +96,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             while from < self.breadth - BORDER && stretches != 0 {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
                 if stretches & 1 != 0
-                    && let Some((first, last)) = self.usable_part(t, from, to)
+                    && let Some((first, last)) = self.valid_part(t, from, to)
                     && let Some(anchor) = self.strongest(t, first, last)
                 {
                     if self.areas.is_some()
@@ -133,24 +133,24 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         })
     }
 
-    /// The part of a stretch that is usable, if it is in one piece.
-    fn usable_part(&self, t: i32, mut from: i32, mut to: i32) -> Option<(i32, i32)> {
-        if self.usable.is_empty() {
+    /// The part of a stretch that is valid, if it is in one piece.
+    fn valid_part(&self, t: i32, mut from: i32, mut to: i32) -> Option<(i32, i32)> {
+        if self.valid.is_empty() {
             return Some((from, to));
         }
-        while from < to && !self.is_usable(t, from) {
+        while from < to && !self.is_valid(t, from) {
             from += 1;
         }
-        while to > from && !self.is_usable(t, to - 1) {
+        while to > from && !self.is_valid(t, to - 1) {
             to -= 1;
         }
-        (from < to && (from..to).all(|u| self.is_usable(t, u))).then_some((from, to))
+        (from < to && (from..to).all(|u| self.is_valid(t, u))).then_some((from, to))
     }
 
     #[inline]
-    fn is_usable(&self, t: i32, u: i32) -> bool {
+    fn is_valid(&self, t: i32, u: i32) -> bool {
         let (x, y) = if DOWN { (u, t) } else { (t, u) };
-        self.usable.get(y as usize).is_none_or(|span| span.contains(x))
+        self.valid.get(y as usize).is_none_or(|span| span.contains(x))
     }
 
     /// The pixel with the largest grey step between its neighbours, if that reaches the anchor threshold.
@@ -190,7 +190,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// The anchor of the stretch around a pixel, if it is at most a search of the ridge away.
     fn anchor_beside(&self, t: i32, u: i32) -> Option<Anchor> {
         let from = BORDER + (u - BORDER) / STRETCH * STRETCH;
-        let (first, last) = self.usable_part(t, from, (from + STRETCH).min(self.breadth - BORDER))?;
+        let (first, last) = self.valid_part(t, from, (from + STRETCH).min(self.breadth - BORDER))?;
         self.strongest(t, first, last).filter(|anchor| (anchor.u - u).abs() <= 1)
     }
 
@@ -228,7 +228,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// along the other direction, or was drawn before. `MARK`s it.
     #[inline]
     fn ridge<const MARK: bool>(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
-        if u < BORDER || u >= self.breadth - BORDER || !self.is_usable(t, u) {
+        if u < BORDER || u >= self.breadth - BORDER || !self.is_valid(t, u) {
             return None;
         }
         let first = self.index(t, u - 3);

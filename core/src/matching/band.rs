@@ -101,17 +101,17 @@ impl<'a> Band<'a> {
         })
     }
 
-    /// Usable columns of the right image at a row of the left one.
+    /// Valid columns of the right image at a row of the left one.
     pub(crate) fn right_columns(&self, y: i32) -> (i32, i32) {
         let [_, right] = self.images;
-        let Span { start, end } = right.usable_columns(y + self.row_offset);
+        let Span { start, end } = right.valid_columns(y + self.row_offset);
         (start.into(), end.into())
     }
 
-    /// True when not all pixels of the right image are usable.
+    /// True when not all pixels of the right image are valid.
     pub(crate) fn is_restricted(&self) -> bool {
         let [_, right] = self.images;
-        !right.usable().is_empty()
+        !right.valid().is_empty()
     }
 
     /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before. Calls `watch` with each computed
@@ -205,7 +205,7 @@ impl<'a> Band<'a> {
         let other = Self::row(self.census, self.stride, y)?;
         let (_, target) = self.indices(x, 1, first)?;
         let [left, _] = self.images;
-        let has_code = x >= 2 && x + 2 < self.width as i32 && left.usable_columns(y).contains(x);
+        let has_code = x >= 2 && x + 2 < self.width as i32 && left.valid_columns(y).contains(x);
         let code = if has_code { self.left_code(x, y) } else { 0 };
         Some((code, other.get(target..)?))
     }

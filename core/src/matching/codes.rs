@@ -1,7 +1,7 @@
 //! Gradients and census codes of a part of a row.
 //!
 //! In: an image, a row and columns of it. Out: a byte per column. Rows outside the image repeat the nearest one; columns outside are flat, and so
-//! are pixels that are not usable.
+//! are pixels that are not valid.
 //!
 //! The first and last column computed (two, of census) are treated like the image's border: request two more columns on both sides than needed.
 
@@ -42,7 +42,7 @@ fn fill(
     if let Some(inner) = out.get_mut(index(from)..index(to)) {
         kernel(rows, inner);
     }
-    let Span { start, end } = image.usable_columns(y);
+    let Span { start, end } = image.valid_columns(y);
     let [start, end] = [start, end].map(|x| index(i32::from(x).max(from).min(to)));
     if let Some(before) = out.get_mut(..start) {
         before.fill(FLAT);

@@ -98,8 +98,8 @@ impl Candidate {
         self.sides_apart_q6().is_some_and(|apart| apart <= ONE_SURFACE_Q6)
     }
 
-    /// True when the ends of every side's line lie at usable columns of the right image.
-    fn ends_where_usable(&self, band: &Band<'_>) -> bool {
+    /// True when the ends of every side's line lie at valid columns of the right image.
+    fn ends_where_valid(&self, band: &Band<'_>) -> bool {
         let (x0, y0, x1, y1) = self.segment.ends_q5();
         self.sides.iter().flatten().all(|side| {
             let [d0, d1] = side.disparity_q6.map(i32::from);
@@ -236,7 +236,7 @@ impl<'a> MatchContext<'a> {
     }
 
     /// First disparity and number of disparities to compare for a left window at this column, so that the match lies at columns `from .. to` of
-    /// the right image, the usable ones.
+    /// the right image, the valid ones.
     pub(crate) fn range_before(&self, column: i32, (from, to): (i32, i32)) -> Result<(i32, i32), Rejection> {
         let first = if to < self.width { self.min_disparity.max(column + 1 - to) } else { self.min_disparity };
         let len = self.max_disparity.min(column + 1 - from) - first;
@@ -265,8 +265,8 @@ pub(crate) fn match_segment(
     } else {
         steep::match_steep(segment, context, band, work)
     };
-    let usable = |candidate: Candidate| {
-        if candidate.ends_where_usable(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
+    let valid = |candidate: Candidate| {
+        if candidate.ends_where_valid(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
     };
-    Matched { outcome: candidate.and_then(usable), directed: directed.is_some() }
+    Matched { outcome: candidate.and_then(valid), directed: directed.is_some() }
 }

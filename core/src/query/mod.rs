@@ -70,7 +70,7 @@ pub struct PixelDepth {
 pub enum PixelRejection {
     /// The images or the memory do not have the planned size.
     OtherSize,
-    /// The pixel lies outside of the image, or of its usable part.
+    /// The pixel lies outside of the image, or of its valid part.
     Outside,
     /// The pixel does not belong to the region given.
     OutsideRegion,
@@ -123,7 +123,7 @@ impl fmt::Display for PixelRejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::OtherSize => "the pair or the memory is not of the planned size",
-            Self::Outside => "the pixel lies outside of the usable image",
+            Self::Outside => "the pixel lies outside of the valid image",
             Self::OutsideRegion => "the pixel does not belong to the region",
             Self::NearBorder => "too close to the border to compare disparities",
             Self::NoTexture => "nothing to match around the pixel",
@@ -186,21 +186,21 @@ impl Query<'_> {
         }
         let (x, y) = (i32::from(x), i32::from(y));
         let inside = x < i32::from(self.dims.width) && y < i32::from(self.dims.height);
-        if !inside || !left.usable_columns(y).contains(x) {
+        if !inside || !left.valid_columns(y).contains(x) {
             return Err(PixelRejection::Outside);
         }
         if region.is_some_and(|region| !region.contains(x, y)) {
             return Err(PixelRejection::OutsideRegion);
         }
         let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
-        let (usable, right_usable) = (left.usable_columns(y), right.usable_columns(y + self.row_offset));
-        let (start, end) = (i32::from(usable.start), i32::from(usable.end));
+        let (valid, right_valid) = (left.valid_columns(y), right.valid_columns(y + self.row_offset));
+        let (start, end) = (i32::from(valid.start), i32::from(valid.end));
         // Windows stay within the image: its border would match the other image's border, wherever the surface is.
         let middle = x.min(end - 1 - COLUMNS_REACH).max(start + 1 + COLUMNS_REACH);
-        let first = least.max(x + 1 - i32::from(right_usable.end));
-        let len = most.min(x + 1 - i32::from(right_usable.start)) - first;
+        let first = least.max(x + 1 - i32::from(right_valid.end));
+        let len = most.min(x + 1 - i32::from(right_valid.start)) - first;
         // The second-best is searched where its whole window lies in the right image.
-        let whole = middle - COLUMNS_REACH - i32::from(right_usable.start) - first;
+        let whole = middle - COLUMNS_REACH - i32::from(right_valid.start) - first;
         if len.min(whole) < MIN_RANGE {
             return Err(PixelRejection::NearBorder);
         }

@@ -159,7 +159,7 @@ impl<'a> Patch<'a> {
         let (x, y) = (self.x + column, self.y + dy);
         let inside = |v: i32, side: u16| v >= 2 && v + 2 < i32::from(side);
         let dims = self.left.dims();
-        if !inside(x, dims.width) || !inside(y, dims.height) || !self.left.usable_columns(y).contains(x) {
+        if !inside(x, dims.width) || !inside(y, dims.height) || !self.left.valid_columns(y).contains(x) {
             return None;
         }
         let (pixels, stride) = self.left.as_slice();

@@ -101,7 +101,7 @@ fn log2_q8(value: u8) -> i32 {
 }
 
 impl Found {
-    /// The best of the costs in this range of indices, where the window lies on usable pixels; `None` where the paths' minimum lies outside of it,
+    /// The best of the costs in this range of indices, where the window lies on valid pixels; `None` where the paths' minimum lies outside of it,
     /// or is not unique.
     pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
         let PointCosts { costs, sums, lowest } = costs;

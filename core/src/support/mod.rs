@@ -46,7 +46,7 @@ use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
 /// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
-/// Cost where the window leaves the usable part of the right image: half of the largest, and P2 as all costs.
+/// Cost where the window leaves the valid part of the right image: half of the largest, and P2 as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
 /// Least [`SupportPoint::uniqueness_q8`] of a point that guides the search of segments, log2 in Q8.
 const UNIQUE_Q8: u8 = 32;
@@ -147,14 +147,14 @@ impl Matching<'_> {
         let last = self.grid.last();
         let mut ranges = [const { 0..0 }; MAX_COLUMNS];
         let mut changes = [0; MAX_COLUMNS];
-        let mut usable_before = None;
+        let mut valid_before = None;
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
             ranks.code(y);
-            let usable = [left.usable_columns(y), right.usable_columns(y + self.row_offset)];
-            if usable_before.replace(usable) != Some(usable) {
+            let valid = [left.valid_columns(y), right.valid_columns(y + self.row_offset)];
+            if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
-                    *range = self.range(column, usable).unwrap_or(0..0);
+                    *range = self.range(column, valid).unwrap_or(0..0);
                 }
             }
             paths.forward(columns.clone(), |column, costs| {
@@ -198,7 +198,7 @@ impl Matching<'_> {
         }
     }
 
-    /// Indices of the disparities that a point can have, if any: its window has to lie on usable pixels of both images.
+    /// Indices of the disparities that a point can have, if any: its window has to lie on valid pixels of both images.
     fn range(&self, column: usize, [left, right]: [Span; 2]) -> Option<Range<usize>> {
         let width = WINDOW_COLUMNS as i32;
         let x = self.grid.window(column);

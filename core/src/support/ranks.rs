@@ -63,13 +63,13 @@ impl<'a> RankRows<'a> {
     }
 }
 
-/// Ranks of a row; rows outside the image repeat the nearest one. Pixels that are not usable get the rank of flat ones.
+/// Ranks of a row; rows outside the image repeat the nearest one. Pixels that are not valid get the rank of flat ones.
 fn code(image: Gray<'_>, y: i32, out: &mut [u8]) {
     let last = i32::from(image.dims().height) - 1;
     let rows = [y - 2, y, y + 2].map(|y| image.row(y.max(0).min(last) as usize).unwrap_or(&[]));
     rank_row(rows, out);
-    let usable = image.usable_columns(y);
-    let (start, end) = (usize::from(usable.start), usize::from(usable.end));
+    let valid = image.valid_columns(y);
+    let (start, end) = (usize::from(valid.start), usize::from(valid.end));
     if let Some(before) = out.get_mut(..start) {
         before.fill(RANK_FLAT);
     }

@@ -8,14 +8,14 @@ use nalgebra::Vector3;
 
 /// Camera of the pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Eye {
+pub enum CameraSide {
     /// The left camera, the reference.
     Left,
     /// The right camera.
     Right,
 }
 
-impl Eye {
+impl CameraSide {
     /// Both, the reference first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 }
@@ -100,10 +100,10 @@ impl Calibration {
 
     /// One of the cameras.
     #[must_use]
-    pub fn camera(&self, eye: Eye) -> &Camera {
+    pub fn camera(&self, eye: CameraSide) -> &Camera {
         match eye {
-            Eye::Left => &self.left,
-            Eye::Right => &self.right,
+            CameraSide::Left => &self.left,
+            CameraSide::Right => &self.right,
         }
     }
 

@@ -3,7 +3,7 @@
 //! In: a rectification and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
 //! Method and bounds: [`mesh`](crate::mesh).
 
-use crate::calibration::Eye;
+use crate::calibration::CameraSide;
 use crate::nodes::{
     BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, is_behind,
     is_seen, node_at, nodes_along,
@@ -48,7 +48,7 @@ impl Grid {
     /// Computes the nodes and rows of one camera; `None` when no rectified pixel has a source.
     pub(crate) fn build<'a>(
         rectification: &Rectification,
-        eye: Eye,
+        eye: CameraSide,
         nodes: &mut [Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Option<Self> {
@@ -65,7 +65,7 @@ impl Grid {
     }
 
     /// Computes nodes at this distance, log2 of px.
-    fn with_nodes(rectification: &Rectification, eye: Eye, cell: u8, nodes: &mut [Node]) -> Self {
+    fn with_nodes(rectification: &Rectification, eye: CameraSide, cell: u8, nodes: &mut [Node]) -> Self {
         let (dims, raw) = (rectification.dims(), rectification.camera(eye).dims());
         let columns = nodes_along(dims.width, cell);
         let rows = usize::from(nodes_along(dims.height, cell));
@@ -178,7 +178,7 @@ impl Grid {
     fn plan_rows<'a>(
         &mut self,
         rectification: &Rectification,
-        eye: Eye,
+        eye: CameraSide,
         nodes: &[Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) {
@@ -204,7 +204,7 @@ impl Grid {
     }
 
     /// The largest run of pixels of row `y` that have a source.
-    fn longest_run(&self, rectification: &Rectification, eye: Eye, nodes: &[Node], y: u16) -> Span {
+    fn longest_run(&self, rectification: &Rectification, eye: CameraSide, nodes: &[Node], y: u16) -> Span {
         let (mut longest, mut run) = (Span::default(), Span::default());
         self.for_each_piece(nodes, y, |start, length, piece| {
             let visibility = self.visibility(nodes, start >> self.cell, y >> self.cell);

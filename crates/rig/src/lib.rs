@@ -26,7 +26,7 @@ mod rig_image;
 mod rows;
 mod turn;
 
-pub use calibration::{Calibration, CalibrationError, Eye};
+pub use calibration::{Calibration, CalibrationError, CameraSide};
 pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
 pub use mesh::{Mesh, MeshError};
 pub use nodes::{fine_mesh_nodes, mesh_nodes};

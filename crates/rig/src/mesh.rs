@@ -16,20 +16,20 @@
 //! # Cost
 //! 8 bytes for a node, 6 for a row: 4.8 KiB for a camera at QVGA.
 
-use crate::calibration::Eye;
+use crate::calibration::CameraSide;
 use crate::grid::Grid;
 use crate::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
 use crate::rectification::Rectification;
 use core::fmt;
 use linestereo::diagnostics::kernel::X_ROUNDING;
-use linestereo::image::{Dims, Span, shrink_to_usable};
+use linestereo::image::{Dims, Span, shrink_to_valid};
 
 /// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified image has. `new` is empty, `build`
 /// fills it.
 ///
 /// ```
 /// use linestereo::Dims;
-/// use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
+/// use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, View, mesh_nodes};
 ///
 /// const DIMS: Dims = Dims { width: 64, height: 48 };
 /// let lens = Lens::BrownConrady { k: [-0.2, 0.0, 0.0], p: [0.0; 2] };
@@ -42,7 +42,7 @@ use linestereo::image::{Dims, Span, shrink_to_usable};
 /// let mut band: Band<{ 64 * 12 }> = Band::new();
 /// let mut frame = [0; 64 * 48];
 ///
-/// mesh.build(&rectification, Eye::Left)?;
+/// mesh.build(&rectification, CameraSide::Left)?;
 /// assert!(mesh.band_bytes() <= 64 * 12);
 /// for _ in 0..DIMS.height {
 ///     let raw_row = [100; 64]; // as the camera delivers it
@@ -119,7 +119,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     /// Computes the mesh of one camera. After an error it is empty.
-    pub fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
+    pub fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), MeshError> {
         self.grid = Grid::EMPTY;
         let dims = rectification.dims();
         let (needed, given) = (mesh_nodes(dims), NODES);
@@ -160,26 +160,26 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     /// Pixels of each rectified row that have a source (the largest run of them); all others become 0. For
-    /// [`Gray::with_usable`](linestereo::Gray::with_usable) after [`shrink_to_usable`](linestereo::image::shrink_to_usable).
+    /// [`Gray::with_valid`](linestereo::Gray::with_valid) after [`shrink_to_valid`](linestereo::image::shrink_to_valid).
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])
     }
 
-    /// Spans of usable pixels for [`Gray::with_usable`](linestereo::Gray::with_usable), in the caller's memory of as many spans as the rectified
+    /// Spans of valid pixels for [`Gray::with_valid`](linestereo::Gray::with_valid), in the caller's memory of as many spans as the rectified
     /// image has rows; empty when every pixel has a source.
-    pub fn usable<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
+    pub fn valid<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
         let width = self.grid.dims.width;
         let whole = Span { start: 0, end: width };
         if self.spans().iter().all(|span| *span == whole) {
             return &[];
         }
-        for (usable, span) in memory.iter_mut().zip(self.spans()) {
-            *usable = *span;
+        for (valid, span) in memory.iter_mut().zip(self.spans()) {
+            *valid = *span;
         }
-        let usable = memory.get_mut(..self.spans().len()).unwrap_or_default();
-        shrink_to_usable(usable, width);
-        usable
+        let valid = memory.get_mut(..self.spans().len()).unwrap_or_default();
+        shrink_to_valid(valid, width);
+        valid
     }
 
     /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::spans`].

@@ -7,7 +7,7 @@
 //! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the same, so that disparity 0 is infinity.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
-use crate::calibration::{Calibration, Eye};
+use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{Camera, MAX_TANGENT};
 use core::fmt;
 use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
@@ -52,7 +52,7 @@ pub enum RectifyError {
     /// Focal length or baseline are outside the limits of [`Rig`].
     Rig(RigError),
     /// A rotation is no rotation (rows not perpendicular unit vectors within 1 %).
-    Rotation(Eye),
+    Rotation(CameraSide),
 }
 
 impl fmt::Display for RectifyError {
@@ -64,8 +64,8 @@ impl fmt::Display for RectifyError {
             Self::Alpha(v) => write!(f, "alpha is {v}, allowed are 0 to 1"),
             Self::NoCommonView => write!(f, "the two cameras share no view: are they turned apart?"),
             Self::Rig(error) => error.fmt(f),
-            Self::Rotation(Eye::Left) => write!(f, "the left rectifying matrix is no rotation"),
-            Self::Rotation(Eye::Right) => write!(f, "the right rectifying matrix is no rotation"),
+            Self::Rotation(CameraSide::Left) => write!(f, "the left rectifying matrix is no rotation"),
+            Self::Rotation(CameraSide::Right) => write!(f, "the right rectifying matrix is no rotation"),
         }
     }
 }
@@ -88,7 +88,7 @@ impl Calibration {
     /// Computes the common view for rectified images of this size.
     pub fn rectify(&self, dims: Dims, view: View) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
-        let [left, right] = Eye::BOTH.map(|eye| found.bounds(eye));
+        let [left, right] = CameraSide::BOTH.map(|eye| found.bounds(eye));
         let (Some(left), Some(right)) = (left, right) else { return Err(RectifyError::NoCommonView) };
         let inner = left.inner.common(right.inner).ok_or(RectifyError::NoCommonView)?;
         match view {
@@ -122,7 +122,7 @@ impl Calibration {
         centre: [f64; 2],
     ) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
-        for ((rows, to_camera), eye) in rotations.into_iter().zip(&mut found.to_camera).zip(Eye::BOTH) {
+        for ((rows, to_camera), eye) in rotations.into_iter().zip(&mut found.to_camera).zip(CameraSide::BOTH) {
             // nalgebra reads columns: the rows of a rotation are the columns of its inverse.
             *to_camera = Matrix3::from(rows);
             let off = (to_camera.tr_mul(&*to_camera) - Matrix3::identity()).abs().max();
@@ -142,7 +142,7 @@ impl Rectification {
             return Err(RectifyError::Dims(dims));
         }
         Ok(Self {
-            cameras: Eye::BOTH.map(|eye| *calibration.camera(eye)),
+            cameras: CameraSide::BOTH.map(|eye| *calibration.camera(eye)),
             to_camera: calibration.common_rotations().map(Matrix3::from),
             dims,
             focal: 1.0,
@@ -182,11 +182,11 @@ impl Rectification {
 
     /// The camera behind one of the rectified images.
     #[must_use]
-    pub fn camera(&self, eye: Eye) -> &Camera {
+    pub fn camera(&self, eye: CameraSide) -> &Camera {
         let [left, right] = &self.cameras;
         match eye {
-            Eye::Left => left,
-            Eye::Right => right,
+            CameraSide::Left => left,
+            CameraSide::Right => right,
         }
     }
 
@@ -197,52 +197,52 @@ impl Rectification {
         self.to_camera.map(Into::into)
     }
 
-    fn turn(&self, eye: Eye) -> &Matrix3<f64> {
+    fn turn(&self, eye: CameraSide) -> &Matrix3<f64> {
         let [left, right] = &self.to_camera;
         match eye {
-            Eye::Left => left,
-            Eye::Right => right,
+            CameraSide::Left => left,
+            CameraSide::Right => right,
         }
     }
 
     /// Raw position of a rectified one, px; may lie outside the raw image. `None` outside of the camera's view.
     #[must_use]
-    pub fn source(&self, eye: Eye, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    pub fn source(&self, eye: CameraSide, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         self.camera(eye).project(self.ray(eye, [x, y]))
     }
 
     /// Raw position of a rectified one by [`Camera::project_beyond`].
-    pub(crate) fn extended_source(&self, eye: Eye, position: [f64; 2]) -> Option<([f64; 2], bool)> {
+    pub(crate) fn extended_source(&self, eye: CameraSide, position: [f64; 2]) -> Option<([f64; 2], bool)> {
         self.camera(eye).project_beyond(self.ray(eye, position))
     }
 
     /// Ray of a rectified position, in the camera's coordinates.
-    fn ray(&self, eye: Eye, [x, y]: [f64; 2]) -> [f64; 3] {
+    fn ray(&self, eye: CameraSide, [x, y]: [f64; 2]) -> [f64; 3] {
         let [cx, cy] = self.centre;
         (self.turn(eye) * Vector3::new((x - cx) / self.focal, (y - cy) / self.focal, 1.0)).into()
     }
 
     /// Rectified position of a raw one, px: the inverse of [`Rectification::source`]. `None` where it is behind the rectified view.
     #[must_use]
-    pub fn rectified(&self, eye: Eye, raw: [f64; 2]) -> Option<[f64; 2]> {
+    pub fn rectified(&self, eye: CameraSide, raw: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = self.normalised(eye, raw)?;
         let [cx, cy] = self.centre;
         Some([x * self.focal + cx, y * self.focal + cy])
     }
 
-    fn normalised(&self, eye: Eye, raw: [f64; 2]) -> Option<[f64; 2]> {
+    fn normalised(&self, eye: CameraSide, raw: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = self.camera(eye).unproject(raw)?;
         self.common(eye, [x, y, 1.0])
     }
 
     /// Intersection of a ray in a camera's coordinates with the common normalised plane.
-    fn common(&self, eye: Eye, ray: [f64; 3]) -> Option<[f64; 2]> {
+    fn common(&self, eye: CameraSide, ray: [f64; 3]) -> Option<[f64; 2]> {
         let ray = self.turn(eye).tr_mul(&Vector3::from(ray));
         (ray.z > 1e-3).then(|| [ray.x / ray.z, ray.y / ray.z])
     }
 
     /// View of one camera on the common normalised plane; `None` when it is empty.
-    fn bounds(&self, eye: Eye) -> Option<Bounds> {
+    fn bounds(&self, eye: CameraSide) -> Option<Bounds> {
         let camera = self.camera(eye);
         let mut bounds = Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING, is_closed: true };
         for border in Border::ALL {
@@ -258,7 +258,7 @@ impl Rectification {
     }
 
     /// Samples points along a border, more densely where it reaches furthest to the inside or outside, or enters the view.
-    fn walk(&self, eye: Eye, border: Border, bounds: &mut Bounds) {
+    fn walk(&self, eye: CameraSide, border: Border, bounds: &mut Bounds) {
         let (mut innermost, mut outermost) = (None, None);
         let mut sample = |share: f64| {
             // A border out of view (a fisheye beyond the limit) does not limit the window.
@@ -307,7 +307,7 @@ impl Rectification {
     }
 
     /// Extends the view to the angle up to which the lens can be used, where borders are out of view.
-    fn extend_to_limit(&self, eye: Eye, bounds: &mut Bounds) {
+    fn extend_to_limit(&self, eye: CameraSide, bounds: &mut Bounds) {
         let camera = self.camera(eye);
         let radius = camera.limit() * 0.9999;
         for i in 0..DIRECTIONS {
@@ -357,7 +357,7 @@ impl Rectification {
     /// True when the border pixels of both rectified images have a source: then all others have.
     fn is_filled(&self) -> bool {
         let [right, bottom] = [self.dims.width - 1, self.dims.height - 1].map(f64::from);
-        Eye::BOTH.into_iter().all(|eye| {
+        CameraSide::BOTH.into_iter().all(|eye| {
             let dims = self.camera(eye).dims();
             let inside = |v: f64, side: u16| (MARGIN..=f64::from(side - 1) - MARGIN).contains(&v);
             (0..=CHECKED).all(|i| {

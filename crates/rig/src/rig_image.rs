@@ -32,7 +32,7 @@
 //! Checking an image: one pass over its bytes. Decoding one: two cameras and a common view in double precision, a few million
 //! operations. No allocation, no panic path.
 
-use crate::calibration::{Calibration, CalibrationError, Eye};
+use crate::calibration::{Calibration, CalibrationError, CameraSide};
 use crate::camera::{Camera, CameraError, Lens};
 use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::rectification::{Rectification, RectifyError, View};
@@ -104,11 +104,11 @@ pub enum RigImageError {
         found: u16,
     },
     /// A kind of lens that this version does not have.
-    LensKind(Eye, u32),
+    LensKind(CameraSide, u32),
     /// A kind of view that this version does not have.
     ViewKind(u32),
     /// A camera is not usable.
-    Camera(Eye, CameraError),
+    Camera(CameraSide, CameraError),
     /// The cameras are no stereo pair.
     Pair(CalibrationError),
     /// The pair cannot be rectified to this size and view.
@@ -119,7 +119,7 @@ pub enum RigImageError {
 
 impl fmt::Display for RigImageError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |eye| if eye == Eye::Left { "left" } else { "right" };
+        let name = |eye| if eye == CameraSide::Left { "left" } else { "right" };
         match *self {
             Self::Empty => write!(f, "empty: nothing was written here"),
             Self::Foreign => write!(f, "foreign: this does not start as a rig image does"),
@@ -213,8 +213,8 @@ impl RigImage {
             view,
             rotation: self.calibration.rotation(),
             translation: self.calibration.translation(),
-            left: CameraNumbers::of(self.calibration.camera(Eye::Left)),
-            right: CameraNumbers::of(self.calibration.camera(Eye::Right)),
+            left: CameraNumbers::of(self.calibration.camera(CameraSide::Left)),
+            right: CameraNumbers::of(self.calibration.camera(CameraSide::Right)),
         };
         let mut bytes = [0; Self::BYTES];
         if let Some((content, crc)) = bytes.split_last_chunk_mut::<CRC_BYTES>() {
@@ -242,8 +242,8 @@ impl RigImage {
     pub fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
         RigImageHead::check(bytes)?;
         let Ok((numbers, _)) = postcard::take_from_bytes::<Numbers>(bytes) else { return Err(RigImageError::Damaged) };
-        let left = numbers.left.camera(Eye::Left)?;
-        let right = numbers.right.camera(Eye::Right)?;
+        let left = numbers.left.camera(CameraSide::Left)?;
+        let right = numbers.right.camera(CameraSide::Right)?;
         let calibration =
             Calibration::new(left, right, numbers.rotation, numbers.translation).map_err(RigImageError::Pair)?;
         let view = match numbers.view_kind {
@@ -358,7 +358,7 @@ impl CameraNumbers {
         Self { width, height, lens_kind, focal: camera.focal(), centre: camera.centre(), skew: camera.skew(), lens }
     }
 
-    fn camera(&self, eye: Eye) -> Result<Camera, RigImageError> {
+    fn camera(&self, eye: CameraSide) -> Result<Camera, RigImageError> {
         let &Self { width, height, lens_kind, focal, centre, skew, lens: [a, b, c, d, e] } = self;
         let lens = match lens_kind {
             LensKind::BROWN_CONRADY => Lens::BrownConrady { k: [a, b, c], p: [d, e] },

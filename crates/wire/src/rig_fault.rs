@@ -4,7 +4,7 @@
 
 use core::fmt;
 use linestereo::Dims;
-use linestereo_rig::{Eye, RigImage, RigImageError};
+use linestereo_rig::{CameraSide, RigImage, RigImageError};
 use serde::{Deserialize, Serialize};
 
 /// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.
@@ -52,8 +52,12 @@ impl From<RigImageError> for RigFault {
             RigImageError::Damaged => Self::Damaged,
             RigImageError::OtherVersion { .. } => Self::OtherVersion,
             RigImageError::Length { .. } => Self::Length,
-            RigImageError::Camera(Eye::Left, _) | RigImageError::LensKind(Eye::Left, _) => Self::LeftCamera,
-            RigImageError::Camera(Eye::Right, _) | RigImageError::LensKind(Eye::Right, _) => Self::RightCamera,
+            RigImageError::Camera(CameraSide::Left, _) | RigImageError::LensKind(CameraSide::Left, _) => {
+                Self::LeftCamera
+            }
+            RigImageError::Camera(CameraSide::Right, _) | RigImageError::LensKind(CameraSide::Right, _) => {
+                Self::RightCamera
+            }
             RigImageError::Pair(_) => Self::Pose,
             RigImageError::View(_) | RigImageError::ViewKind(_) => Self::View,
             RigImageError::Range(_) => Self::Range,
@@ -99,7 +103,7 @@ impl RigInUse {
     #[must_use]
     pub fn new(image: &RigImage, slot: Option<u8>) -> Self {
         let size = |Dims { width, height }: Dims| [width, height];
-        let raw = image.calibration().camera(Eye::Left).dims();
+        let raw = image.calibration().camera(CameraSide::Left).dims();
         Self { raw: size(raw), rectified: size(image.rectification().dims()), slot }
     }
 }

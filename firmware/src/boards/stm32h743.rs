@@ -33,7 +33,7 @@ mod on_board {
     use embassy_stm32::usart;
     use embassy_stm32::{Peri, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
-    use linestereo_rig::Eye;
+    use linestereo_rig::CameraSide;
     use static_cell::StaticCell;
 
     bind_interrupts!(struct Interrupts {
@@ -54,11 +54,11 @@ mod on_board {
 
     impl Switch for BusSwitch {
         /// Both are triggered, the one that is not connected reads out for nobody.
-        fn shoot(&mut self, eye: Eye) -> bool {
+        fn shoot(&mut self, eye: CameraSide) -> bool {
             // The other camera ends its frame later than the one that was connected, by as much as its exposure is longer: a step of
             // automatic exposure.
             block_for(Duration::from_micros(2000));
-            self.select.set_level(if eye == Eye::Left { Level::Low } else { Level::High });
+            self.select.set_level(if eye == CameraSide::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds
             self.trigger.set_high();
             block_for(Duration::from_micros(10));

@@ -12,7 +12,7 @@ use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, Mod
 use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 
 /// The left and the right sensor. Two at one bus: give each a share of it (`embedded_hal_bus::i2c::RefCellDevice`).
 #[derive(Debug)]
@@ -37,7 +37,7 @@ pub enum PairExposure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PairError<E> {
     /// The camera that failed.
-    pub eye: Eye,
+    pub eye: CameraSide,
     /// Why, and how it was left.
     pub error: CameraError<E>,
     /// How the other one was left.
@@ -47,8 +47,8 @@ pub struct PairError<E> {
 impl<E: fmt::Debug> fmt::Display for PairError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (name, other) = match self.eye {
-            Eye::Left => ("left", "right"),
-            Eye::Right => ("right", "left"),
+            CameraSide::Left => ("left", "right"),
+            CameraSide::Right => ("right", "left"),
         };
         write!(f, "{name} camera: {}; the {other} one is {}", self.error, self.other)
     }
@@ -86,16 +86,16 @@ where
         };
         self.left
             .start(&Config { exposure: left, ..*config }, delay)
-            .map_err(|error| self.fail(Eye::Left, error, delay))?;
+            .map_err(|error| self.fail(CameraSide::Left, error, delay))?;
         let known = match exposure {
             PairExposure::Fixed(fixed) => Some(fixed),
             PairExposure::LeftChooses => {
-                let chosen = self.left.exposure().map_err(|error| self.fail(Eye::Left, error, delay))?;
+                let chosen = self.left.exposure().map_err(|error| self.fail(CameraSide::Left, error, delay))?;
                 Some(chosen).filter(|&chosen| M::check_exposure(chosen).is_ok())
             }
         };
         let right = Config { exposure: known.map_or(ExposureControl::Auto, ExposureControl::Fixed), ..*config };
-        self.right.start(&right, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
+        self.right.start(&right, delay).map_err(|error| self.fail(CameraSide::Right, error, delay))?;
         self.exposure = known;
         Ok(())
     }
@@ -104,8 +104,8 @@ where
     pub fn stop(&mut self, delay: &mut impl DelayNs) -> Result<(), PairError<BL::Error>> {
         let left = self.left.stop(delay);
         let right = self.right.stop(delay);
-        left.map_err(|error| PairError { eye: Eye::Left, error, other: self.right.condition() })?;
-        right.map_err(|error| PairError { eye: Eye::Right, error, other: self.left.condition() })
+        left.map_err(|error| PairError { eye: CameraSide::Left, error, other: self.right.condition() })?;
+        right.map_err(|error| PairError { eye: CameraSide::Right, error, other: self.left.condition() })
     }
 
     /// Between two frames, when the left one chooses: gives its choice to the right one. Says what both have now.
@@ -117,10 +117,11 @@ where
             return Ok(self.exposure);
         }
         let chosen = self.left.exposure();
-        let chosen = chosen.map_err(|error| PairError { eye: Eye::Left, error, other: self.right.condition() })?;
+        let chosen =
+            chosen.map_err(|error| PairError { eye: CameraSide::Left, error, other: self.right.condition() })?;
         if self.exposure != Some(chosen) && M::check_exposure(chosen).is_ok() {
             self.exposure = None; // of neither, if it fails
-            self.right.set_exposure(chosen, delay).map_err(|error| self.fail(Eye::Right, error, delay))?;
+            self.right.set_exposure(chosen, delay).map_err(|error| self.fail(CameraSide::Right, error, delay))?;
             self.exposure = Some(chosen);
         }
         Ok(self.exposure)
@@ -130,7 +131,7 @@ where
     pub fn freeze(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
         let exposure = self.follow(delay)?;
         if let (true, Some(exposure)) = (self.is_shared, exposure) {
-            self.left.set_exposure(exposure, delay).map_err(|error| self.fail(Eye::Left, error, delay))?;
+            self.left.set_exposure(exposure, delay).map_err(|error| self.fail(CameraSide::Left, error, delay))?;
             self.is_shared = false;
         }
         Ok(exposure)
@@ -147,7 +148,12 @@ where
     }
 
     /// One has failed: whatever still runs is stopped. One to which nothing has been sent is left alone.
-    fn fail(&mut self, eye: Eye, error: CameraError<BL::Error>, delay: &mut impl DelayNs) -> PairError<BL::Error> {
+    fn fail(
+        &mut self,
+        eye: CameraSide,
+        error: CameraError<BL::Error>,
+        delay: &mut impl DelayNs,
+    ) -> PairError<BL::Error> {
         self.exposure = None;
         // Their conditions say what becomes of them.
         if self.left.condition() == Condition::Running {
@@ -157,7 +163,7 @@ where
             let _ = self.right.stop(delay);
         }
         let [left, right] = self.conditions();
-        let (own, other) = if eye == Eye::Left { (left, right) } else { (right, left) };
+        let (own, other) = if eye == CameraSide::Left { (left, right) } else { (right, left) };
         PairError { eye, error: CameraError { left: own, ..error }, other }
     }
 }

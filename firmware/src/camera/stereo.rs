@@ -13,7 +13,7 @@ use crate::ports::{Cameras, FrameStart};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 
 /// How a pair works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ where
             Ok(done) => Some(done),
             Err(error) => {
                 let [left, right] = &mut self.failures;
-                let count = if error.eye == Eye::Left { left } else { right };
+                let count = if error.eye == CameraSide::Left { left } else { right };
                 *count = count.saturating_add(1);
                 self.last = Some(error);
                 self.is_running = self.pair.conditions() == [Condition::Running; 2];

@@ -37,7 +37,7 @@ pub use tracker::Tracker;
 
 use core::fmt;
 use linestereo::Dims;
-use linestereo_rig::{Eye, RowError};
+use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
 
 /// What a camera's interrupts have seen.
@@ -103,13 +103,13 @@ pub trait RowRing {
 /// Where raw rows go.
 pub trait RowSink {
     /// The next row of this camera is the first of a frame.
-    fn restart(&mut self, eye: Eye);
+    fn restart(&mut self, eye: CameraSide);
 
     /// Where the next row of this camera has to be put, as long as a row is; empty when none is taken.
-    fn row(&mut self, eye: Eye) -> &mut [u8];
+    fn row(&mut self, eye: CameraSide) -> &mut [u8];
 
     /// Takes the row that was put there.
-    fn push(&mut self, eye: Eye) -> Result<(), RowError>;
+    fn push(&mut self, eye: CameraSide) -> Result<(), RowError>;
 
     /// Size of the frames that lie there; `None` as long as they are not complete.
     fn complete(&self) -> Option<Dims>;
@@ -184,16 +184,16 @@ impl fmt::Display for Fault {
 const _: () = assert!(Fault::ALL.len() == CaptureReport::KINDS.len());
 
 /// One of two, by the camera that it is of.
-fn of<T>(eye: Eye, [left, right]: &mut [T; 2]) -> &mut T {
+fn of<T>(eye: CameraSide, [left, right]: &mut [T; 2]) -> &mut T {
     match eye {
-        Eye::Left => left,
-        Eye::Right => right,
+        CameraSide::Left => left,
+        CameraSide::Right => right,
     }
 }
 
 impl Fault {
     /// Counts this fault of a camera.
-    fn count(self, eye: Eye, losses: &mut CaptureReport) {
+    fn count(self, eye: CameraSide, losses: &mut CaptureReport) {
         if let Some(count) = of(eye, &mut losses.faults).get_mut(self as usize) {
             *count = count.saturating_add(1);
         }

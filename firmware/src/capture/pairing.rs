@@ -16,7 +16,7 @@
 use super::tracker::{Progress, Tracker};
 use super::{Fault, Limits, RowRing, RowSink, Signal};
 use crate::ports::{CapturedPair, FrameStart};
-use linestereo_rig::{Eye, RowError};
+use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
 
 /// The state of both cameras' streams.
@@ -40,9 +40,9 @@ pub enum Report {
     /// Both frames lie in the sink, whole and of one time.
     Pair(CapturedPair),
     /// A frame is lost; counted already.
-    Fault(Eye, Fault),
+    Fault(CameraSide, Fault),
     /// The sink does not take such rows: rig and cameras do not fit. The frame is lost.
-    Refused(Eye, RowError),
+    Refused(CameraSide, RowError),
     /// Both frames are whole and the sink's are not: rig and cameras do not fit.
     Incomplete,
 }
@@ -132,11 +132,11 @@ impl Capture {
                 (None, None) => return self.silence(now_us),
                 (Some(signal), other) if other.is_none_or(|other| signal.time_us() <= other.time_us()) => {
                     self.left.signal = None;
-                    self.take(Eye::Left, signal, left, sink)
+                    self.take(CameraSide::Left, signal, left, sink)
                 }
                 (_, Some(signal)) => {
                     self.right.signal = None;
-                    self.take(Eye::Right, signal, right, sink)
+                    self.take(CameraSide::Right, signal, right, sink)
                 }
                 (Some(_), None) => None, // taken by the second arm
             };
@@ -147,7 +147,7 @@ impl Capture {
     }
 
     fn silence(&mut self, now_us: u64) -> Option<Report> {
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             let limits = self.limits;
             if let Some(fault) = self.camera(eye).tracker.silence(&limits, now_us) {
                 return self.fault(eye, fault);
@@ -156,7 +156,13 @@ impl Capture {
         None
     }
 
-    fn take(&mut self, eye: Eye, signal: Signal, ring: &impl RowRing, sink: &mut impl RowSink) -> Option<Report> {
+    fn take(
+        &mut self,
+        eye: CameraSide,
+        signal: Signal,
+        ring: &impl RowRing,
+        sink: &mut impl RowSink,
+    ) -> Option<Report> {
         let limits = self.limits;
         let (fault, progress) = self.camera(eye).tracker.take(&limits, signal);
         let report = fault.and_then(|fault| self.fault(eye, fault));
@@ -177,7 +183,7 @@ impl Capture {
     }
 
     /// Takes a frame in hand that has started.
-    fn begin(&mut self, eye: Eye, hand: Hand, ring: &impl RowRing, sink: &mut impl RowSink) {
+    fn begin(&mut self, eye: CameraSide, hand: Hand, ring: &impl RowRing, sink: &mut impl RowSink) {
         let is_partner = |other: &Hand| other.time_us.abs_diff(hand.time_us) <= u64::from(self.limits.pair_us);
         let other = self.other(eye).hand;
         let is_other_left = other.is_some_and(|other| !is_partner(&other));
@@ -199,7 +205,7 @@ impl Capture {
     /// Fetches the rows before `end` of the frame in hand, if there is one.
     fn fetch(
         &mut self,
-        eye: Eye,
+        eye: CameraSide,
         end: u32,
         ring: &impl RowRing,
         sink: &mut impl RowSink,
@@ -223,7 +229,7 @@ impl Capture {
     }
 
     /// The frame in hand is whole; is the other one as well?
-    fn end(&mut self, eye: Eye, sink: &impl RowSink) -> Option<Report> {
+    fn end(&mut self, eye: CameraSide, sink: &impl RowSink) -> Option<Report> {
         if let Some(hand) = &mut self.camera(eye).hand {
             hand.is_whole = true;
         }
@@ -239,30 +245,30 @@ impl Capture {
         Some(sink.complete().map_or(Report::Incomplete, |dims| Report::Pair(pair(dims))))
     }
 
-    fn fault(&mut self, eye: Eye, fault: Fault) -> Option<Report> {
+    fn fault(&mut self, eye: CameraSide, fault: Fault) -> Option<Report> {
         self.camera(eye).hand = None;
         fault.count(eye, &mut self.losses);
         Some(Report::Fault(eye, fault))
     }
 
-    fn camera(&mut self, eye: Eye) -> &mut Camera {
+    fn camera(&mut self, eye: CameraSide) -> &mut Camera {
         match eye {
-            Eye::Left => &mut self.left,
-            Eye::Right => &mut self.right,
+            CameraSide::Left => &mut self.left,
+            CameraSide::Right => &mut self.right,
         }
     }
 
-    fn other(&self, eye: Eye) -> &Camera {
+    fn other(&self, eye: CameraSide) -> &Camera {
         match eye {
-            Eye::Left => &self.right,
-            Eye::Right => &self.left,
+            CameraSide::Left => &self.right,
+            CameraSide::Right => &self.left,
         }
     }
 
-    fn other_mut(&mut self, eye: Eye) -> &mut Camera {
+    fn other_mut(&mut self, eye: CameraSide) -> &mut Camera {
         match eye {
-            Eye::Left => &mut self.right,
-            Eye::Right => &mut self.left,
+            CameraSide::Left => &mut self.right,
+            CameraSide::Right => &mut self.left,
         }
     }
 }

@@ -20,7 +20,7 @@ use crate::ports::Cameras;
 use core::cell::RefCell;
 use core::fmt;
 use heapless::Deque;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 
 /// [`RowRing`] for rows of which parts are fetched.
 pub trait Stream {
@@ -57,7 +57,7 @@ struct Both<S> {
     stream: S,
     /// Signals that one eye has fetched and the other has not.
     ahead: Deque<Signal, AHEAD>,
-    leader: Eye,
+    leader: CameraSide,
 }
 
 impl<S> fmt::Debug for Both<S> {
@@ -69,12 +69,12 @@ impl<S> fmt::Debug for Both<S> {
 impl<S: Stream> SideBySide<S> {
     /// Both eyes of a stream.
     pub const fn new(stream: S) -> Self {
-        Self(RefCell::new(Both { stream, ahead: Deque::new(), leader: Eye::Left }))
+        Self(RefCell::new(Both { stream, ahead: Deque::new(), leader: CameraSide::Left }))
     }
 
     /// The left and the right ring. `row_bytes` of their [`Limits`](super::Limits) are those of the stream: both halves.
     pub fn eyes(&self, width: u16) -> [Half<'_, S>; 2] {
-        Eye::BOTH.map(|eye| Half { both: &self.0, eye, width })
+        CameraSide::BOTH.map(|eye| Half { both: &self.0, eye, width })
     }
 }
 
@@ -82,7 +82,7 @@ impl<S: Stream> SideBySide<S> {
 #[derive(Debug)]
 pub struct Half<'a, S> {
     both: &'a RefCell<Both<S>>,
-    eye: Eye,
+    eye: CameraSide,
     width: u16,
 }
 
@@ -110,7 +110,7 @@ impl<S: Stream> RowRing for Half<'_, S> {
     }
 
     fn copy(&self, row: u32, into: &mut [u8]) {
-        let from = if self.eye == Eye::Left { 0 } else { self.width.into() };
+        let from = if self.eye == CameraSide::Left { 0 } else { self.width.into() };
         self.both.borrow().stream.copy(row, from, into);
     }
 
@@ -126,7 +126,7 @@ impl<S: Stream> RowRing for Half<'_, S> {
 /// What connects one of two cameras to the stream.
 pub trait Switch {
     /// Connects this camera, and makes it take a frame. `false` when it cannot.
-    fn shoot(&mut self, eye: Eye) -> bool;
+    fn shoot(&mut self, eye: CameraSide) -> bool;
 }
 
 /// Signals of an eye that nobody has fetched.
@@ -139,7 +139,7 @@ pub struct InTurn<S, W>(RefCell<Connected<S, W>>);
 struct Connected<S, W> {
     stream: S,
     switch: W,
-    eye: Eye,
+    eye: CameraSide,
     /// Rows of a frame, and those that have come of this one since its start; `None` before it.
     rows: u32,
     come: Option<u32>,
@@ -160,12 +160,12 @@ impl<S: Stream, W: Switch> InTurn<S, W> {
     pub const fn new(stream: S, switch: W, rows: u16) -> Self {
         let waiting = [Deque::new(), Deque::new()];
         let rows = rows as u32;
-        Self(RefCell::new(Connected { stream, switch, eye: Eye::Left, rows, come: None, end: 0, waiting }))
+        Self(RefCell::new(Connected { stream, switch, eye: CameraSide::Left, rows, come: None, end: 0, waiting }))
     }
 
     /// The left and the right ring.
     pub fn eyes(&self) -> [Turn<'_, S, W>; 2] {
-        Eye::BOTH.map(|eye| Turn { connected: &self.0, eye })
+        CameraSide::BOTH.map(|eye| Turn { connected: &self.0, eye })
     }
 
     /// Cameras that are started as a pair and triggered here, one after the other.
@@ -176,9 +176,9 @@ impl<S: Stream, W: Switch> InTurn<S, W> {
 
 impl<S: Stream, W: Switch> Connected<S, W> {
     /// Connects a camera and triggers it. What came before is of the other one, and of no use any more if this is the left one.
-    fn shoot(&mut self, eye: Eye) -> bool {
+    fn shoot(&mut self, eye: CameraSide) -> bool {
         while self.take() {}
-        if eye == Eye::Left {
+        if eye == CameraSide::Left {
             self.waiting.iter_mut().for_each(Deque::clear);
         }
         (self.eye, self.come) = (eye, None);
@@ -205,10 +205,10 @@ impl<S: Stream, W: Switch> Connected<S, W> {
         true
     }
 
-    fn next_signal(&mut self, eye: Eye) -> Option<Signal> {
+    fn next_signal(&mut self, eye: CameraSide) -> Option<Signal> {
         while self.waiting.iter().all(|waiting| !waiting.is_full()) && self.take() {}
-        if self.eye == Eye::Left && self.come == Some(self.rows) && !self.stream.is_in_frame() {
-            self.shoot(Eye::Right); // a switch that fails is a silent camera, and that is reported
+        if self.eye == CameraSide::Left && self.come == Some(self.rows) && !self.stream.is_in_frame() {
+            self.shoot(CameraSide::Right); // a switch that fails is a silent camera, and that is reported
         }
         of(eye, &mut self.waiting).pop_front()
     }
@@ -218,7 +218,7 @@ impl<S: Stream, W: Switch> Connected<S, W> {
 #[derive(Debug)]
 pub struct Turn<'a, S, W> {
     connected: &'a RefCell<Connected<S, W>>,
-    eye: Eye,
+    eye: CameraSide,
 }
 
 impl<S: Stream, W: Switch> RowRing for Turn<'_, S, W> {
@@ -256,7 +256,7 @@ pub struct CamerasInTurn<'a, C, S, W> {
 
 impl<C: Cameras, S: Stream, W: Switch> Cameras for CamerasInTurn<'_, C, S, W> {
     fn shoot(&mut self) -> bool {
-        self.cameras.shoot() && self.connected.borrow_mut().shoot(Eye::Left)
+        self.cameras.shoot() && self.connected.borrow_mut().shoot(CameraSide::Left)
     }
 
     fn let_go(&mut self) {

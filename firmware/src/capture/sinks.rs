@@ -3,7 +3,7 @@
 use super::{RowSink, of};
 use crate::memory::Memory;
 use linestereo::Dims;
-use linestereo_rig::{Eye, RowError};
+use linestereo_rig::{CameraSide, RowError};
 
 /// Two frames of raw rows, without padding.
 #[derive(Debug)]
@@ -20,25 +20,25 @@ impl<'a> FrameRows<'a> {
         Self { frames, dims, rows: [0; 2] }
     }
 
-    fn of(&mut self, eye: Eye) -> (&mut [u8], &mut u16) {
+    fn of(&mut self, eye: CameraSide) -> (&mut [u8], &mut u16) {
         let frame = of(eye, &mut self.frames);
         (frame, of(eye, &mut self.rows))
     }
 }
 
 impl RowSink for FrameRows<'_> {
-    fn restart(&mut self, eye: Eye) {
+    fn restart(&mut self, eye: CameraSide) {
         *self.of(eye).1 = 0;
     }
 
-    fn row(&mut self, eye: Eye) -> &mut [u8] {
+    fn row(&mut self, eye: CameraSide) -> &mut [u8] {
         let Dims { width, height } = self.dims;
         let (frame, rows) = self.of(eye);
         let frame = if *rows < height { frame } else { &mut [] };
         frame.chunks_exact_mut(usize::from(width).max(1)).nth((*rows).into()).unwrap_or_default()
     }
 
-    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+    fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
         let Dims { width, height } = self.dims;
         let (frame, rows) = self.of(eye);
         let (needed, given) = (usize::from(width) * usize::from(height), frame.len());
@@ -72,15 +72,15 @@ impl<'a, M: Memory> MemoryRows<'a, M> {
 }
 
 impl<M: Memory> RowSink for MemoryRows<'_, M> {
-    fn restart(&mut self, eye: Eye) {
+    fn restart(&mut self, eye: CameraSide) {
         self.memory.restart_camera(eye);
     }
 
-    fn row(&mut self, _: Eye) -> &mut [u8] {
+    fn row(&mut self, _: CameraSide) -> &mut [u8] {
         self.memory.raw_row()
     }
 
-    fn push(&mut self, eye: Eye) -> Result<(), RowError> {
+    fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
         self.memory.push_row(eye)
     }
 

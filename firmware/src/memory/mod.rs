@@ -14,7 +14,7 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
-use linestereo_rig::{Eye, Rectification, RowError};
+use linestereo_rig::{CameraSide, Rectification, RowError};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
 #[derive(Debug)]
@@ -58,13 +58,13 @@ pub trait Memory {
     fn restart(&mut self);
 
     /// The next raw row of this camera is the first one of a frame; the other camera goes on.
-    fn restart_camera(&mut self, eye: Eye);
+    fn restart_camera(&mut self, eye: CameraSide);
 
     /// Where the next raw row has to be put; empty without a rig.
     fn raw_row(&mut self) -> &mut [u8];
 
     /// Rectifies the raw row that was put there, the next one of this camera.
-    fn push_row(&mut self, eye: Eye) -> Result<(), RowError>;
+    fn push_row(&mut self, eye: CameraSide) -> Result<(), RowError>;
 
     /// Are both frames rectified?
     fn is_rectified(&self) -> bool;
@@ -131,7 +131,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
-        views([&self.left, &self.right], usable(&self.rectifiers, self.is_raw), dims)
+        views([&self.left, &self.right], valid(&self.rectifiers, self.is_raw), dims)
     }
 
     fn run(
@@ -145,8 +145,8 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         if !self.fits(dims) {
             return Err(RunError::Size(dims));
         }
-        let usable = usable(&self.rectifiers, self.is_raw);
-        let [left, right] = views([&self.left, &self.right], usable, dims)?;
+        let valid = valid(&self.rectifiers, self.is_raw);
+        let [left, right] = views([&self.left, &self.right], valid, dims)?;
         let pair = Pair { left, right, times_us };
         let areas = areas.filter(|_| matcher.knows_rows());
         matcher.run(pair, areas, self.core.view(), observer).map_err(|_| RunError::Size(dims))
@@ -154,11 +154,11 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
 
     fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {
         self.raw_width = 0;
-        let width = rectification.camera(Eye::Left).dims().width;
+        let width = rectification.camera(CameraSide::Left).dims().width;
         if usize::from(width) > RAW_ROW {
             return Err(NoRoom::Small { name: "raw row", needed: width.into(), given: RAW_ROW });
         }
-        for (rectifier, eye) in self.rectifiers.iter_mut().zip(Eye::BOTH) {
+        for (rectifier, eye) in self.rectifiers.iter_mut().zip(CameraSide::BOTH) {
             rectifier.build(rectification, eye)?;
         }
         self.raw_width = width;
@@ -170,12 +170,12 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         self.rectifiers.iter_mut().for_each(R::restart);
     }
 
-    fn restart_camera(&mut self, eye: Eye) {
+    fn restart_camera(&mut self, eye: CameraSide) {
         self.is_raw = true;
         let [left, right] = &mut self.rectifiers;
         match eye {
-            Eye::Left => left.restart(),
-            Eye::Right => right.restart(),
+            CameraSide::Left => left.restart(),
+            CameraSide::Right => right.restart(),
         }
     }
 
@@ -183,13 +183,13 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         self.raw_row.get_mut(..self.raw_width.into()).unwrap_or_default()
     }
 
-    fn push_row(&mut self, eye: Eye) -> Result<(), RowError> {
+    fn push_row(&mut self, eye: CameraSide) -> Result<(), RowError> {
         let row = self.raw_row.get(..self.raw_width.into()).unwrap_or_default();
         let [left, right] = &mut self.rectifiers;
         match eye {
             _ if row.is_empty() => Err(RowError::NoMesh),
-            Eye::Left => left.push(row, &mut self.left),
-            Eye::Right => right.push(row, &mut self.right),
+            CameraSide::Left => left.push(row, &mut self.left),
+            CameraSide::Right => right.push(row, &mut self.right),
         }
     }
 
@@ -198,16 +198,16 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
     }
 }
 
-fn views<'a>(frames: [&'a [u8]; 2], usable: [&'a [Span]; 2], dims: Dims) -> Result<[Gray<'a>; 2], RunError> {
-    let view = |pixels: &'a [u8], usable: &'a [Span]| {
+fn views<'a>(frames: [&'a [u8]; 2], valid: [&'a [Span]; 2], dims: Dims) -> Result<[Gray<'a>; 2], RunError> {
+    let view = |pixels: &'a [u8], valid: &'a [Span]| {
         let view = Gray::new(pixels, dims, dims.width.into())?;
-        if usable.is_empty() { Ok(view) } else { view.with_usable(usable) }
+        if valid.is_empty() { Ok(view) } else { view.with_valid(valid) }
     };
-    let ([left, right], [left_usable, right_usable]) = (frames, usable);
-    Ok([view(left, left_usable)?, view(right, right_usable)?])
+    let ([left, right], [left_valid, right_valid]) = (frames, valid);
+    Ok([view(left, left_valid)?, view(right, right_valid)?])
 }
 
 /// Of the left and the right frame, the pixels that may be used; none where all may.
-fn usable<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
-    rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.usable() } else { &[] })
+fn valid<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
+    rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.valid() } else { &[] })
 }

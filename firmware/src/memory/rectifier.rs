@@ -1,7 +1,7 @@
 //! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
 
 use linestereo::Span;
-use linestereo_rig::{Band, Eye, Mesh, MeshError, Rectification, RowError};
+use linestereo_rig::{Band, CameraSide, Mesh, MeshError, Rectification, RowError};
 
 /// [`Mesh`] and [`Band`] without their capacities.
 pub trait Rectifier {
@@ -9,7 +9,7 @@ pub trait Rectifier {
     const CLEARED: Self;
 
     /// Makes ready for one camera of a rig. After an error every row is refused.
-    fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), NoRoom>;
+    fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), NoRoom>;
 
     /// The next raw row is the first of a frame.
     fn restart(&mut self);
@@ -21,7 +21,7 @@ pub trait Rectifier {
     fn is_complete(&self) -> bool;
 
     /// Of each row of the frame the pixels that may be used; none when all may.
-    fn usable(&self) -> &[Span];
+    fn valid(&self) -> &[Span];
 }
 
 /// Why a board cannot rectify for a rig.
@@ -55,19 +55,19 @@ impl From<MeshError> for NoRoom {
 pub struct CameraRows<const NODES: usize, const ROWS: usize, const BAND: usize> {
     mesh: Mesh<NODES, ROWS>,
     band: Band<BAND>,
-    usable: [Span; ROWS],
+    valid: [Span; ROWS],
     /// Rows of it; 0 when every pixel may be used.
-    usable_rows: u16,
+    valid_rows: u16,
 }
 
 impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for CameraRows<NODES, ROWS, BAND> {
     const CLEARED: Self =
-        Self { mesh: Mesh::new(), band: Band::new(), usable: [Span { start: 0, end: 0 }; ROWS], usable_rows: 0 };
+        Self { mesh: Mesh::new(), band: Band::new(), valid: [Span { start: 0, end: 0 }; ROWS], valid_rows: 0 };
 
-    fn build(&mut self, rectification: &Rectification, eye: Eye) -> Result<(), NoRoom> {
+    fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), NoRoom> {
         self.band.restart();
         self.mesh.build(rectification, eye)?;
-        self.usable_rows = self.mesh.usable(&mut self.usable).len() as u16;
+        self.valid_rows = self.mesh.valid(&mut self.valid).len() as u16;
         let needed = self.mesh.band_bytes();
         if needed > BAND { Err(NoRoom::Small { name: "band", needed, given: BAND }) } else { Ok(()) }
     }
@@ -84,7 +84,7 @@ impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for Cam
         self.band.is_complete(&self.mesh)
     }
 
-    fn usable(&self) -> &[Span] {
-        self.usable.get(..self.usable_rows.into()).unwrap_or_default()
+    fn valid(&self) -> &[Span] {
+        self.valid.get(..self.valid_rows.into()).unwrap_or_default()
     }
 }

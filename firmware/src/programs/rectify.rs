@@ -12,7 +12,7 @@ use crate::ports::Clock;
 use core::fmt;
 use linestereo::Dims;
 use linestereo::diagnostics::Fnv;
-use linestereo_rig::{Band, Calibration, Camera, Eye, Lens, Mesh, View, mesh_nodes};
+use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, View, mesh_nodes};
 
 /// The largest frames here.
 pub const LARGEST: Dims = Dims { width: 320, height: 240 };
@@ -104,7 +104,7 @@ pub struct Measured {
 pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims: Dims) -> Option<Measured> {
     let started = clock.now();
     let rectification = rig.calibration(dims)?.rectify(dims, View::default()).ok()?;
-    for (mesh, eye) in workspace.meshes.iter_mut().zip(Eye::BOTH) {
+    for (mesh, eye) in workspace.meshes.iter_mut().zip(CameraSide::BOTH) {
         mesh.build(&rectification, eye).ok()?;
     }
     let set_up = clock.elapsed(started, clock.now());

@@ -13,7 +13,7 @@ use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock, packets};
 use crate::session::{self, Reply, Session};
 use linestereo::{Dims, Matched};
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
     Refusal, send, send_frame, send_objects,
@@ -154,7 +154,7 @@ fn read_raw<S: ByteSource>(
     memory.restart();
     let (mut given, mut cost) = (0, 0);
     for _ in 0..raw.height {
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             given += input.read(memory.raw_row());
             let from = clock.now();
             let _ = memory.push_row(eye); // rows of the right width, as many as there are: the frames tell below

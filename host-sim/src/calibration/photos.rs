@@ -4,7 +4,7 @@
 //! `right/`, or `cam0/`, `cam1/`, with or without `data/` below). A pair has the same number; without one, the same rest of the name.
 
 use core::fmt;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub enum PhotoError {
     /// No left or right photo in it.
     None(PathBuf),
     /// One camera's photos only.
-    OneSide(PathBuf, Eye),
+    OneSide(PathBuf, CameraSide),
     /// Two photos of one camera have one number.
     Twice(PathBuf, PathBuf),
     /// Photos without a partner.
@@ -53,7 +53,7 @@ impl fmt::Display for PhotoError {
                 path.display()
             ),
             Self::OneSide(path, eye) => {
-                let [have, miss] = if *eye == Eye::Left { ["left", "right"] } else { ["right", "left"] };
+                let [have, miss] = if *eye == CameraSide::Left { ["left", "right"] } else { ["right", "left"] };
                 write!(f, "{} holds {have} photos but no {miss} ones; a pair has the same number", path.display())
             }
             Self::Twice(first, second) => {
@@ -82,8 +82,8 @@ pub fn find_pairs(folder: &Path, skip_unpaired: bool) -> Result<(Vec<PhotoPair>,
     let counts = [left.len(), right.len()];
     match counts {
         [0, 0] => return Err(PhotoError::None(folder.to_path_buf())),
-        [_, 0] => return Err(PhotoError::OneSide(folder.to_path_buf(), Eye::Left)),
-        [0, _] => return Err(PhotoError::OneSide(folder.to_path_buf(), Eye::Right)),
+        [_, 0] => return Err(PhotoError::OneSide(folder.to_path_buf(), CameraSide::Left)),
+        [0, _] => return Err(PhotoError::OneSide(folder.to_path_buf(), CameraSide::Right)),
         _ => {}
     }
     let keys: Vec<Key> = left.keys().filter(|key| right.contains_key(*key)).cloned().collect();

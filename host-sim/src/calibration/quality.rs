@@ -9,7 +9,7 @@ use super::estimate::{CornerError, Estimate};
 use core::fmt;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
-use linestereo_rig::{Eye, Rectification, View};
+use linestereo_rig::{CameraSide, Rectification, View};
 
 /// Cells that coverage is counted in, across and down.
 pub(super) const CELLS: [usize; 2] = [8, 6];
@@ -124,7 +124,7 @@ pub struct Assessment {
 /// Judges an estimate; the disparity range decides how near is seen.
 #[must_use]
 pub fn assess(estimate: &Estimate, max_disparity: u16) -> Assessment {
-    let dims = estimate.calibration.camera(Eye::Left).dims();
+    let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let coverage = [0, 1].map(|eye| covered(dims, &estimate.errors[eye]));
     let rectified = rectified(estimate, max_disparity);
     let mut findings = findings(estimate, &coverage, rectified.as_ref());
@@ -163,7 +163,7 @@ fn rectified_dims(dims: Dims) -> Dims {
 }
 
 fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
-    let raw = estimate.calibration.camera(Eye::Left).dims();
+    let raw = estimate.calibration.camera(CameraSide::Left).dims();
     let dims = rectified_dims(raw);
     let rectification = estimate.calibration.rectify(dims, View::default()).ok()?;
     let focal = rectification.focal();
@@ -175,7 +175,7 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
     let (vertical, view_vertical) = vertical_residuals(estimate, &rectification);
     Some(Rectified {
         field,
-        kept: Eye::BOTH.map(|eye| kept(&rectification, eye, raw)),
+        kept: CameraSide::BOTH.map(|eye| kept(&rectification, eye, raw)),
         near: strength / f64::from(max_disparity),
         far: FAR.1 * strength / FAR.0,
         vertical,
@@ -185,7 +185,7 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
 }
 
 /// Share of a raw image inside the rectified one.
-fn kept(rectification: &Rectification, eye: Eye, raw: Dims) -> f64 {
+fn kept(rectification: &Rectification, eye: CameraSide, raw: Dims) -> f64 {
     let dims = rectification.dims();
     let inside = |at: [f64; 2]| {
         (-0.5..f64::from(dims.width) - 0.5).contains(&at[0]) && (-0.5..f64::from(dims.height) - 0.5).contains(&at[1])
@@ -205,7 +205,10 @@ fn vertical_residuals(estimate: &Estimate, rectification: &Rectification) -> (f6
         let key = |corner: &CornerError| (corner.view, corner.corner);
         while right.next_if(|other| key(other) < key(left)).is_some() {}
         let Some(partner) = right.next_if(|other| key(other) == key(left)) else { continue };
-        let rows = (rectification.rectified(Eye::Left, left.at), rectification.rectified(Eye::Right, partner.at));
+        let rows = (
+            rectification.rectified(CameraSide::Left, left.at),
+            rectification.rectified(CameraSide::Right, partner.at),
+        );
         if let (Some([_, a]), Some([_, b])) = rows {
             sums[left.view].0 += (a - b).abs();
             sums[left.view].1 += 1;
@@ -294,7 +297,7 @@ fn spreads(estimate: &Estimate, judge: &mut impl FnMut(f64, &Limits, String, &st
 
 /// A warning where one view is enlarged.
 fn focals(estimate: &Estimate) -> Option<Finding> {
-    let [left, right] = Eye::BOTH.map(|eye| estimate.calibration.camera(eye).focal()[0]);
+    let [left, right] = CameraSide::BOTH.map(|eye| estimate.calibration.camera(eye).focal()[0]);
     let differ = (left - right).abs() / left.min(right);
     (differ > FOCALS_DIFFER).then(|| Finding {
         verdict: Verdict::Usable,

@@ -3,7 +3,7 @@
 use super::estimate::{Estimate, Parameter};
 use super::quality::{Assessment, Finding, Rectified, Verdict};
 use core::fmt::Write;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use serde_json::{Value, json};
 
 /// What decides whether to trust it.
@@ -118,8 +118,8 @@ pub fn json(estimate: &Estimate, assessment: &Assessment) -> Value {
         })
     });
     let parameters = estimate.parameters.iter().map(|p| (p.name.clone(), json!({"value": p.value, "sigma": p.sigma})));
-    let coverage = |eye: Eye| {
-        let coverage = &assessment.coverage[usize::from(eye == Eye::Right)];
+    let coverage = |eye: CameraSide| {
+        let coverage = &assessment.coverage[usize::from(eye == CameraSide::Right)];
         json!({"share": coverage.share, "reach": coverage.reach, "unseen": coverage.unseen})
     };
     let rectified = assessment.rectified.as_ref().map(|rectified| {
@@ -136,7 +136,7 @@ pub fn json(estimate: &Estimate, assessment: &Assessment) -> Value {
         "corner_sigma_px": estimate.sigma,
         "baseline_m": {"value": estimate.calibration.baseline(), "sigma": estimate.baseline_sigma},
         "vertical_residual_px": assessment.rectified.as_ref().map(|rectified| rectified.vertical),
-        "coverage": {"left": coverage(Eye::Left), "right": coverage(Eye::Right)},
+        "coverage": {"left": coverage(CameraSide::Left), "right": coverage(CameraSide::Right)},
         "rectified": rectified,
         "parameters": parameters.collect::<serde_json::Map<_, _>>(),
         "views": views.collect::<Vec<_>>(),

@@ -7,7 +7,7 @@ use crate::output::OutputFiles;
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::Dims;
-use linestereo_rig::{Camera, Eye, Lens};
+use linestereo_rig::{Camera, CameraSide, Lens};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -98,10 +98,10 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn summary(imported: &Imported) -> String {
     let calibration = &imported.rig.calibration;
-    let dims = calibration.camera(Eye::Left).dims();
+    let dims = calibration.camera(CameraSide::Left).dims();
     let [x, y, z] = calibration.translation().map(|t| 1e3 * t);
     let mut text = format!("{}: {dims}, baseline {:.4} m\n", imported.format, calibration.baseline());
-    for (name, eye) in [("left", Eye::Left), ("right", Eye::Right)] {
+    for (name, eye) in [("left", CameraSide::Left), ("right", CameraSide::Right)] {
         let _ = writeln!(text, "  {name:<6} {}", camera(calibration.camera(eye)));
     }
     let [rx, ry, rz] = rotation_vector(calibration.rotation()).map(f64::to_degrees);

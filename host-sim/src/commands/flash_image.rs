@@ -6,7 +6,7 @@ use crate::input::rig_file::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use linestereo_rig::{Calibration, Camera, Eye, Lens, RigImage, RigImageHead, View};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, RigImageHead, View};
 use std::path::{Path, PathBuf};
 
 /// Disparity range without an option.
@@ -92,7 +92,7 @@ fn in_words(RigImageHead { version, length, sequence, is_whole }: &RigImageHead)
 fn description(image: &RigImage, head: &RigImageHead) -> String {
     let (calibration, rectification) = (image.calibration(), image.rectification());
     let mut text = format!("rig image     {}\n", in_words(head));
-    for (name, eye) in [("left camera ", Eye::Left), ("right camera", Eye::Right)] {
+    for (name, eye) in [("left camera ", CameraSide::Left), ("right camera", CameraSide::Right)] {
         let _ = writeln!(text, "{name}  {}", camera(calibration.camera(eye)));
     }
     let _ = writeln!(text, "pose          {}", pose(calibration));

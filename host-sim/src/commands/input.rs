@@ -18,10 +18,10 @@ use crate::results::listing::Query;
 use anyhow::{Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
-use linestereo::image::shrink_to_usable;
+use linestereo::image::shrink_to_valid;
 use linestereo::{Dims, Gray, Params, Rig, RigError, Span};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Eye, RigImage};
+use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -253,10 +253,10 @@ impl Matcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
         let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.rectification())).transpose()?;
-        let mut usable = Eye::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
+        let mut usable = CameraSide::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
         if !setup.left_content.is_empty() {
             usable[0].clone_from(&setup.left_content);
-            shrink_to_usable(&mut usable[0], setup.dims().width);
+            shrink_to_valid(&mut usable[0], setup.dims().width);
         }
         let engine = engine_with(&setup.params, setup.dims())?;
         Ok(Self { rectifier, usable, engine })
@@ -300,7 +300,7 @@ impl Matcher {
 fn views<'a>(images: &'a [GrayImage; 2], usable: &'a [Vec<Span>; 2]) -> Result<(Gray<'a>, Gray<'a>), ViewError> {
     let view = |eye: usize| {
         let view = images[eye].view()?;
-        if usable[eye].is_empty() { Ok(view) } else { view.with_usable(&usable[eye]) }
+        if usable[eye].is_empty() { Ok(view) } else { view.with_valid(&usable[eye]) }
     };
     Ok((view(0)?, view(1)?))
 }

@@ -9,7 +9,7 @@ use crate::input::{check_same_size, find_pairs, load_gray};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Eye, Rectification};
+use linestereo_rig::{CameraSide, Rectification};
 use std::path::{Path, PathBuf};
 
 /// What the rig image needs and rectification does not use.
@@ -137,7 +137,7 @@ impl Pair {
 
 fn summary(rectification: &Rectification, rectifier: &PairRectifier) -> String {
     let dims = rectification.dims();
-    let [left, right] = Eye::BOTH.map(|eye| {
+    let [left, right] = CameraSide::BOTH.map(|eye| {
         let facts = rectifier.facts(eye);
         let valid: u32 = facts.spans.iter().map(|span| u32::from(span.end - span.start)).sum();
         let share = 100.0 * f64::from(valid) / (f64::from(dims.width) * f64::from(dims.height));
@@ -146,7 +146,7 @@ fn summary(rectification: &Rectification, rectifier: &PairRectifier) -> String {
     format!(
         "{} rectified to {dims}, focal length {:.1} px, baseline {:.4} m; valid {:.1} % and {:.1} %; \
          raw rows held at once {} and {} ({} and {} bytes)\n",
-        rectification.camera(Eye::Left).dims(),
+        rectification.camera(CameraSide::Left).dims(),
         rectification.focal(),
         rectification.baseline(),
         left.0,

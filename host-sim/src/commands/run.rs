@@ -17,7 +17,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Rejection};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
 
@@ -257,7 +257,7 @@ fn on_board(
     let pairs = [(left, right)];
     let (left, replayed) = match &setup.rig {
         Some(rig) => {
-            let rectified = PairRectifier::new(rig.rectification())?.image(Eye::Left, left)?;
+            let rectified = PairRectifier::new(rig.rectification())?.image(CameraSide::Left, left)?;
             (rectified, machine.run_raw_pairs_with(regions, rig, &update, &pairs)?)
         }
         None => (left.clone(), machine.run_pairs_with(regions, &update, &pairs)?),

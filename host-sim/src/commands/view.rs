@@ -8,7 +8,7 @@ use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Calibration, Eye, RectifyError, RigImage, RigImageError, View};
+use linestereo_rig::{Calibration, CameraSide, RectifyError, RigImage, RigImageError, View};
 use std::path::PathBuf;
 
 /// Size and view of the rectified images.
@@ -31,7 +31,7 @@ impl ViewArgs {
     pub(super) fn image(&self, rig: &[PathBuf], focal_px: Option<f64>, range: (i16, u16)) -> Result<RigImage> {
         let mut calibration = load_rig(rig, &Options::default())?.rig.calibration;
         if let Some(width) = self.raw_width {
-            let full = calibration.camera(Eye::Left).dims();
+            let full = calibration.camera(CameraSide::Left).dims();
             if !(MIN_SIDE..full.width).contains(&width) {
                 bail!("--raw-width is {width}; give {MIN_SIDE} to less than the {} of the raw images", full.width);
             }
@@ -51,7 +51,7 @@ impl ViewArgs {
     }
 
     fn dims(&self, calibration: &Calibration) -> Dims {
-        self.size.unwrap_or_else(|| calibration.camera(Eye::Left).dims())
+        self.size.unwrap_or_else(|| calibration.camera(CameraSide::Left).dims())
     }
 }
 

@@ -5,7 +5,7 @@ use super::text::Align;
 use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
 use image::RgbImage;
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Eye, Rectification};
+use linestereo_rig::{CameraSide, Rectification};
 
 const WIDTH: u32 = 1280;
 const FAINT: [u8; 3] = [90, 90, 96];
@@ -26,7 +26,7 @@ const LINES: u32 = 12;
 /// The estimate with the pair of photos that is shown rectified.
 #[must_use]
 pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<&[GrayImage; 2]>) -> RgbImage {
-    let dims = estimate.calibration.camera(Eye::Left).dims();
+    let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let scale = FIELD / f32::from(dims.width);
     let field = scale * f32::from(dims.height);
     let bars = MARGIN + 60.0 + field + 50.0;
@@ -140,7 +140,7 @@ fn rectified_pair(sheet: &mut Sheet, rectification: &Rectification, photos: &[Gr
     let dims = rectification.dims();
     let scale = FIELD / f32::from(dims.width);
     let height = (scale * f32::from(dims.height)) as u32;
-    for (eye, (photo, side)) in photos.iter().zip(Eye::BOTH).enumerate() {
+    for (eye, (photo, side)) in photos.iter().zip(CameraSide::BOTH).enumerate() {
         let left = MARGIN as u32 + eye as u32 * (FIELD + MARGIN) as u32;
         for y in 0..height {
             for x in 0..FIELD as u32 {

@@ -9,7 +9,7 @@ use linestereo::{Dims, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
 use linestereo_rig::{
-    Band, Calibration, Camera, Eye, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes, mesh_nodes,
+    Band, Calibration, Camera, CameraSide, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes, mesh_nodes,
 };
 
 /// The largest images that a board rectifies.
@@ -25,9 +25,9 @@ type PcMesh = Mesh<{ fine_mesh_nodes(LARGEST) }, { LARGEST.height as usize }>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RectifierError {
     /// The mesh of one camera cannot be built.
-    Mesh(Eye, MeshError),
+    Mesh(CameraSide, MeshError),
     /// The rows of a raw image are refused.
-    Row(Eye, RowError),
+    Row(CameraSide, RowError),
     /// A raw image is not of the rig's size.
     Size {
         /// The rig's.
@@ -85,16 +85,16 @@ impl PairRectifier {
     pub fn new(rectification: &Rectification) -> Result<Self, RectifierError> {
         let dims = rectification.dims();
         let meshes = if dims.width <= BOARD.width && dims.height <= BOARD.height {
-            Meshes::Board([built(rectification, Eye::Left)?, built(rectification, Eye::Right)?])
+            Meshes::Board([built(rectification, CameraSide::Left)?, built(rectification, CameraSide::Right)?])
         } else {
-            Meshes::Pc([built(rectification, Eye::Left)?, built(rectification, Eye::Right)?])
+            Meshes::Pc([built(rectification, CameraSide::Left)?, built(rectification, CameraSide::Right)?])
         };
         Ok(Self { dims, meshes, band: Box::new(Band::new()) })
     }
 
     /// What the mesh of one camera is like.
     #[must_use]
-    pub fn facts(&self, eye: Eye) -> MeshFacts {
+    pub fn facts(&self, eye: CameraSide) -> MeshFacts {
         match &self.meshes {
             Meshes::Board(meshes) => facts(&meshes[eye as usize]),
             Meshes::Pc(meshes) => facts(&meshes[eye as usize]),
@@ -102,7 +102,7 @@ impl PairRectifier {
     }
 
     /// Rectifies one image, row by row.
-    pub fn image(&mut self, eye: Eye, raw: &GrayImage) -> Result<GrayImage, RectifierError> {
+    pub fn image(&mut self, eye: CameraSide, raw: &GrayImage) -> Result<GrayImage, RectifierError> {
         let Self { dims, meshes, band } = self;
         match meshes {
             Meshes::Board(meshes) => rectified(&meshes[eye as usize], band, *dims, eye, raw),
@@ -112,13 +112,13 @@ impl PairRectifier {
 
     /// Rectifies a pair.
     pub fn pair(&mut self, left: &GrayImage, right: &GrayImage) -> Result<(GrayImage, GrayImage), RectifierError> {
-        Ok((self.image(Eye::Left, left)?, self.image(Eye::Right, right)?))
+        Ok((self.image(CameraSide::Left, left)?, self.image(CameraSide::Right, right)?))
     }
 }
 
 fn built<const NODES: usize, const ROWS: usize>(
     rectification: &Rectification,
-    eye: Eye,
+    eye: CameraSide,
 ) -> Result<Box<Mesh<NODES, ROWS>>, RectifierError> {
     let mut mesh = Box::new(Mesh::new());
     mesh.build(rectification, eye).map_err(|error| RectifierError::Mesh(eye, error))?;
@@ -127,7 +127,7 @@ fn built<const NODES: usize, const ROWS: usize>(
 
 fn facts<const NODES: usize, const ROWS: usize>(mesh: &Mesh<NODES, ROWS>) -> MeshFacts {
     let spans = mesh.spans().to_vec();
-    let usable = mesh.usable(&mut spans.clone()).to_vec();
+    let usable = mesh.valid(&mut spans.clone()).to_vec();
     MeshFacts { band_rows: mesh.band_rows(), band_bytes: mesh.band_bytes(), spans, usable }
 }
 
@@ -135,7 +135,7 @@ fn rectified<const NODES: usize, const ROWS: usize>(
     mesh: &Mesh<NODES, ROWS>,
     band: &mut Band<BAND>,
     dims: Dims,
-    eye: Eye,
+    eye: CameraSide,
     raw: &GrayImage,
 ) -> Result<GrayImage, RectifierError> {
     if raw.dims != mesh.raw_dims() {
@@ -161,7 +161,7 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> anyhow::Result<Calibrat
         let centre = [(cx + 0.5) * sx - 0.5, (cy + 0.5) * sy - 0.5];
         Camera::new(dims, [fx * sx, fy * sy], centre, camera.skew() * sx, camera.lens())
     };
-    let (left, right) = (camera(Eye::Left)?, camera(Eye::Right)?);
+    let (left, right) = (camera(CameraSide::Left)?, camera(CameraSide::Right)?);
     Ok(Calibration::new(left, right, calibration.rotation(), calibration.translation())?)
 }
 
@@ -178,7 +178,7 @@ mod tests {
         let pair = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
         let small = reduced(&pair, Dims { width: 320, height: 160 }).unwrap();
         for ray in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-0.25, 0.1, 1.0]] {
-            let [[u, v], [x, y]] = [&pair, &small].map(|rig| rig.camera(Eye::Right).project(ray).unwrap());
+            let [[u, v], [x, y]] = [&pair, &small].map(|rig| rig.camera(CameraSide::Right).project(ray).unwrap());
             assert!(((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9 && ((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9);
         }
         assert_eq!(reduced(&pair, dims).unwrap(), pair);

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Write};
 use linestereo::Dims;
-use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, Eye, Lens};
+use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -49,7 +49,7 @@ pub enum RigFileError {
     /// A later version.
     Version(PathBuf, u32),
     /// A camera in it is none.
-    Camera(PathBuf, Eye, CameraError),
+    Camera(PathBuf, CameraSide, CameraError),
     /// Its cameras are no pair.
     Pair(PathBuf, CalibrationError),
 }
@@ -122,7 +122,7 @@ impl RigFile {
             return Err(RigFileError::Version(at(), raw.version));
         }
         let camera = |raw: &RawCamera, eye| camera(raw).map_err(|error| RigFileError::Camera(at(), eye, error));
-        let (left, right) = (camera(&raw.left, Eye::Left)?, camera(&raw.right, Eye::Right)?);
+        let (left, right) = (camera(&raw.left, CameraSide::Left)?, camera(&raw.right, CameraSide::Right)?);
         let calibration = Calibration::new(left, right, quaternion(raw.pose.rotation_rad), raw.pose.translation_m)
             .map_err(|error| RigFileError::Pair(at(), error))?;
         Ok(Self { calibration, quality: raw.quality })
@@ -135,7 +135,7 @@ impl RigFile {
             "# A stereo rig: two cameras and the pose between them. Pixels: whole numbers are pixel centres.\n\
              version = {VERSION}\n"
         );
-        for eye in Eye::BOTH {
+        for eye in CameraSide::BOTH {
             text.push_str(&camera_text(side_name(eye), self.calibration.camera(eye)));
         }
         let _ = write!(
@@ -188,8 +188,8 @@ fn camera_text(name: &str, camera: &Camera) -> String {
 
 /// What a camera is called, in this file and in messages.
 #[must_use]
-pub fn side_name(eye: Eye) -> &'static str {
-    if eye == Eye::Left { "left" } else { "right" }
+pub fn side_name(eye: CameraSide) -> &'static str {
+    if eye == CameraSide::Left { "left" } else { "right" }
 }
 
 /// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the same bits on every machine.
@@ -229,8 +229,8 @@ mod tests {
         fs::write(&path, file.text()).unwrap();
         let again = RigFile::load(&path).unwrap();
         assert_eq!(again.quality, file.quality);
-        assert_eq!(again.calibration.camera(Eye::Left), file.calibration.camera(Eye::Left));
-        assert_eq!(again.calibration.camera(Eye::Right), file.calibration.camera(Eye::Right));
+        assert_eq!(again.calibration.camera(CameraSide::Left), file.calibration.camera(CameraSide::Left));
+        assert_eq!(again.calibration.camera(CameraSide::Right), file.calibration.camera(CameraSide::Right));
         assert_eq!(again.calibration.translation(), file.calibration.translation());
         for (a, b) in again.calibration.rotation().into_iter().zip(file.calibration.rotation()) {
             assert!((a - b).abs() < 1e-15);

@@ -18,7 +18,7 @@ use crate::input::rectify::{PairRectifier, reduced};
 use core::fmt;
 use linestereo::{Dims, Rig};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{Eye, View};
+use linestereo_rig::{CameraSide, View};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 
@@ -246,7 +246,7 @@ fn rectified(
 ) -> Result<([GrayImage; 2], RigOf), FrameError> {
     let failed = |what: &dyn fmt::Display| FrameError::Layout(files[0].clone(), LayoutFault::RawRig(what.to_string()));
     let calibration = load_rig(files, &Options::default()).map_err(|error| failed(&error))?.rig.calibration;
-    let raw = calibration.camera(Eye::Left).dims();
+    let raw = calibration.camera(CameraSide::Left).dims();
     if raw != left.dims {
         return Err(failed(&format!("it is of images of {raw}, these are {}", left.dims)));
     }

@@ -10,7 +10,7 @@ use linestereo::image::ViewError;
 use linestereo::objects::{LabelRows, Run};
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo_rig::{
-    Band, Calibration, CalibrationError, Camera, CameraError, Eye, Lens, Mesh, MeshError, Rectification, RectifyError,
+    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification, RectifyError,
     RowError, View, mesh_nodes,
 };
 use linestereo::{Area, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
@@ -116,8 +116,8 @@ pub fn proof_points(matched: &mut Matched<'_>, each: fn(Point)) -> usize {
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_usable<'a>(image: Gray<'a>, usable: &'a [Span]) -> Result<Gray<'a>, ViewError> {
-    image.with_usable(usable)
+pub fn proof_valid<'a>(image: Gray<'a>, usable: &'a [Span]) -> Result<Gray<'a>, ViewError> {
+    image.with_valid(usable)
 }
 
 #[unsafe(no_mangle)]
@@ -202,14 +202,14 @@ pub fn proof_rectify_as(
 #[unsafe(no_mangle)]
 pub fn proof_positions(
     rectification: &Rectification,
-    eye: Eye,
+    eye: CameraSide,
     position: [f64; 2],
 ) -> (Option<[f64; 2]>, Option<[f64; 2]>) {
     (rectification.source(eye, position), rectification.rectified(eye, position))
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_mesh(mesh: &mut BoardMesh, rectification: &Rectification, eye: Eye) -> Result<(), MeshError> {
+pub fn proof_mesh(mesh: &mut BoardMesh, rectification: &Rectification, eye: CameraSide) -> Result<(), MeshError> {
     mesh.build(rectification, eye)
 }
 

@@ -20,7 +20,6 @@
 
 use super::super::portable::{self, LANES, STRIP, Strip};
 use super::{two_operands, word};
-use core::arch::asm;
 
 /// See [`portable::sad_curve`].
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {

@@ -22,6 +22,16 @@
 //! # Source
 //! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16, UXTB16, SMLAD.
 
+/// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without one by name.
+#[cfg(armv8m)]
+macro_rules! asm {
+    ($($arguments:tt)*) => { core::arch::asm!(".cpu cortex-m33", $($arguments)*) };
+}
+#[cfg(not(armv8m))]
+macro_rules! asm {
+    ($($arguments:tt)*) => { core::arch::asm!($($arguments)*) };
+}
+
 mod curves;
 mod edges;
 mod pixels;
@@ -43,7 +53,7 @@ macro_rules! two_operands {
             let result: u32;
             // SAFETY: the instruction reads and writes registers alone; every core this module is compiled for has it.
             unsafe {
-                core::arch::asm!($instruction, r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
+                asm!($instruction, r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
                     options(pure, nomem, nostack, preserves_flags));
             }
             result

@@ -20,7 +20,6 @@
 //! See [`super`].
 
 use super::super::portable::{self, Knot, Ring, Run};
-use core::arch::asm;
 
 /// See [`portable::bilinear_runs`].
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {

@@ -16,7 +16,6 @@
 
 use super::super::portable::{self, FLAT};
 use super::{two_operands, word};
-use core::arch::asm;
 
 two_operands!(
     /// Byte by byte mean, rounded down.

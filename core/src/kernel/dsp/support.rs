@@ -14,7 +14,6 @@
 
 use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RANK_ROWS, RankColumn, STEP_PENALTY, STRIP};
 use super::word;
-use core::arch::asm;
 
 /// Byte by byte minimum.
 #[inline(always)]

@@ -38,7 +38,7 @@ use embassy_rp::pio::{
 use embassy_rp::{Peri, bind_interrupts};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 
 bind_interrupts!(struct Interrupts {
     // `Pio::new` asks for it and enables it; it never comes, because nothing is a source of it (INTE of IRQ 0 stays 0).
@@ -78,9 +78,9 @@ struct Channel {
 const CHANNELS: [Channel; 2] = [Channel { number: 0 }, Channel { number: 2 }];
 
 impl Channel {
-    fn of(eye: Eye) -> Self {
+    fn of(eye: CameraSide) -> Self {
         let [left, right] = CHANNELS;
-        if eye == Eye::Left { left } else { right }
+        if eye == CameraSide::Left { left } else { right }
     }
 
     const fn slot(self, slot: u32) -> *mut [u32; SLOT_WORDS] {
@@ -293,7 +293,7 @@ impl Block {
         }
         // They run until the next reset; dropped they would stop.
         mem::forget((common, left_rows, left_frames, right_rows, right_frames, pins));
-        [Eye::Left, Eye::Right].map(|eye| CameraRing { eye })
+        [CameraSide::Left, CameraSide::Right].map(|eye| CameraRing { eye })
     }
 }
 
@@ -321,7 +321,7 @@ fn config(program: &LoadedProgram<'static, PIO0>, pins: &Pins) -> Config<'static
 /// The ring of one camera.
 #[derive(Debug)]
 pub struct CameraRing {
-    eye: Eye,
+    eye: CameraSide,
 }
 
 impl RowRing for CameraRing {
@@ -357,6 +357,6 @@ impl RowRing for CameraRing {
     }
 }
 
-fn of(eye: Eye, [left, right]: &mut [RowCounter; 2]) -> &mut RowCounter {
-    if eye == Eye::Left { left } else { right }
+fn of(eye: CameraSide, [left, right]: &mut [RowCounter; 2]) -> &mut RowCounter {
+    if eye == CameraSide::Left { left } else { right }
 }

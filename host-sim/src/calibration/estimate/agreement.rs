@@ -7,7 +7,7 @@ use super::outcome::{Dropped, EstimateError, LEAST_VIEWS};
 use super::residuals::{median, root_mean_square};
 use super::single::Single;
 use linestereo::Dims;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use nalgebra::Vector3;
 
 /// Views that may differ in what they say of the cameras' pose before it is refined, in widths of the image.
@@ -48,8 +48,8 @@ pub(super) fn agreed_rig(
     });
     Err(match mirrored {
         // With both mirrored the right camera appears on the wrong side: then it was the left one that was.
-        Some(rig) if rig.inverse().translation().x < 0.0 => EstimateError::Mirrored(Eye::Left),
-        Some(_) => EstimateError::Mirrored(Eye::Right),
+        Some(rig) if rig.inverse().translation().x < 0.0 => EstimateError::Mirrored(CameraSide::Left),
+        Some(_) => EstimateError::Mirrored(CameraSide::Right),
         None => EstimateError::NoRig(agree, used.len()),
     })
 }

@@ -35,7 +35,7 @@ use agreement::agreed_rig;
 use free::{beliefs, shared_numbers};
 use joint::robust;
 use linestereo::Dims;
-use linestereo_rig::Eye;
+use linestereo_rig::CameraSide;
 use report::report;
 use single::single;
 use std::thread;
@@ -55,8 +55,8 @@ pub fn estimate(board: &Board, dims: Dims, pairs: &[BoardPair], options: &Option
         let right = scope.spawn(|| single(dims, &sightings[1], options));
         (single(dims, &sightings[0], options), right.join())
     });
-    let left = left.ok_or(EstimateError::NoFit(Eye::Left))?;
-    let right = right.ok().flatten().ok_or(EstimateError::NoFit(Eye::Right))?;
+    let left = left.ok_or(EstimateError::NoFit(CameraSide::Left))?;
+    let right = right.ok().flatten().ok_or(EstimateError::NoFit(CameraSide::Right))?;
 
     let mut dropped: Vec<Option<Dropped>> =
         left.dropped.iter().zip(&right.dropped).map(|(left, right)| left.or(*right)).collect();

@@ -2,7 +2,7 @@
 
 use crate::input::rig_file::side_name;
 use core::fmt;
-use linestereo_rig::{Calibration, CalibrationError, CameraError, Eye};
+use linestereo_rig::{Calibration, CalibrationError, CameraError, CameraSide};
 
 /// Views without which nothing is estimated.
 pub const LEAST_VIEWS: usize = 5;
@@ -102,13 +102,13 @@ pub enum EstimateError {
     /// Fewer than five views are left: found, used.
     TooFew(usize, usize),
     /// No camera explains what is seen.
-    NoFit(Eye),
+    NoFit(CameraSide),
     /// What fits best is no camera.
-    Camera(Eye, CameraError),
+    Camera(CameraSide, CameraError),
     /// What fits best is no pair.
     Pair(CalibrationError),
     /// The photos of one camera are mirrored.
-    Mirrored(Eye),
+    Mirrored(CameraSide),
     /// So many of so many views agree about the cameras' pose.
     NoRig(usize, usize),
     /// The photos do not fix the numbers.

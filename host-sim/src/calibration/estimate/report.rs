@@ -6,7 +6,7 @@ use super::outcome::{BoardPair, CornerError, Dropped, Estimate, EstimateError, P
 use super::residuals::root_mean_square;
 use crate::input::rig_file::quaternion;
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Eye};
+use linestereo_rig::{Calibration, CameraSide};
 use nalgebra::{DMatrix, Vector3};
 
 /// The bundle as an [`Estimate`]: `used` are the views that it holds.
@@ -18,11 +18,13 @@ pub(super) fn report(
     used: &[usize],
     dropped: &[Option<Dropped>],
 ) -> Result<Estimate, EstimateError> {
-    let camera =
-        |eye: usize, name: Eye| bundle.cameras[eye].camera(dims).map_err(|error| EstimateError::Camera(name, error));
+    let camera = |eye: usize, name: CameraSide| {
+        bundle.cameras[eye].camera(dims).map_err(|error| EstimateError::Camera(name, error))
+    };
     let [rx, ry, rz, shift @ ..] = bundle.rig.0;
-    let calibration = Calibration::new(camera(0, Eye::Left)?, camera(1, Eye::Right)?, quaternion([rx, ry, rz]), shift)
-        .map_err(EstimateError::Pair)?;
+    let calibration =
+        Calibration::new(camera(0, CameraSide::Left)?, camera(1, CameraSide::Right)?, quaternion([rx, ry, rz]), shift)
+            .map_err(EstimateError::Pair)?;
     let spread = bundle.spread().ok_or(EstimateError::Undetermined)?;
 
     let (views, errors) = view_reports(places, pairs, bundle, used, dropped);

@@ -6,7 +6,7 @@
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
 use linestereo::Dims;
-use linestereo_rig::{Camera, Eye, Lens};
+use linestereo_rig::{Camera, CameraSide, Lens};
 
 /// What the coefficients of a lens mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -76,7 +76,7 @@ pub(super) fn intrinsics(matrix: &Matrix) -> Result<([f64; 2], [f64; 2], f64), F
 
 /// A checked camera.
 pub(super) fn camera(
-    (eye, place): (Eye, Place),
+    (eye, place): (CameraSide, Place),
     dims: Dims,
     (focal, centre, skew): ([f64; 2], [f64; 2], f64),
     lens: Lens,

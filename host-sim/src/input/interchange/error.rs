@@ -3,7 +3,7 @@
 use crate::input::rig_file::RigFileError;
 use core::fmt;
 use linestereo::Dims;
-use linestereo_rig::{CalibrationError, CameraError, Eye, RectifyError};
+use linestereo_rig::{CalibrationError, CameraError, CameraSide, RectifyError};
 use std::io;
 use std::path::PathBuf;
 
@@ -108,7 +108,7 @@ pub enum Problem {
     /// The size of the images is none.
     Size(String),
     /// A camera is none.
-    Camera(Eye, CameraError),
+    Camera(CameraSide, CameraError),
     /// The cameras are no pair.
     Pair(CalibrationError),
     /// The first camera is the right one.
@@ -163,8 +163,8 @@ impl fmt::Display for Problem {
                 write!(f, "was made for images of {file}, not {given}; leave --size out or calibrate at that size")
             }
             Self::Size(what) => write!(f, "the size of the images is {what}"),
-            Self::Camera(Eye::Left, error) => write!(f, "left camera: {error}"),
-            Self::Camera(Eye::Right, error) => write!(f, "right camera: {error}"),
+            Self::Camera(CameraSide::Left, error) => write!(f, "left camera: {error}"),
+            Self::Camera(CameraSide::Right, error) => write!(f, "right camera: {error}"),
             Self::Pair(error) => write!(f, "{error}"),
             Self::Swapped => write!(
                 f,

@@ -13,21 +13,22 @@ use super::names::size;
 use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Camera, Eye, Lens};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 
 pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
-    let ((left_camera, left_pose), (right_camera, right_pose)) = (sensor(left, Eye::Left)?, sensor(right, Eye::Right)?);
+    let ((left_camera, left_pose), (right_camera, right_pose)) =
+        (sensor(left, CameraSide::Left)?, sensor(right, CameraSide::Right)?);
     let place = right.require("T_BS")?.place;
     right_pose.inverse().after(&left_pose).pair([left_camera, right_camera], swap, Some(place))
 }
 
-fn sensor(node: &Node, eye: Eye) -> Result<(Camera, Pose), Fault> {
+fn sensor(node: &Node, eye: CameraSide) -> Result<(Camera, Pose), Fault> {
     let camera = pinhole(node, eye, "distortion_coefficients")?;
     Ok((camera, Pose::from_matrix(&node.require("T_BS")?.matrix("T_BS")?)?))
 }
 
 /// A camera with the names that EuRoC and Kalibr share.
-pub(super) fn pinhole(node: &Node, eye: Eye, coefficients: &str) -> Result<Camera, Fault> {
+pub(super) fn pinhole(node: &Node, eye: CameraSide, coefficients: &str) -> Result<Camera, Fault> {
     let model = node.require("camera_model")?;
     if model.text() != Some("pinhole") {
         let found: String = model.text().unwrap_or("a list").chars().take(24).collect();
@@ -78,5 +79,5 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
              distortion_model: {model}\ndistortion_coefficients: {values:?}\n"
         ))
     };
-    Ok([one(Eye::Left, "left camera", &Pose::IDENTITY)?, one(Eye::Right, "right camera", &right)?])
+    Ok([one(CameraSide::Left, "left camera", &Pose::IDENTITY)?, one(CameraSide::Right, "right camera", &right)?])
 }

@@ -12,11 +12,12 @@ use super::euroc::{four_coefficients, pinhole};
 use super::node::Node;
 use super::pose::{Pose, rows};
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Eye};
+use linestereo_rig::{Calibration, CameraSide};
 
 pub(super) fn read(chain: &Node, swap: bool, notes: &mut Vec<String>) -> Result<Calibration, Fault> {
     let (left, right) = (chain.require("cam0")?, chain.require("cam1")?);
-    let cameras = [(left, Eye::Left), (right, Eye::Right)].map(|(node, eye)| pinhole(node, eye, "distortion_coeffs"));
+    let cameras = [(left, CameraSide::Left), (right, CameraSide::Right)]
+        .map(|(node, eye)| pinhole(node, eye, "distortion_coeffs"));
     let [left, right_camera] = cameras;
     let pose = right.require("T_cn_cnm1")?;
     if chain.get("cam2").is_some() {
@@ -27,12 +28,12 @@ pub(super) fn read(chain: &Node, swap: bool, notes: &mut Vec<String>) -> Result<
 
 pub(super) fn text(calibration: &Calibration) -> Result<String, Problem> {
     let mut text = String::new();
-    for (name, eye) in [("cam0", Eye::Left), ("cam1", Eye::Right)] {
+    for (name, eye) in [("cam0", CameraSide::Left), ("cam1", CameraSide::Right)] {
         let camera = calibration.camera(eye);
         let (model, values) = four_coefficients(camera, "Kalibr", "radtan")?;
         let ([fx, fy], [cx, cy], Dims { width, height }) = (camera.focal(), camera.centre(), camera.dims());
         text.push_str(&format!("{name}:\n"));
-        if eye == Eye::Right {
+        if eye == CameraSide::Right {
             let pose = Pose::of(calibration);
             text.push_str("  T_cn_cnm1:\n");
             for ([a, b, c], t) in rows(&pose.rotation).into_iter().zip(&pose.translation) {

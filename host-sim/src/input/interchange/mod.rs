@@ -26,7 +26,7 @@ use crate::input::rig_file::RigFile;
 use core::fmt;
 use error::{Fault, Place};
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Eye};
+use linestereo_rig::{Calibration, CameraSide};
 use node::Node;
 use std::fs::File;
 use std::io::{self, Read};
@@ -169,7 +169,7 @@ pub fn export(rig: &RigFile, to: Format) -> Result<Exported, Problem> {
         notes
             .push("how well the calibration fits its photos is not written: the format has no place for it".to_owned());
     }
-    let skewed = Eye::BOTH.iter().any(|&eye| calibration.camera(eye).skew() != 0.0);
+    let skewed = CameraSide::BOTH.iter().any(|&eye| calibration.camera(eye).skew() != 0.0);
     if skewed && matches!(to, Format::OpencvYaml | Format::OpencvXml | Format::Ros) {
         notes.push("the skew is written, but most programs take no notice of it".to_owned());
     }
@@ -231,7 +231,7 @@ fn file_count(format: Format, needed: &'static str) -> Fault {
 }
 
 fn check_size(calibration: &Calibration, options: &Options) -> Result<(), Fault> {
-    let file = calibration.camera(Eye::Left).dims();
+    let file = calibration.camera(CameraSide::Left).dims();
     match options.size {
         Some(given) if given != file => Err(Problem::SizeDiffers { file, given }.anywhere()),
         _ => Ok(()),

@@ -21,7 +21,7 @@ use super::pose::{self, Pose, Rows};
 use super::{Options, StoredRectification, TranslationUnit};
 use crate::input::rig_file::quaternion;
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Eye, Lens, View};
+use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use nalgebra::{Matrix3, Vector3};
 
 const CAMERA: &[&str] =
@@ -102,7 +102,7 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
         let lens = model.lens(&lens.node.matrix(&lens.name)?)?;
         camera((eye, matrix.place), dims, intrinsics(matrix)?, lens)
     };
-    let cameras = [one(Eye::Left, &left, &lenses[0])?, one(Eye::Right, &right, &lenses[1])?];
+    let cameras = [one(CameraSide::Left, &left, &lenses[0])?, one(CameraSide::Right, &right, &lenses[1])?];
     if model == LensModel::BrownConrady && cameras.iter().any(|camera| camera.skew() != 0.0) {
         notes.push("the skew is kept; OpenCV itself takes no notice of it".to_owned());
     }
@@ -249,7 +249,7 @@ struct Entry {
 
 /// What is written: the names of OpenCV's `stereo_calib` in one file, lengths in metres.
 fn entries(calibration: &Calibration) -> Result<Vec<Entry>, Problem> {
-    let [left, right] = Eye::BOTH.map(|eye| calibration.camera(eye));
+    let [left, right] = CameraSide::BOTH.map(|eye| calibration.camera(eye));
     let entry = |name, rows, data: &[f64]| Entry { name, rows, cols: data.len() / rows, data: data.to_vec() };
     let lens = |lens: Lens| coefficients(lens, false);
     let pose = Pose::of(calibration);
@@ -283,14 +283,14 @@ fn reprojection(rectified: &linestereo_rig::Rectification) -> [f64; 16] {
 
 /// One model for both cameras: whether it is the fisheye.
 fn is_fisheye(calibration: &Calibration) -> Result<bool, Problem> {
-    match Eye::BOTH.map(|eye| matches!(calibration.camera(eye).lens(), Lens::Fisheye { .. })) {
+    match CameraSide::BOTH.map(|eye| matches!(calibration.camera(eye).lens(), Lens::Fisheye { .. })) {
         [left, right] if left == right => Ok(left),
         _ => Err(Problem::NotRepresentable { format: "OpenCV", what: "a fisheye beside another lens" }),
     }
 }
 
 pub(super) fn yaml(calibration: &Calibration) -> Result<String, Problem> {
-    let Dims { width, height } = calibration.camera(Eye::Left).dims();
+    let Dims { width, height } = calibration.camera(CameraSide::Left).dims();
     let fisheye = u8::from(is_fisheye(calibration)?);
     let mut text = format!("%YAML:1.0\n---\nimage_width: {width}\nimage_height: {height}\nfisheye_model: {fisheye}\n");
     for Entry { name, rows, cols, data } in entries(calibration)? {
@@ -302,7 +302,7 @@ pub(super) fn yaml(calibration: &Calibration) -> Result<String, Problem> {
 }
 
 pub(super) fn xml(calibration: &Calibration) -> Result<String, Problem> {
-    let Dims { width, height } = calibration.camera(Eye::Left).dims();
+    let Dims { width, height } = calibration.camera(CameraSide::Left).dims();
     let fisheye = u8::from(is_fisheye(calibration)?);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>{width}</image_width>\n\

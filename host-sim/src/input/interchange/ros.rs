@@ -14,7 +14,7 @@ use super::node::{Matrix, Node};
 use super::opencv::projections;
 use super::pose;
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Camera, Eye, Lens, View};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, View};
 use nalgebra::Matrix3;
 
 /// Names in files, and in messages of ROS 1 and 2.
@@ -42,13 +42,13 @@ struct Info {
 }
 
 pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
-    let (left, right) = (info(left, Eye::Left)?, info(right, Eye::Right)?);
+    let (left, right) = (info(left, CameraSide::Left)?, info(right, CameraSide::Right)?);
     let place = right.projection.place;
     let pose = pose::from_rectification([&left.rotation, &right.rotation], [&left.projection, &right.projection])?;
     pose.pair([left.camera, right.camera], swap, Some(place))
 }
 
-fn info(node: &Node, eye: Eye) -> Result<Info, Fault> {
+fn info(node: &Node, eye: CameraSide) -> Result<Info, Fault> {
     let get = |names: &[&'static str; 3]| {
         let missing = || Problem::Missing(format!("there is no \"{}\"", names[0])).at(node.place);
         let (name, found) = find(node, names).ok_or_else(missing)?;
@@ -72,7 +72,7 @@ fn info(node: &Node, eye: Eye) -> Result<Info, Fault> {
 
 /// Both files.
 pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
-    let dims = calibration.camera(Eye::Left).dims();
+    let dims = calibration.camera(CameraSide::Left).dims();
     let rectified = calibration.rectify(dims, View::default()).map_err(Problem::Rectify)?;
     let (rotations, projections) = (rectified.rotations(), projections(&rectified));
     let one = |index: usize, eye, name| {
@@ -93,5 +93,5 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
         }
         text
     };
-    Ok([one(0, Eye::Left, "left"), one(1, Eye::Right, "right")])
+    Ok([one(0, CameraSide::Left, "left"), one(1, CameraSide::Right, "right")])
 }

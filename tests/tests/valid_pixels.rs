@@ -1,7 +1,7 @@
 //! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold never matters.
 
 use linestereo::image::ViewError;
-use linestereo::image::{MARGIN, shrink_to_usable};
+use linestereo::image::{MARGIN, shrink_to_valid};
 use linestereo::{
     Confidence, Dims, Gray, Match, Params, Point, Scratch, Span, mark_words, most_support_points, row_bytes,
 };
@@ -26,7 +26,7 @@ fn turned(mirrored: bool) -> Spans {
 
 fn usable(content: &Spans) -> Spans {
     let mut spans = *content;
-    shrink_to_usable(&mut spans, DIMS.width);
+    shrink_to_valid(&mut spans, DIMS.width);
     spans
 }
 
@@ -68,8 +68,8 @@ fn pixels_without_source_never_matter() {
             let right = with_garbage(&rendering.right, &contents[1], &mut *garbage);
             let [left_spans, right_spans] = &spans;
             run(
-                left.view().unwrap().with_usable(left_spans).unwrap(),
-                right.view().unwrap().with_usable(right_spans).unwrap(),
+                left.view().unwrap().with_valid(left_spans).unwrap(),
+                right.view().unwrap().with_valid(right_spans).unwrap(),
             )
         };
         let expected = result(&mut || 0);
@@ -91,7 +91,7 @@ fn nothing_is_claimed_where_there_is_no_source() {
     for rendering in scenes() {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         let (all_matches, _) = run(left, right);
-        let (matches, points) = run(left.with_usable(&left_spans).unwrap(), right.with_usable(&right_spans).unwrap());
+        let (matches, points) = run(left.with_valid(&left_spans).unwrap(), right.with_valid(&right_spans).unwrap());
         for found in &matches {
             for (end, d) in found.ends.iter().zip(found.disparity) {
                 let (x, y) = (end.x.to_num::<f64>(), end.y.to_num::<f64>());
@@ -115,7 +115,7 @@ fn spans_of_the_whole_image_change_nothing() {
     let whole = [Span { start: 0, end: DIMS.width }; DIMS.height as usize];
     for rendering in scenes() {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
-        let spanned = run(left.with_usable(&whole).unwrap(), right.with_usable(&whole).unwrap());
+        let spanned = run(left.with_valid(&whole).unwrap(), right.with_valid(&whole).unwrap());
         assert!(run(left, right) == spanned);
     }
 }
@@ -125,7 +125,7 @@ fn an_image_without_usable_pixels_has_no_depth() {
     let none = [Span::default(); DIMS.height as usize];
     for rendering in scenes() {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
-        for (left, right) in [(left.with_usable(&none).unwrap(), right), (left, right.with_usable(&none).unwrap())] {
+        for (left, right) in [(left.with_valid(&none).unwrap(), right), (left, right.with_valid(&none).unwrap())] {
             assert_eq!(run(left, right), (Vec::new(), Vec::new()));
         }
     }
@@ -156,10 +156,10 @@ fn spans_that_are_none_are_refused() {
     let pixels = [0; DIMS.width as usize * DIMS.height as usize];
     let view = Gray::new(&pixels, DIMS, DIMS.width.into()).unwrap();
     let mut spans = [Span { start: 0, end: DIMS.width }; DIMS.height as usize];
-    assert_eq!(view.with_usable(&spans[1..]).unwrap_err(), ViewError::Spans { rows: 120, given: 119 });
+    assert_eq!(view.with_valid(&spans[1..]).unwrap_err(), ViewError::Spans { rows: 120, given: 119 });
     spans[3] = Span { start: 5, end: 4 };
-    assert_eq!(view.with_usable(&spans).unwrap_err(), ViewError::Span { row: 3, span: spans[3] });
+    assert_eq!(view.with_valid(&spans).unwrap_err(), ViewError::Span { row: 3, span: spans[3] });
     spans[3] = Span { start: 5, end: DIMS.width + 1 };
-    let message = view.with_usable(&spans).unwrap_err().to_string();
+    let message = view.with_valid(&spans).unwrap_err().to_string();
     assert_eq!(message, "the usable pixels 5 .. 161 of row 3 are no part of the image");
 }
