@@ -22,6 +22,7 @@
 use super::super::portable::{self, Knot, Ring, Run};
 
 /// See [`portable::bilinear_runs`].
+#[inline]
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
     let columns = portable::columns(width.min(1 << 15));
     let (mut total, mut last_start, mut none_empty) = (0_u32, 0, true);
@@ -156,6 +157,7 @@ struct Cells {
 }
 
 /// See [`portable::bilinear_cells`].
+#[inline]
 pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     let Ring { bytes, width, rows, first } = ring;
     let columns = portable::columns(width.min(1 << 15));
@@ -309,6 +311,7 @@ unsafe fn paint_cells<const BITS: usize>(cells: &mut Cells, out: *mut u8) {
 }
 
 /// See [`portable::weigh_knots`].
+#[inline]
 pub fn weigh_knots(rows: [&[Knot]; 4], weights: [i32; 4], out: &mut [Knot]) {
     let [a, b, c, d] = rows;
     let count = a.len().min(b.len()).min(c.len()).min(d.len()).min(out.len());
