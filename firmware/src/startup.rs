@@ -1,7 +1,7 @@
 //! From reset to the program: memory protection, a painted stack, and the program on a stack of its own.
 //!
 //! ```text
-//! below           no access, 16 MiB: memory protection turns every overflow of the stack into a fault, however large its step
+//! below           no access, 512 KiB: memory protection turns every overflow of the stack into a fault, however large its step
 //! start of RAM    stack of the program, grows down
 //!                 stack of handlers, of the size that the board says: still good when the other has overflowed
 //!                 statics

@@ -1,10 +1,10 @@
 """A Cortex-M7 by Unicorn 2.1.4: memory, time by instructions, NVIC, exceptions entered and left by hand, events.
 
-Not in it: caches, bus contention, MPU faults (its regions are recorded), wait states, priority grouping, lazy FPU state.
+Not in it: caches, bus contention, wait states, MPU regions other than those without any access (which end a run), priority grouping, lazy FPU state.
 Time is an estimate, `MHZ` instructions a microsecond; sleep (WFE, WFI) jumps to the next event.
 """
 import ctypes, heapq, os, struct, subprocess, tempfile
-from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_INTR, UC_HOOK_MEM_UNMAPPED, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_INTR, UC_HOOK_MEM_READ, UC_HOOK_MEM_UNMAPPED, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
 from unicorn.arm_const import *
 from unicorn.unicorn_py3.unicorn import uclib
 
@@ -66,7 +66,7 @@ class Core:
         self.uc.mmio_map(0xE0000000, 0x100000, self._read, 0xE0000000, self._write, 0xE0000000)
         self._hooks()
         self.events, self.order = [], 0
-        self.longest_handler_stack, self.interrupts, self.ending = 0, {}, None
+        self.longest_handler_stack, self.interrupts, self.ending, self.forbidden = 0, {}, None, {}
         self.reset()
 
     def _hooks(self):
@@ -180,10 +180,21 @@ class Core:
         elif at == 0xE000EDA0 and value & 1:  # MPU: RASR
             address, number = self.registers.get(0xE000ED9C, 0), self.registers.get(0xE000ED98, 0)
             number = address & 15 if address & 16 else number
-            self.regions[number] = (address & ~0x1F, 1 << ((value >> 1 & 31) + 1), value >> 16 & 0x3F)  # start, bytes, TEX S C B
+            start, size = address & ~0x1F, 1 << ((value >> 1 & 31) + 1)
+            self.regions[number] = (start, size, value >> 16 & 0x3F)  # TEX S C B
+            if not value >> 24 & 7:
+                self._forbid(number, start, size)
         elif at == 0xE000ED0C and value >> 2 & 1:
             self._end("reset")
         self.clock.stop = 0
+
+    def _forbid(self, number, start, size):
+        def on_access(uc, access, address, *_):
+            self._end("access to %#x, which the MPU forbids, in %s" % (address, self.where(uc.reg_read(UC_ARM_REG_PC))))
+
+        if number in self.forbidden:
+            self.uc.hook_del(self.forbidden[number])
+        self.forbidden[number] = self.uc.hook_add(UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE, on_access, None, start, start + size - 1)
 
     def _end(self, why):
         self.ending = why

@@ -33,10 +33,11 @@ pub(crate) use cortex_m::semihosting_call;
 #[cfg(all(target_arch = "riscv32", feature = "emulated"))]
 pub(crate) use riscv::semihosting_call;
 
-/// The memory below the stack that nothing may touch, at most 16 MiB: no frame is larger than all RAM, so none steps over it. A power of two, and
-/// aligned to it, as protection units want it; smaller where the stack's end is not a multiple of 16 MiB.
+/// The memory below the stack that nothing may touch, at most 512 KiB: no frame is larger than all RAM, so none steps over it; what lies further
+/// below may be of use, as an STM32H7's unique id. A power of two, and aligned to it, as protection units want it; smaller where the stack's end
+/// is not a multiple of 512 KiB.
 pub(crate) fn guard() -> Range<usize> {
-    const LARGEST: usize = 16 << 20;
+    const LARGEST: usize = 512 << 10;
     let end = stack::bottom();
     let lowest_bit = end & end.wrapping_neg();
     end - lowest_bit.min(LARGEST)..end
