@@ -97,7 +97,7 @@ mod report;
 mod result;
 mod rig;
 mod row_memory;
-mod scratch;
+pub mod scratch;
 mod side_pixels;
 mod sort;
 mod support;
@@ -116,9 +116,8 @@ pub use plan::Plan;
 pub use query::{PixelDepth, PixelRejection};
 pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source};
 pub use rig::{Rig, RigError};
-pub use row_memory::row_bytes;
-pub use scratch::{RunError, Scratch, ScratchView, mark_words, most_candidates};
-pub use support::{Support, SupportPoint, most_support_points};
+pub use scratch::{RunError, Scratch, ScratchView};
+pub use support::{Support, SupportPoint};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
 /// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons.

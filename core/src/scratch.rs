@@ -6,8 +6,10 @@ use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Workspace};
 use crate::report::Ranked;
 use crate::result::Match;
-use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
-use crate::support::{SupportPoint, most_support_points};
+pub use crate::row_memory::row_bytes;
+use crate::row_memory::{BAND_ROWS, PLANES};
+use crate::support::SupportPoint;
+pub use crate::support::most_support_points;
 use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
@@ -73,11 +75,11 @@ macro_rules! scratch {
     };
     ($dims:expr, $segments:expr, cell: $cell:expr) => {
         $crate::Scratch<
-            { $crate::row_bytes($dims.width) },
-            { $crate::mark_words($dims) },
+            { $crate::scratch::row_bytes($dims.width) },
+            { $crate::scratch::mark_words($dims) },
             { $segments },
-            { $crate::most_candidates($dims, $cell) },
-            { $crate::most_support_points($dims) },
+            { $crate::scratch::most_candidates($dims, $cell) },
+            { $crate::scratch::most_support_points($dims) },
         >
     };
 }

@@ -8,7 +8,8 @@ use linestereo::diagnostics::kernel::{
     LANES, STRIP, Strip, census_row, gradient_row, hamming_curve, portable, sad_curve,
 };
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
-use linestereo::{Dims, Params, mark_words};
+use linestereo::scratch::mark_words;
+use linestereo::{Dims, Params};
 use linestereo_baselines::GrayImage;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::input::{find_scenes, load_scene};

@@ -2,9 +2,10 @@
 
 use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
 use linestereo::image::ViewError;
+use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
     Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params, PixelDepth,
-    PixelRejection, Point, Region, RunError, Scratch, Span, Summary, mark_words, most_support_points, row_bytes,
+    PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 

@@ -1,8 +1,8 @@
 //! Sizes, contents, capacities and parameters at their limits. The test profile checks every integer overflow.
 
+use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
     Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
-    mark_words, most_support_points, row_bytes,
 };
 use linestereo_baselines::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};

@@ -3,7 +3,8 @@
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
 
 use linestereo::diagnostics::{Candidate, Segment};
-use linestereo::{Area, Dims, Focus, Matched, Params, Plan, mark_words, row_bytes};
+use linestereo::scratch::{mark_words, row_bytes};
+use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
 use linestereo_sim::evaluate::object_cases;
 use linestereo_sim::input::Scene;
 use linestereo_tests::captured;
@@ -14,7 +15,7 @@ type Scratch = linestereo::Scratch<
     { mark_words(LARGEST) },
     4096,
     4096,
-    { linestereo::most_support_points(LARGEST) },
+    { linestereo::scratch::most_support_points(LARGEST) },
 >;
 
 fn plan(scene: &Scene) -> Plan {

@@ -1,9 +1,10 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
 use linestereo::diagnostics::FITTED_PIXEL;
+use linestereo::scratch::{mark_words, most_candidates, row_bytes};
 use linestereo::{
     Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Scratch,
-    Span, mark_words, most_candidates, row_bytes,
+    Span,
 };
 use linestereo_baselines::GrayImage;
 use linestereo_sim::engine::Engine;
@@ -188,7 +189,7 @@ type Small = Scratch<
     { mark_words(DIMS) },
     512,
     { most_candidates(DIMS, 16) },
-    { linestereo::most_support_points(DIMS) },
+    { linestereo::scratch::most_support_points(DIMS) },
 >;
 
 #[test]

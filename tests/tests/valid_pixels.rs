@@ -2,9 +2,8 @@
 
 use linestereo::image::ViewError;
 use linestereo::image::{MARGIN, shrink_to_valid};
-use linestereo::{
-    Confidence, Dims, Gray, Match, Params, Point, Scratch, Span, mark_words, most_support_points, row_bytes,
-};
+use linestereo::scratch::{mark_words, most_support_points, row_bytes};
+use linestereo::{Confidence, Dims, Gray, Match, Params, Point, Scratch, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, rendered};

@@ -70,11 +70,11 @@ fn bars() -> (linestereo::Counts, Dims) {
     let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
     let mut scratch: Box<
         linestereo::Scratch<
-            { linestereo::row_bytes(96) },
-            { linestereo::mark_words(Dims { width: 96, height: 64 }) },
+            { linestereo::scratch::row_bytes(96) },
+            { linestereo::scratch::mark_words(Dims { width: 96, height: 64 }) },
             64,
             64,
-            { linestereo::most_support_points(Dims { width: 96, height: 64 }) },
+            { linestereo::scratch::most_support_points(Dims { width: 96, height: 64 }) },
         >,
     > = Box::default();
     let params = Params { max_disparity: 32, ..Params::default() };

@@ -8,12 +8,12 @@ macro_rules! workspace {
             { $board.pixels() },
             { $board.raw_width },
             linestereo::Scratch<
-                { linestereo::row_bytes($board.largest.width) },
-                { linestereo::mark_words($board.largest) },
+                { linestereo::scratch::row_bytes($board.largest.width) },
+                { linestereo::scratch::mark_words($board.largest) },
                 { $board.segments },
                 // One per square of the default size.
-                { linestereo::most_candidates($board.largest, linestereo::Params::DEFAULT.cell) },
-                { linestereo::most_support_points($board.largest) },
+                { linestereo::scratch::most_candidates($board.largest, linestereo::Params::DEFAULT.cell) },
+                { linestereo::scratch::most_support_points($board.largest) },
             >,
             crate::memory::CameraRows<
                 { $crate::boards::NODES },

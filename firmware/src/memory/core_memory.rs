@@ -1,6 +1,7 @@
 //! The core's memory, whatever its capacities are.
 
-use linestereo::{Dims, Scratch, ScratchView, mark_words, most_support_points, row_bytes};
+use linestereo::scratch::{mark_words, most_support_points, row_bytes};
+use linestereo::{Dims, Scratch, ScratchView};
 
 /// A [`Scratch`] without its capacities.
 pub trait CoreMemory {

@@ -14,10 +14,8 @@ use linestereo_rig::{
     RowError, View, mesh_nodes,
 };
 use linestereo::{Area, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
-use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection,
-    Plan, Region, Rejection, Rig, RigError, RunError, Scratch, mark_words, most_support_points, row_bytes,
-};
+use linestereo::scratch::{mark_words, most_support_points, row_bytes};
+use linestereo::{Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection, Plan, Region, Rejection, Rig, RigError, RunError, Scratch};
 use linestereo::{HealthFlags, Match, Point};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
