@@ -6,7 +6,7 @@ use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::{Painter, Scene};
-use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
+use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource};
 use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::rig_store::{Loaded, RigKeeper, Slot, SlotError, StoreError};
@@ -571,6 +571,113 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
     }
     let list = sectors(&told().iter().rfind(|(id, _)| *id == 330).unwrap().1);
     assert_eq!((list[0], list[5], list[67], list[36]), (17, 17, 17, u16::MAX));
+}
+
+/// A host that fetches less than the board sends: frames come whole or not at all, and what is missing is known.
+#[test]
+fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
+    let port = Port::with_capacity(6000);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(DIMS);
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    port.send(1, Request::Start);
+    let (mut decoder, mut heads, mut expected) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
+    for _ in 0..200 {
+        live.turn(&mut *memory, &mut camera);
+        for byte in port.fetch(100) {
+            match decoder.push(byte) {
+                Some(Ok(Message::Frame(head))) => {
+                    assert_eq!(expected, 0, "a frame in pieces before {}", head.sequence);
+                    expected = head.segments;
+                    heads.push(head);
+                }
+                Some(Ok(Message::Segments(part))) => expected -= part.list.len() as u16,
+                Some(Err(error)) => panic!("{error}"),
+                _ => {}
+            }
+        }
+        assert!(port.room().free > 0, "it waits");
+    }
+    assert!(heads.len() > 5, "{}", heads.len());
+    let mut gaps = 0;
+    for pair in heads.windows(2) {
+        let is_gap = pair[1].sequence > pair[0].sequence + 1;
+        assert_eq!(pair[1].health.contains(Health::RESULTS_SKIPPED), is_gap, "{pair:?}");
+        gaps += u32::from(is_gap);
+    }
+    assert!(gaps > 2, "{gaps} of {}", heads.len());
+}
+
+#[test]
+fn a_photograph_is_no_pair_to_an_autopilot() {
+    let (port, autopilot) = (Port::with_look(17_000), Port::default());
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(DIMS);
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone()).with_autopilot(autopilot.clone());
+    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    for _ in 0..30 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    autopilot.bytes();
+    port.send(2, Request::Photograph);
+    for _ in 0..5 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    let messages = mavlink_frames(&autopilot.bytes());
+    let (_, last) = messages.iter().rfind(|(id, _)| *id == 330).unwrap();
+    // Blocked at the near limit, as without pairs: see the test above.
+    assert_eq!(last[8..10], 17_u16.to_le_bytes());
+}
+
+/// A camera that delivers one pair, and has a clock of its own.
+struct OnePair(Option<Painter>);
+
+impl PairSource for OnePair {
+    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        self.0.take()?.next_pair(memory, rectified)
+    }
+
+    fn clock_us(&self) -> Option<u64> {
+        Some(5_000_000)
+    }
+}
+
+#[test]
+fn a_photograph_that_fails_ends_the_one_before() {
+    let port = Port::with_look(1);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = OnePair(Some(Painter::new(DIMS)));
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    port.send(1, Request::Photograph);
+    live.turn(&mut *memory, &mut camera);
+    port.send(2, Request::Photograph);
+    for _ in 0..20 {
+        live.turn(&mut *memory, &mut camera);
+    }
+    let messages = port.received();
+    let of = |wanted: fn(&Message) -> bool| messages.iter().filter(|message| wanted(message)).count();
+    assert_eq!(of(|message| matches!(message, Message::Answer(Answer { outcome: Outcome::Refused(_), .. }))), 1);
+    let pixels: usize =
+        messages.iter().map(|message| if let Message::Pixels(part) = message { part.list.len() } else { 0 }).sum();
+    assert!(pixels < 2 * 128 * 96, "a torn photograph came as a whole one");
+    // Pairs that are missing have the time of those that come.
+    port.send(3, Request::Start);
+    live.turn(&mut *memory, &mut camera);
+    let last = port.received();
+    assert!(matches!(last.last(), Some(Message::Frame(head)) if head.capture_time_us == 5_000_000), "{last:?}");
+}
+
+#[test]
+fn a_new_rig_starts_anew() {
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::new(BOARD);
+    assert!(Painter::new(DIMS).next_pair(&mut *memory, None).is_some());
+    memory.run(session.matcher(DIMS).unwrap(), None, None, &mut ()).unwrap();
+    assert!(session.matcher(DIMS).unwrap().knows_rows());
+    let request = Request::SetRig(rig(DIMS).encode(0).into_iter().collect());
+    session.command(&Command { id: 1, request }, &mut *memory);
+    assert!(!session.matcher(DIMS).unwrap().knows_rows());
 }
 
 /// A camera without a cable.

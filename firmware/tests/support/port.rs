@@ -1,7 +1,7 @@
 //! A serial line and a clock.
 
 use core::cell::RefCell;
-use linestereo_firmware::ports::{ByteSink, ByteSource, Clock};
+use linestereo_firmware::ports::{ByteSink, ByteSource, Clock, Room};
 use linestereo_wire::{Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Request, encode};
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -19,6 +19,8 @@ struct State {
     now_us: u32,
     /// Passes with every look at the clock.
     look_us: u32,
+    /// Bytes from the board that wait at most; 0 for any number.
+    capacity: usize,
 }
 
 impl Port {
@@ -27,6 +29,20 @@ impl Port {
         let port = Self::default();
         port.0.borrow_mut().look_us = look_us;
         port
+    }
+
+    /// A line whose other end fetches nothing by itself: so many bytes wait.
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
+        let port = Self::with_look(1);
+        port.0.borrow_mut().capacity = capacity;
+        port
+    }
+
+    /// So many of the bytes that wait, or all.
+    pub(crate) fn fetch(&self, most: usize) -> Vec<u8> {
+        let from_board = &mut self.0.borrow_mut().from_board;
+        let count = most.min(from_board.len());
+        from_board.drain(..count).collect()
     }
 
     /// With bytes to the board, at most so many at once.
@@ -76,6 +92,12 @@ impl ByteSource for Port {
 impl ByteSink for Port {
     fn write(&mut self, bytes: &[u8]) {
         self.0.borrow_mut().from_board.extend_from_slice(bytes);
+    }
+
+    fn room(&self) -> Room {
+        let state = self.0.borrow();
+        let all = if state.capacity == 0 { usize::MAX } else { state.capacity };
+        Room { free: all.saturating_sub(state.from_board.len()), all }
     }
 }
 
