@@ -4,21 +4,21 @@
 
 /// Defines the kinds of evidence of a model in the order of its coefficients, their number, and the values of one hypothesis in Q8.
 macro_rules! define_evidence {
-    ($(#[$kind_doc:meta])* $Kind:ident; $(#[$values_doc:meta])* $Values:ident; $COUNT:ident; $($Entry:ident: $meaning:literal,)+) => {
+    ($(#[$kind_doc:meta])* $SegmentKind:ident; $(#[$values_doc:meta])* $Values:ident; $COUNT:ident; $($Entry:ident: $meaning:literal,)+) => {
         $(#[$kind_doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(usize)]
-        pub enum $Kind {
+        pub enum $SegmentKind {
             $(#[doc = $meaning] $Entry,)+
         }
 
-        impl $Kind {
+        impl $SegmentKind {
             /// Meaning and unit of each kind, in the model's order.
             pub const NAMES: [&'static str; $COUNT] = [$($meaning),+];
         }
 
         /// Number of kinds.
-        pub const $COUNT: usize = [$($Kind::$Entry),+].len();
+        pub const $COUNT: usize = [$($SegmentKind::$Entry),+].len();
 
         $(#[$values_doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,13 +30,13 @@ macro_rules! define_evidence {
                 Self([0; $COUNT])
             }
 
-            pub(crate) fn set(&mut self, kind: $Kind, value_q8: i32) {
+            pub(crate) fn set(&mut self, kind: $SegmentKind, value_q8: i32) {
                 if let Some(slot) = self.0.get_mut(kind as usize) {
                     *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
                 }
             }
 
-            pub(crate) fn get(&self, kind: $Kind) -> i32 {
+            pub(crate) fn get(&self, kind: $SegmentKind) -> i32 {
                 self.0.get(kind as usize).copied().unwrap_or(0).into()
             }
         }
@@ -46,10 +46,10 @@ pub(crate) use define_evidence;
 
 define_evidence! {
     /// Kinds of evidence for a hypothesis, in the order of the model's coefficients.
-    Kind;
-    /// One number per [`Kind`], Q8.
-    Evidence;
-    EVIDENCE;
+    SegmentKind;
+    /// One number per [`SegmentKind`], Q8.
+    SegmentEvidence;
+    SEGMENT_EVIDENCE;
     SideRatio: "this side's window: cost at the disparity / best cost elsewhere",
     SideCost: "log2(1 + that cost per pixel)",
     SideMargin: "log2(1 + how much worse elsewhere is, per pixel)",
@@ -81,10 +81,14 @@ define_evidence! {
 }
 
 /// Evidence by support points and other segments, known when all segments are matched.
-pub(crate) const NEARBY: [Kind; 4] =
-    [Kind::SupportAgreeing, Kind::SupportFarther, Kind::SupportNearer, Kind::SegmentsAgreeing];
+pub(crate) const NEARBY: [SegmentKind; 4] = [
+    SegmentKind::SupportAgreeing,
+    SegmentKind::SupportFarther,
+    SegmentKind::SupportNearer,
+    SegmentKind::SegmentsAgreeing,
+];
 
-impl Evidence {
+impl SegmentEvidence {
     /// The evidence completed with that by support points and segments nearby, Q8.
     #[must_use]
     pub fn with_nearby(mut self, nearby_q8: [i16; 4]) -> Self {
@@ -95,7 +99,7 @@ impl Evidence {
     }
 
     /// The evidence with one entry changed.
-    pub(crate) fn with(mut self, kind: Kind, value_q8: i32) -> Self {
+    pub(crate) fn with(mut self, kind: SegmentKind, value_q8: i32) -> Self {
         self.set(kind, value_q8);
         self
     }

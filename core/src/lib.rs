@@ -123,7 +123,7 @@ pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 /// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons.
 pub mod diagnostics {
     pub use crate::confidence::{FITTED, Model, Models, NODES};
-    pub use crate::evidence::{EVIDENCE, Evidence, Kind};
+    pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::lines::Segment;
     pub use crate::matching::{Candidate, Side};

@@ -2,7 +2,7 @@
 //!
 //! In: the result of each stage when it ends. Out: nothing; the result of the run does not depend on its observer.
 
-use crate::evidence::Evidence;
+use crate::evidence::SegmentEvidence;
 use crate::fnv::Fnv;
 use crate::health::PairHealth;
 use crate::lines::Segment;
@@ -27,7 +27,7 @@ pub enum StageEvent<'a> {
     /// Gradients and census of the rows that the next segment needs; [`Observer::row`] was called with each.
     Rows,
     /// One matched segment with the evidence of its sides, neighbours left out, or the test that it failed.
-    Segment(Result<(&'a Candidate, &'a [Evidence; 2]), Rejection>),
+    Segment(Result<(&'a Candidate, &'a [SegmentEvidence; 2]), Rejection>),
     /// All candidates and all support points, with the evidence between them.
     Consistency(&'a [Candidate], &'a [SupportPoint]),
     /// The list of matches.

@@ -8,7 +8,7 @@
 //! ```
 
 use crate::confidence::{Model, Models};
-use crate::evidence::Kind;
+use crate::evidence::SegmentKind;
 use crate::image::Dims;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::{Candidate, Side};
@@ -126,8 +126,8 @@ impl Report<'_> {
                     let further = i32::from(distance) - 1;
                     let next_to_edge = distance == 1 && !candidate.is_one_surface();
                     let score = side.rated_q8(model)
-                        + model.coefficient_q8(Kind::Distance) * further
-                        + if next_to_edge { model.coefficient_q8(Kind::NextToEdge) } else { 0 };
+                        + model.coefficient_q8(SegmentKind::Distance) * further
+                        + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
                     let probability = model.probability_q16(score);
                     if probability < least {
                         continue;
@@ -180,7 +180,7 @@ impl Side {
     /// Log-odds of its first pixel, neighbours included, Q8.
     fn rated_q8(&self, model: &Model) -> i32 {
         let score = model.with_nearby_q8(self.score_q8, self.nearby_q8);
-        narrow(score + model.coefficient_q8(Kind::Distance)).into()
+        narrow(score + model.coefficient_q8(SegmentKind::Distance)).into()
     }
 
     /// Log-odds of the edge itself, neighbours included, Q8.

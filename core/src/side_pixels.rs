@@ -5,7 +5,7 @@
 use crate::image::{Dims, Gray, Span};
 use crate::matching::Candidate;
 use crate::matching::feature::SteepLine;
-use crate::matching::flat::FlatLine;
+use crate::matching::near_horizontal::HorizontalLine;
 
 /// Additional distance of the first pixels beside a near-horizontal segment, px.
 const FLAT_OFFSET: i32 = 1;
@@ -75,7 +75,7 @@ impl Candidate {
         // Change of d along the segment, 1/64 px in Q8.
         let ramp = |from: i32, to: i32| ((d1 - d0) << 8) / (to - from).max(1);
         if self.segment.near_horizontal {
-            let line = FlatLine::new(&self.segment);
+            let line = HorizontalLine::new(&self.segment);
             let (from, to) = line.columns();
             let step = ramp(from, to);
             for x in from..=to {

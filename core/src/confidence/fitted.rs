@@ -5,7 +5,7 @@ use super::{Model, Models};
 /// The models that plans use unless they are given others.
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
-    steep: Model {
+    near_vertical: Model {
         bias_q12: -19029,
         coefficients_q12: [
             -14481, // this side's window: cost at the disparity / best cost elsewhere
@@ -91,7 +91,7 @@ pub const FITTED: Models = Models {
             22, 19, 17, 15, 14, 13, 12, 10, 10, 10, 10,
         ],
     },
-    steep_edge: Model {
+    near_vertical_edge: Model {
         bias_q12: -10307,
         coefficients_q12: [
             -3009, // this side's window: cost at the disparity / best cost elsewhere

@@ -21,14 +21,14 @@ mod fitted;
 
 pub use fitted::FITTED;
 
-use crate::evidence::{EVIDENCE, Kind, NEARBY};
+use crate::evidence::{NEARBY, SEGMENT_EVIDENCE, SegmentKind};
 
 /// Number of nodes of the tables, at scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
 
 /// The model of one kind of hypothesis, over `N` kinds of evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Model<const N: usize = EVIDENCE> {
+pub struct Model<const N: usize = SEGMENT_EVIDENCE> {
     /// Log-odds without evidence, Q12.
     pub bias_q12: i32,
     /// Log-odds per unit of evidence, Q12.
@@ -44,11 +44,11 @@ pub struct Model<const N: usize = EVIDENCE> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Models {
     /// A side of a near-vertical segment.
-    pub steep: Model,
+    pub near_vertical: Model,
     /// A side of a near-horizontal segment.
     pub near_horizontal: Model,
     /// The edge of a near-vertical segment, given one side's disparity.
-    pub steep_edge: Model,
+    pub near_vertical_edge: Model,
     /// The edge of a near-horizontal segment, given one side's disparity.
     pub near_horizontal_edge: Model,
 }
@@ -60,7 +60,7 @@ impl Models {
         if near_horizontal {
             (&self.near_horizontal, &self.near_horizontal_edge)
         } else {
-            (&self.steep, &self.steep_edge)
+            (&self.near_vertical, &self.near_vertical_edge)
         }
     }
 }
@@ -104,7 +104,7 @@ impl Model {
 
     /// Log-odds per unit of one kind of evidence, Q8.
     #[must_use]
-    pub fn coefficient_q8(&self, kind: Kind) -> i32 {
+    pub fn coefficient_q8(&self, kind: SegmentKind) -> i32 {
         self.coefficients_q12.get(kind as usize).map_or(0, |&c| c >> 4)
     }
 }

@@ -3,7 +3,7 @@
 //! In: the prominent segments of the left image, support points, a moving band of rows of both images. Out: per segment a [`Candidate`], or
 //! the test that it failed as a [`Rejection`].
 //!
-//! A near-vertical segment is matched as a whole (`steep`), a near-horizontal one by windows above and below it (`flat`); both use the same
+//! A near-vertical segment is matched as a whole (`near_vertical`), a near-horizontal one by windows above and below it (`near_horizontal`); both use the same
 //! curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
 
 pub(crate) mod aggregate;
@@ -11,14 +11,14 @@ pub(crate) mod band;
 pub(crate) mod codes;
 pub(crate) mod consistency;
 pub(crate) mod feature;
-pub(crate) mod flat;
+pub(crate) mod near_horizontal;
+pub(crate) mod near_vertical;
 pub(crate) mod row_offset;
-pub(crate) mod steep;
 pub(crate) mod surroundings;
 
 use crate::confidence::{Model, Models};
 use crate::curve::{CURVES, Curve};
-use crate::evidence::{Evidence, Kind};
+use crate::evidence::{SegmentEvidence, SegmentKind};
 use crate::image::Dims;
 use crate::kernel::LANES;
 use crate::lines::Segment;
@@ -119,8 +119,8 @@ pub struct Side {
     pub disparity_q6: [i16; 2],
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 unless both sides are one surface.
     pub across_q10: i16,
-    /// Evidence by support points, Q8: [`Kind::SupportAgreeing`], [`Kind::SupportFarther`], [`Kind::SupportNearer`]; and by other segments,
-    /// [`Kind::SegmentsAgreeing`].
+    /// Evidence by support points, Q8: [`SegmentKind::SupportAgreeing`], [`SegmentKind::SupportFarther`], [`SegmentKind::SupportNearer`]; and by other segments,
+    /// [`SegmentKind::SegmentsAgreeing`].
     pub nearby_q8: [i16; 4],
     /// Weight of this side as a neighbour, Q8, 1 ..= 256.
     pub(crate) weight_q8: u16,
@@ -136,9 +136,9 @@ pub struct Side {
 }
 
 impl Side {
-    pub(crate) fn new([d0, d1]: [i32; 2], evidence: &Evidence, (model, edge_model): (&Model, &Model)) -> Self {
+    pub(crate) fn new([d0, d1]: [i32; 2], evidence: &SegmentEvidence, (model, edge_model): (&Model, &Model)) -> Self {
         // A side whose second-best costs less than best / 0.8 has the least weight as a neighbour.
-        let weight = 256 - evidence.get(Kind::SideRatio) * 5 / 4;
+        let weight = 256 - evidence.get(SegmentKind::SideRatio) * 5 / 4;
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
@@ -172,24 +172,24 @@ impl Side {
 pub(crate) struct Workspace {
     pub(crate) curves: [Curve; CURVES],
     /// Evidence of the sides of the last candidate.
-    pub(crate) evidence: [Evidence; 2],
+    pub(crate) evidence: [SegmentEvidence; 2],
 }
 
 impl Workspace {
     pub(crate) const EMPTY: Self =
-        Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { Evidence::new() }; 2] };
+        Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { SegmentEvidence::new() }; 2] };
 
     /// The sides with their log-odds; keeps their evidence for observers.
     fn rate(
         &mut self,
-        evidence: [Option<Evidence>; 2],
+        evidence: [Option<SegmentEvidence>; 2],
         line_q6: impl Fn(usize) -> [i32; 2],
         models: (&Model, &Model),
     ) -> [Option<Side>; 2] {
         let mut sides = [None, None];
         for ((i, side), (kept, evidence)) in sides.iter_mut().enumerate().zip(self.evidence.iter_mut().zip(evidence)) {
             *side = evidence.as_ref().map(|evidence| Side::new(line_q6(i), evidence, models));
-            *kept = evidence.unwrap_or(const { Evidence::new() });
+            *kept = evidence.unwrap_or(const { SegmentEvidence::new() });
         }
         sides
     }
@@ -261,9 +261,9 @@ pub(crate) fn match_segment(
     let directed = context.directed(segment);
     let context = directed.as_ref().unwrap_or(context);
     let candidate = if segment.near_horizontal {
-        flat::match_flat(segment, context, band, work)
+        near_horizontal::match_near_horizontal(segment, context, band, work)
     } else {
-        steep::match_steep(segment, context, band, work)
+        near_vertical::match_near_vertical(segment, context, band, work)
     };
     let valid = |candidate: Candidate| {
         if candidate.ends_where_valid(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }

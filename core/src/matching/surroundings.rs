@@ -39,13 +39,13 @@ pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &
     for candidate in candidates {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let ([x0, x1], [y0, y1]) = ([x0, x1].map(|q5| q5 >> 5), [y0, y1].map(|q5| q5 >> 5));
-        let flat = candidate.segment.near_horizontal;
-        let (along, across) = if flat { ([x0, x1], [y0, y1]) } else { ([y0, y1], [x0, x1]) };
+        let near_horizontal = candidate.segment.near_horizontal;
+        let (along, across) = if near_horizontal { ([x0, x1], [y0, y1]) } else { ([y0, y1], [x0, x1]) };
         for (side, sign) in candidate.sides.iter_mut().zip([-1, 1]) {
             let Some(side) = side else { continue };
             let off = sign * WINDOW_MIDDLE;
             let [d0, d1] = side.disparity_q6.map(i32::from);
-            let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], flat };
+            let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], near_horizontal };
             let [agreeing, farther, nearer] = line.weights_of(grid, points, side.weight_q8.into());
             let share = |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
             let [support, behind, before, _] = &mut side.nearby_q8;
@@ -61,7 +61,7 @@ struct Line {
     across: [i32; 2],
     disparity_q6: [i32; 2],
     sign: i32,
-    flat: bool,
+    near_horizontal: bool,
 }
 
 impl Line {
@@ -74,21 +74,23 @@ impl Line {
         let (across_q8, disparity_q8) = (slope_q8(self.across), slope_q8(self.disparity_q6));
         // Points beyond the edge may be of another surface.
         let (before, after) = if self.sign < 0 { (REACH - 1, WINDOW_MIDDLE) } else { (WINDOW_MIDDLE, REACH - 1) };
-        let rows_along = |from, to| if self.flat { grid.columns_within(from, to) } else { grid.rows_within(from, to) };
-        let rows_across = |from, to| if self.flat { grid.rows_within(from, to) } else { grid.columns_within(from, to) };
+        let rows_along =
+            |from, to| if self.near_horizontal { grid.columns_within(from, to) } else { grid.rows_within(from, to) };
+        let rows_across =
+            |from, to| if self.near_horizontal { grid.rows_within(from, to) } else { grid.columns_within(from, to) };
         let pixel = |column: usize, is_column: bool| if is_column { grid.x(column) } else { Grid::y(column) };
         let [mut agreeing, mut farther, mut nearer] = [0; 3];
         for i in rows_along(first - REACH + 1, last + REACH - 1) {
             // Foot of the points on the line, along the segment's direction.
-            let along = pixel(i, self.flat);
+            let along = pixel(i, self.near_horizontal);
             let foot = along.max(first).min(last);
             let beyond = (along - foot).abs();
             let edge = self.across[0] + ((across_q8 * (foot - from)) >> 8);
             let disparity_q6 = self.disparity_q6[0] + ((disparity_q8 * (foot - from)) >> 8);
             for k in rows_across(edge - before, edge + after) {
-                let index = if self.flat { k * grid.columns + i } else { i * grid.columns + k };
+                let index = if self.near_horizontal { k * grid.columns + i } else { i * grid.columns + k };
                 let Some(point) = points.get_mut(index).filter(|point| point.is_matched()) else { continue };
-                let across = (pixel(k, !self.flat) - edge).abs();
+                let across = (pixel(k, !self.near_horizontal) - edge).abs();
                 let nearness = (REACH - across) * (REACH - beyond);
                 let apart = i32::from(point.disparity_q6) - disparity_q6;
                 let [supporting, conflicting] = &mut point.segments;

@@ -233,7 +233,7 @@ mod tests {
     use super::*;
     use crate::area::Area;
     use crate::confidence::FITTED;
-    use crate::evidence::Evidence;
+    use crate::evidence::SegmentEvidence;
     use crate::image::Span;
     use crate::lines::Segment;
     use crate::matching::Side;
@@ -256,7 +256,7 @@ mod tests {
     }
 
     fn side(d_q6: i32, score_q8: i16) -> Side {
-        let evidence = Evidence::new();
+        let evidence = SegmentEvidence::new();
         Side { score_q8, ..Side::new([d_q6; 2], &evidence, FITTED.of(false)) }
     }
 

@@ -21,7 +21,7 @@
 use crate::evidence::log2_mean_q8;
 use crate::lines::MAX_ROWS;
 use crate::matching::feature::SteepLine;
-use crate::matching::flat::FlatLine;
+use crate::matching::near_horizontal::HorizontalLine;
 use crate::matching::{Candidate, Side};
 use crate::objects::Region;
 use crate::support::{Support, SupportPoint};
@@ -101,7 +101,7 @@ struct Foot {
 impl Foot {
     fn new(candidate: &Candidate, x: i32, y: i32) -> Self {
         if candidate.segment.near_horizontal {
-            let line = FlatLine::new(&candidate.segment);
+            let line = HorizontalLine::new(&candidate.segment);
             let (from, to) = line.columns();
             let column = x.max(from).min(to);
             Self { x: column, y: line.row(column), along: column - from, length: to - from }

@@ -17,7 +17,7 @@ pub use sample::{EvidenceLog, SceneSamples, scene_samples};
 pub use source::{source_text, support_source_text};
 
 use crate::engine::FittedModels;
-use linestereo::diagnostics::{EVIDENCE, Kind, Model, Models};
+use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind};
 use logistic::Line;
 use rayon::prelude::*;
 use sample::{Sample, SampleKind};
@@ -34,10 +34,10 @@ const SUPPORT_PENALTY: f64 = 3.0;
 pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
     FittedModels {
         segments: Models {
-            steep: fit_kind(pairs, SampleKind::SteepSide),
-            near_horizontal: fit_kind(pairs, SampleKind::FlatSide),
-            steep_edge: fit_kind(pairs, SampleKind::SteepEdge),
-            near_horizontal_edge: fit_kind(pairs, SampleKind::FlatEdge),
+            near_vertical: fit_kind(pairs, SampleKind::NearVerticalSide),
+            near_horizontal: fit_kind(pairs, SampleKind::NearHorizontalSide),
+            near_vertical_edge: fit_kind(pairs, SampleKind::NearVerticalEdge),
+            near_horizontal_edge: fit_kind(pairs, SampleKind::NearHorizontalEdge),
         },
         support: fit_kind(pairs, SampleKind::Support),
     }
@@ -84,6 +84,6 @@ fn q(value: f64) -> i32 {
 
 /// What each kind of evidence says, for tables and for the head of the written constants.
 #[must_use]
-pub fn names() -> [&'static str; EVIDENCE] {
-    Kind::NAMES
+pub fn names() -> [&'static str; SEGMENT_EVIDENCE] {
+    SegmentKind::NAMES
 }

@@ -2,7 +2,9 @@
 
 use crate::engine::Engine;
 use crate::input::Truth;
-use linestereo::diagnostics::{Evidence, Kind, Observer, PixelEvidence, StageEvent, SupportEvidence, ValidPixels};
+use linestereo::diagnostics::{
+    Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
+};
 use linestereo::{Params, Support};
 
 /// Pixels from the edge up to which answers are sampled: those that the core makes by default.
@@ -11,10 +13,10 @@ const REACH: u16 = Params::DEFAULT.reach;
 /// What each of the models is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SampleKind {
-    SteepSide,
-    FlatSide,
-    SteepEdge,
-    FlatEdge,
+    NearVerticalSide,
+    NearHorizontalSide,
+    NearVerticalEdge,
+    NearHorizontalEdge,
     Support,
     Pixel,
 }
@@ -77,7 +79,7 @@ impl SceneSamples {
 /// The evidence of a run, which the core itself does not keep.
 #[derive(Clone, Debug, Default)]
 pub struct EvidenceLog {
-    sides: Vec<[Evidence; 2]>,
+    sides: Vec<[SegmentEvidence; 2]>,
     /// Of support points, with their places.
     support: Vec<(usize, SupportEvidence)>,
 }
@@ -103,9 +105,9 @@ pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth:
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
-            (SampleKind::FlatSide, SampleKind::FlatEdge)
+            (SampleKind::NearHorizontalSide, SampleKind::NearHorizontalEdge)
         } else {
-            (SampleKind::SteepSide, SampleKind::SteepEdge)
+            (SampleKind::NearVerticalSide, SampleKind::NearVerticalEdge)
         };
         // The nearest truth within 1 px across the edge, as segments are scored.
         let at_edge = |x: i32, y: i32, d: f32| {
@@ -127,9 +129,9 @@ pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth:
                     continue;
                 }
                 let mut evidence = known.0.map(|value| f64::from(value) / 256.0).to_vec();
-                evidence[Kind::Distance as usize] = distance.into();
+                evidence[SegmentKind::Distance as usize] = distance.into();
                 let next_to_edge = distance == 1 && !candidate.is_one_surface();
-                evidence[Kind::NextToEdge as usize] = f64::from(u8::from(next_to_edge));
+                evidence[SegmentKind::NextToEdge as usize] = f64::from(u8::from(next_to_edge));
                 let kind = if distance == 0 { edge_kind } else { side_kind };
                 samples.push(Sample { kind, evidence, errors });
             }

@@ -14,9 +14,9 @@ pub fn source_text(models: &Models, origin: &str) -> String {
          #[rustfmt::skip]\n\
          pub const FITTED: Models = Models {{\n"
     );
-    model(&mut text, "steep", &models.steep);
+    model(&mut text, "near_vertical", &models.near_vertical);
     model(&mut text, "near_horizontal", &models.near_horizontal);
-    model(&mut text, "steep_edge", &models.steep_edge);
+    model(&mut text, "near_vertical_edge", &models.near_vertical_edge);
     model(&mut text, "near_horizontal_edge", &models.near_horizontal_edge);
     text.push_str("};\n");
     text

@@ -17,7 +17,7 @@ use super::aggregate::join_sides;
 use super::band::{Band, on_band};
 use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Workspace};
 use crate::curve::{Curve, Minimum, ratio_q8};
-use crate::evidence::{Evidence, Kind, log2_mean_q8};
+use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
 use crate::lines::{MAX_COLUMNS, Segment};
 use crate::result::Rejection;
@@ -38,7 +38,7 @@ const HALF_REACH: i32 = 2;
 
 /// A line y(x) in 1/32 px with its column range.
 #[derive(Clone, Copy)]
-pub(crate) struct FlatLine {
+pub(crate) struct HorizontalLine {
     x0: i32,
     y0: i32,
     x1: i32,
@@ -46,7 +46,7 @@ pub(crate) struct FlatLine {
     slope_q12: i32,
 }
 
-impl FlatLine {
+impl HorizontalLine {
     pub(crate) fn new(segment: &Segment) -> Self {
         let (x0, y0, x1, y1) = segment.ends_q5();
         let slope_q12 = quotient((y1 - y0) << 12, x1 - x0).clamp(-(8 << 12), 8 << 12);
@@ -80,13 +80,13 @@ struct SideWindows<'w> {
 }
 
 /// Matches both sides of one segment, or returns the test at which the better side failed.
-pub(crate) fn match_flat(
+pub(crate) fn match_near_horizontal(
     segment: &Segment,
     context: &MatchContext<'_>,
     band: &Band<'_>,
     work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
-    let line = FlatLine::new(segment);
+    let line = HorizontalLine::new(segment);
     let columns = line.columns();
     let count = columns.1 - columns.0 + 1;
     let row = line.row((columns.0 + columns.1) / 2);
@@ -94,12 +94,12 @@ pub(crate) fn match_flat(
     if count < 3 {
         return Err(Rejection::NearBorder);
     }
-    let mut shared = Evidence::new();
-    shared.set(Kind::Length, log2_mean_q8(count.unsigned_abs(), 1));
-    shared.set(Kind::Lean, line.slope_q12.abs() >> 4);
-    shared.set(Kind::Range, log2_mean_q8(range.1.unsigned_abs(), 1));
-    shared.set(Kind::Detail, context.detail_q8());
-    shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
+    let mut shared = SegmentEvidence::new();
+    shared.set(SegmentKind::Length, log2_mean_q8(count.unsigned_abs(), 1));
+    shared.set(SegmentKind::Lean, line.slope_q12.abs() >> 4);
+    shared.set(SegmentKind::Range, log2_mean_q8(range.1.unsigned_abs(), 1));
+    shared.set(SegmentKind::Detail, context.detail_q8());
+    shared.set(SegmentKind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
 
     let [above_rows, below_rows] = side_rows(&line);
     let [above_points, below_points] = CENSUS_ROWS;
@@ -107,11 +107,13 @@ pub(crate) fn match_flat(
     let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
     let below = SideWindows::new([d, e, f], &line, columns, below_rows, range, band);
     let mut match_one = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
-        match_side(&line, own, other, shared.with(Kind::WhichSide, which_side), context, band, census)
+        match_side(&line, own, other, shared.with(SegmentKind::WhichSide, which_side), context, band, census)
     };
     let matched = [match_one((&above, above_points), &below, -256), match_one((&below, below_points), &above, 256)];
     let (window_q6, census_q6) = match &matched {
-        [Ok(a), Ok(b)] if b.evidence.get(Kind::SideRatio) < a.evidence.get(Kind::SideRatio) => b.techniques(),
+        [Ok(a), Ok(b)] if b.evidence.get(SegmentKind::SideRatio) < a.evidence.get(SegmentKind::SideRatio) => {
+            b.techniques()
+        }
         [Ok(a), _] => a.techniques(),
         [_, Ok(b)] => b.techniques(),
         // The reason that comes last in the order of tests.
@@ -128,7 +130,7 @@ pub(crate) fn match_flat(
 }
 
 /// Rows of the windows above and below, relative to the line.
-fn side_rows(line: &FlatLine) -> [[i32; 2]; 2] {
+fn side_rows(line: &HorizontalLine) -> [[i32; 2]; 2] {
     let away = (line.slope_q12.abs() * RISE_Q1) >> 14;
     let [above, below] = SIDE_ROWS;
     [above.map(|row| row - away), below.map(|row| row + away)]
@@ -137,7 +139,7 @@ fn side_rows(line: &FlatLine) -> [[i32; 2]; 2] {
 impl<'w> SideWindows<'w> {
     fn new(
         [a, b, whole]: [&'w mut Curve; 3],
-        line: &FlatLine,
+        line: &HorizontalLine,
         (first, last): (i32, i32),
         rows: [i32; 2],
         range: (i32, i32),
@@ -160,7 +162,7 @@ impl<'w> SideWindows<'w> {
 /// Adds the cost of one side over `columns`, in blocks of eight that follow the line, from disparity `first` on;
 /// returns the pixels compared.
 fn add_blocks(
-    line: &FlatLine,
+    line: &HorizontalLine,
     (from, to): (i32, i32),
     rows: [i32; 2],
     first: i32,
@@ -188,7 +190,7 @@ fn add_blocks(
 
 /// Census curve of one side; returns its points.
 fn census_curve(
-    line: &FlatLine,
+    line: &HorizontalLine,
     (from, to): (i32, i32),
     rows: [i32; 2],
     range: (i32, i32),
@@ -215,7 +217,7 @@ fn census_curve(
 
 /// A side that passed every test, with its line of disparity, 1/64 px.
 struct MatchedSide {
-    evidence: Evidence,
+    evidence: SegmentEvidence,
     line_q6: [i32; 2],
     window_q6: i32,
     census_q6: i32,
@@ -229,10 +231,10 @@ impl MatchedSide {
 
 /// Matches one side by its window, census and the halves of the window.
 fn match_side(
-    line: &FlatLine,
+    line: &HorizontalLine,
     (own, census_rows): (&SideWindows<'_>, [i32; 2]),
     other: &SideWindows<'_>,
-    shared: Evidence,
+    shared: SegmentEvidence,
     context: &MatchContext<'_>,
     band: &Band<'_>,
     census: &mut Curve,
@@ -260,15 +262,16 @@ fn match_side(
         own.halves.each_ref().map(|curve| curve.subpixel_q6(curve.minimum_near(at, HALF_REACH).at));
     let slant_q6 = last_q6 - first_q6;
     let mut evidence = shared;
-    evidence.set(Kind::SideRatio, own.ratio_q8);
-    evidence.set(Kind::SideCost, log2_mean_q8(own.best.cost.into(), own.pixels));
-    evidence.set(Kind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.best.cost).into(), own.pixels));
-    evidence.set(Kind::CensusRatio, census_ratio_q8);
-    evidence.set(Kind::CensusCost, log2_mean_q8(census_near.cost.into(), points));
-    evidence.set(Kind::CensusGap, (window_q6 - census_q6).abs() << 2);
-    evidence.set(Kind::Slant, quotient(slant_q6.abs() << 3, columns.1 - columns.0 + 1));
-    evidence.set(Kind::OtherRatio, other.ratio_q8);
-    evidence.set(Kind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);
+    evidence.set(SegmentKind::SideRatio, own.ratio_q8);
+    evidence.set(SegmentKind::SideCost, log2_mean_q8(own.best.cost.into(), own.pixels));
+    evidence
+        .set(SegmentKind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.best.cost).into(), own.pixels));
+    evidence.set(SegmentKind::CensusRatio, census_ratio_q8);
+    evidence.set(SegmentKind::CensusCost, log2_mean_q8(census_near.cost.into(), points));
+    evidence.set(SegmentKind::CensusGap, (window_q6 - census_q6).abs() << 2);
+    evidence.set(SegmentKind::Slant, quotient(slant_q6.abs() << 3, columns.1 - columns.0 + 1));
+    evidence.set(SegmentKind::OtherRatio, other.ratio_q8);
+    evidence.set(SegmentKind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
     let line_q6 = [first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2];
     Ok(MatchedSide { evidence, line_q6, window_q6, census_q6 })

@@ -22,7 +22,7 @@ use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Workspace,
 };
 use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
-use crate::evidence::{Evidence, Kind, log2_mean_q8};
+use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
 use crate::lines::Segment;
 use crate::result::Rejection;
@@ -87,7 +87,7 @@ struct Ownership {
 }
 
 /// Matches one segment, or returns the test that it fails.
-pub(crate) fn match_steep(
+pub(crate) fn match_near_vertical(
     segment: &Segment,
     context: &MatchContext<'_>,
     band: &Band<'_>,
@@ -107,21 +107,21 @@ pub(crate) fn match_steep(
     let feature_q6 = feature::find(&extent.line, segment.rising, (middle_q6 + 32) >> 6, band);
 
     let count = extent.rows.1 - extent.rows.0 + 1;
-    let mut shared = Evidence::new();
-    shared.set(Kind::WindowRatio, window.ratio_q8);
-    shared.set(Kind::WindowCost, log2_mean_q8(window.best.cost.into(), windows.rows * 16));
-    shared.set(Kind::CensusRatio, census.ratio_q8);
-    shared.set(Kind::CensusCost, log2_mean_q8(census.cost.into(), census.points));
-    shared.set(Kind::CensusGap, (window.disparity_q6 - census.disparity_q6).abs() << 2);
-    shared.set(Kind::Slant, quotient(slant_q6.abs() << 3, count));
-    shared.set(Kind::Length, log2_mean_q8(count.unsigned_abs(), 1));
-    shared.set(Kind::NoFeature, i32::from(feature_q6.is_none()) << 8);
-    shared.set(Kind::FeatureGap, feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2));
-    shared.set(Kind::Lean, extent.line.slope_q12().abs() >> 4);
-    shared.set(Kind::Range, log2_mean_q8(windows.range(), 1));
-    shared.set(Kind::Detail, context.detail_q8());
-    shared.set(Kind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
-    shared.set(Kind::EdgeRatio, windows.edge_ratio_q8(window.best.at));
+    let mut shared = SegmentEvidence::new();
+    shared.set(SegmentKind::WindowRatio, window.ratio_q8);
+    shared.set(SegmentKind::WindowCost, log2_mean_q8(window.best.cost.into(), windows.rows * 16));
+    shared.set(SegmentKind::CensusRatio, census.ratio_q8);
+    shared.set(SegmentKind::CensusCost, log2_mean_q8(census.cost.into(), census.points));
+    shared.set(SegmentKind::CensusGap, (window.disparity_q6 - census.disparity_q6).abs() << 2);
+    shared.set(SegmentKind::Slant, quotient(slant_q6.abs() << 3, count));
+    shared.set(SegmentKind::Length, log2_mean_q8(count.unsigned_abs(), 1));
+    shared.set(SegmentKind::NoFeature, i32::from(feature_q6.is_none()) << 8);
+    shared.set(SegmentKind::FeatureGap, feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2));
+    shared.set(SegmentKind::Lean, extent.line.slope_q12().abs() >> 4);
+    shared.set(SegmentKind::Range, log2_mean_q8(windows.range(), 1));
+    shared.set(SegmentKind::Detail, context.detail_q8());
+    shared.set(SegmentKind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
+    shared.set(SegmentKind::EdgeRatio, windows.edge_ratio_q8(window.best.at));
 
     let line_q6 = windows.line_q6(upper_q6, lower_q6, extent.rows);
     let at = window.best.at;
@@ -304,25 +304,25 @@ fn match_census(
 
 /// The evidence of one side's hypothesis, if the side owns the disparity.
 fn hypothesis(
-    shared: Evidence,
+    shared: SegmentEvidence,
     own: &Ownership,
     other: &Ownership,
     census: &mut Curve,
     at: i32,
     rows: i32,
     which_side: i32,
-) -> Option<Evidence> {
+) -> Option<SegmentEvidence> {
     if own.ratio_q8 > MAX_SIDE_RATIO_Q8 {
         return None;
     }
     let mut evidence = shared;
-    evidence.set(Kind::SideRatio, own.ratio_q8);
-    evidence.set(Kind::SideCost, log2_mean_q8(own.cost.into(), rows * 8));
-    evidence.set(Kind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.cost).into(), rows * 8));
-    evidence.set(Kind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)));
-    evidence.set(Kind::OtherRatio, other.ratio_q8);
-    evidence.set(Kind::OtherDiffers, i32::from((other.preferred - at).abs() > 2) << 8);
-    evidence.set(Kind::SideDiffers, i32::from((own.preferred - at).abs() > 1) << 8);
-    evidence.set(Kind::WhichSide, which_side);
+    evidence.set(SegmentKind::SideRatio, own.ratio_q8);
+    evidence.set(SegmentKind::SideCost, log2_mean_q8(own.cost.into(), rows * 8));
+    evidence.set(SegmentKind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.cost).into(), rows * 8));
+    evidence.set(SegmentKind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)));
+    evidence.set(SegmentKind::OtherRatio, other.ratio_q8);
+    evidence.set(SegmentKind::OtherDiffers, i32::from((other.preferred - at).abs() > 2) << 8);
+    evidence.set(SegmentKind::SideDiffers, i32::from((own.preferred - at).abs() > 1) << 8);
+    evidence.set(SegmentKind::WhichSide, which_side);
     Some(evidence)
 }
