@@ -111,7 +111,7 @@ pub struct LineParams {
 /// Working memory of the detector.
 #[derive(Debug)]
 pub struct LineScratch<'a> {
-    /// A bit per pixel: [`mark_words`](crate::mark_words) of the image.
+    /// A bit per pixel: [`mark_words`](crate::scratch::mark_words) of the image.
     pub marks: &'a mut [u32],
     /// One position per two rows or columns, along the longer side.
     pub chain: &'a mut [u16],
