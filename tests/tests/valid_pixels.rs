@@ -160,5 +160,5 @@ fn spans_that_are_none_are_refused() {
     assert_eq!(view.with_valid(&spans).unwrap_err(), ViewError::Span { row: 3, span: spans[3] });
     spans[3] = Span { start: 5, end: DIMS.width + 1 };
     let message = view.with_valid(&spans).unwrap_err().to_string();
-    assert_eq!(message, "the usable pixels 5 .. 161 of row 3 are no part of the image");
+    assert_eq!(message, "the valid pixels 5 .. 161 of row 3 are no part of the image");
 }
