@@ -1,4 +1,4 @@
-//! What `selftest` and `bench` run: every scene in the board's sizes, with the default parameters, and once with the worst case.
+//! Cases of `selftest` and `bench`: every scene in the board's sizes, with the default parameters, and once with the worst case.
 
 use crate::painter::Scene;
 use core::fmt;

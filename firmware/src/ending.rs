@@ -35,8 +35,8 @@ mod by_reset {
     use core::sync::atomic::{AtomicU32, Ordering};
     use linestereo_wire::{Reset, ResetCause};
 
-    /// Whether there is a note, the exit code, its complement, the location ([`Reset::location`]). Memory holds anything when power comes: the first word and
-    /// the complement say that it was written.
+    /// The note in four words: its mark, the exit code, its complement, the location ([`Reset::location`]). Memory holds anything when power
+    /// comes: the first word and the complement say that it was written.
     // SAFETY: the section is not initialised, and every pattern of bits is a number.
     #[unsafe(link_section = ".uninit.note")]
     static NOTE: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];

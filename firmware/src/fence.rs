@@ -8,7 +8,8 @@ pub struct Fence([u8; Self::BYTES]);
 impl Fence {
     /// A power of two, as memory protection units want it.
     pub const BYTES: usize = Self::PAGE / 2;
-    /// What begins with a fence is aligned to this, bytes. QEMU looks at the end of an unaligned word only when it lies in another page than the start.
+    /// Alignment of memory that begins with a fence, bytes. QEMU looks at the end of an unaligned word only when it
+    /// lies in another page than the start.
     pub const PAGE: usize = 1024;
     /// With the bytes that stay.
     pub(crate) const NEW: Self = Self([0xc3; Self::BYTES]);

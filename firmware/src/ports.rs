@@ -158,7 +158,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub reset: Option<Reset>,
 }
 
-/// What starts a frame.
+/// Start of a frame: free or triggered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameStart {
     /// The sensor: frames of two sensors start at different times, and drift.
@@ -175,7 +175,7 @@ pub struct CapturedPair {
     /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
     /// captured too far apart is not matched.
     pub times_us: Option<[u64; 2]>,
-    /// What starts the frames, if the driver knows: of cameras that run free, the difference of their times is chance.
+    /// Start of the frames, if the driver knows it: of cameras that run free, the difference of their times is chance.
     pub frame_start: Option<FrameStart>,
 }
 

@@ -1,4 +1,4 @@
-//! What differs from vehicle to vehicle. A robot starts without a host, so it is chosen before a build: change [`VEHICLE`],
+//! Settings of a vehicle. A robot starts without a host, so it is chosen before a build: change [`VEHICLE`],
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};

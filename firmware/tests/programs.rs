@@ -33,7 +33,7 @@ fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
     bytes.extend(painted(dims, scene).concat());
 }
 
-/// What `replay` sends for this input, which comes in pieces of so many bytes.
+/// Output of `replay` for this input, which comes in pieces of so many bytes.
 fn replay(
     session: &mut Session<'_>,
     memory: &mut Workspace,

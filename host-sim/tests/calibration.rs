@@ -122,7 +122,7 @@ fn boards(rig: &Calibration, board: &Board, count: usize, noise: f64, random: &m
     pairs
 }
 
-/// What was put in, by the names of the estimate's parameters.
+/// True values, by the names of the estimate's parameters.
 fn truth(rig: &Calibration, name: &str) -> f64 {
     let (part, name) = name.split_once('.').unwrap();
     if part == "pose" {
@@ -379,7 +379,7 @@ fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImag
     (rig, photos)
 }
 
-/// What the command does with photos, once they are read.
+/// The boards found in photos, as the command finds them.
 fn found(board: &Board, photos: &[[GrayImage; 2]]) -> Vec<BoardPair> {
     let find = |image: &GrayImage| ChessFinder.find(image, board);
     let pair = |(index, [left, right]): (usize, &[GrayImage; 2])| {

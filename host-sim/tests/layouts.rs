@@ -82,7 +82,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// What a file of a tiny data set holds.
+/// Content of a file of a tiny data set.
 #[derive(Clone)]
 enum File {
     Image(DynamicImage),

@@ -1,4 +1,4 @@
-//! What the simulator reads, finds and writes, and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
+//! Tests of the simulator and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
 mod calibrate;
 mod calibration;

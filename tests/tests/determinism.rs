@@ -1,19 +1,12 @@
 //! The same bits whatever the stride, the padding, the memory's contents, the number of runs and the profile.
 
 use linestereo::diagnostics::{Stage, StageDigests};
-use linestereo::scratch::{mark_words, row_bytes};
-use linestereo::{Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig, Scratch};
+use linestereo::{Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig};
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{rendered, with_padding};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = Scratch<
-    { row_bytes(DIMS.width) },
-    { mark_words(DIMS) },
-    512,
-    512,
-    { linestereo::scratch::most_support_points(DIMS) },
->;
+type Memory = linestereo::scratch!(DIMS, 512);
 
 /// Digests of the values of all matches and points of [`scenes`], names left out. A change that is meant to change the output changes them: run
 /// the test and take the numbers it prints. Debug and release builds are held to the same ones.

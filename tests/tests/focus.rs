@@ -3,20 +3,13 @@
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
 
 use linestereo::diagnostics::{Candidate, Segment};
-use linestereo::scratch::{mark_words, row_bytes};
 use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
 use linestereo_sim::evaluate::object_cases;
 use linestereo_sim::input::Scene;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };
-type Scratch = linestereo::Scratch<
-    { row_bytes(LARGEST.width) },
-    { mark_words(LARGEST) },
-    4096,
-    4096,
-    { linestereo::scratch::most_support_points(LARGEST) },
->;
+type Scratch = linestereo::scratch!(LARGEST, 4096);
 
 fn plan(scene: &Scene) -> Plan {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }.plan(scene.left.dims).unwrap()

@@ -104,7 +104,7 @@ fn resolved(path: &str, module: &Place, modules: &Modules) -> Option<Place> {
     Some([place, parts].concat())
 }
 
-/// What each folder's modules name of each other.
+/// Graph of each folder: modules and the siblings that they name.
 fn graphs(modules: &Modules) -> BTreeMap<Place, Graph> {
     let mut origin: BTreeMap<Place, Place> = BTreeMap::new();
     for (module, code) in modules {

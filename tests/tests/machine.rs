@@ -51,7 +51,7 @@ fn machine() -> Option<&'static (PathBuf, PathBuf)> {
     made.as_ref()
 }
 
-/// What a run left: see `tests/machine/stm32h743.py`.
+/// Result of a run: see `tests/machine/stm32h743.py`.
 struct Run {
     result: Value,
     /// Records that the host got, with the time of their last byte, us.

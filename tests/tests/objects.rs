@@ -1,7 +1,6 @@
 //! Depth per object: on captured frames against the promises, on drawn scenes against their geometry, and on whatever a detector may say.
 
 use linestereo::objects::{LabelRows, Run};
-use linestereo::scratch::{mark_words, row_bytes};
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
@@ -250,15 +249,8 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
 
 #[test]
 fn objects_leave_the_points_of_the_run_as_they_are() {
-    use linestereo::scratch::most_candidates;
-    use linestereo::{Matched, Scratch};
-    type Memory = Scratch<
-        { row_bytes(DIMS.width) },
-        { mark_words(DIMS) },
-        1024,
-        { most_candidates(DIMS, 16) },
-        { linestereo::scratch::most_support_points(DIMS) },
-    >;
+    use linestereo::Matched;
+    type Memory = linestereo::scratch!(DIMS, 1024, cell: 16);
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
     let (_, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));

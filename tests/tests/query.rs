@@ -1,10 +1,8 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
 use linestereo::diagnostics::FITTED_PIXEL;
-use linestereo::scratch::{mark_words, most_candidates, row_bytes};
 use linestereo::{
-    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Scratch,
-    Span,
+    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Span,
 };
 use linestereo_baselines::GrayImage;
 use linestereo_sim::engine::Engine;
@@ -184,13 +182,7 @@ fn a_hidden_strip_has_no_wrong_depth() {
 }
 
 /// Memory for a small pair.
-type Small = Scratch<
-    { row_bytes(DIMS.width) },
-    { mark_words(DIMS) },
-    512,
-    { most_candidates(DIMS, 16) },
-    { linestereo::scratch::most_support_points(DIMS) },
->;
+type Small = linestereo::scratch!(DIMS, 512, cell: 16);
 
 #[test]
 fn what_cannot_be_answered_is_named() {

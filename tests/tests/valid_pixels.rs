@@ -2,17 +2,16 @@
 
 use linestereo::image::ViewError;
 use linestereo::image::{MARGIN, shrink_to_valid};
-use linestereo::scratch::{mark_words, most_support_points, row_bytes};
-use linestereo::{Confidence, Dims, Gray, Match, Params, Point, Scratch, Span};
+use linestereo::{Confidence, Dims, Gray, Match, Params, Point, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, rendered};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = Scratch<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 512, 512, { most_support_points(DIMS) }>;
+type Memory = linestereo::scratch!(DIMS, 512);
 type Spans = [Span; DIMS.height as usize];
 
-/// What a turned camera leaves: slanted borders left and right, empty rows at the top, fewer pixels at the bottom.
+/// Valid pixels of a turned camera: slanted borders left and right, empty rows at the top, fewer pixels at the bottom.
 fn turned(mirrored: bool) -> Spans {
     core::array::from_fn(|y| {
         let y = y as u16;

@@ -23,7 +23,7 @@ impl Exit {
     pub const ALL: [Self; 6] =
         [Self::Success, Self::Difference, Self::Usage, Self::Panic, Self::Fault, Self::StackOverflow];
 
-    /// What this exit code means.
+    /// Meaning of this exit code.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {

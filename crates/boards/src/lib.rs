@@ -10,16 +10,16 @@ mod exit;
 pub use exit::Exit;
 use linestereo::Dims;
 
-/// What a program or a PC has to know of a board.
+/// Description of a board: name, processor, target, capacities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Board {
     /// Its name: of the feature that builds for it, of `--on`.
     pub name: &'static str,
     /// Its processor.
     pub processor: &'static str,
-    /// What rustc calls it.
+    /// Target, as rustc names it.
     pub target: &'static str,
-    /// What runs its programs.
+    /// Emulator or chip that runs its programs.
     pub device: Device,
     /// The largest pair: frames may be no wider than this and have no more pixels.
     pub largest: Dims,
@@ -33,7 +33,7 @@ pub struct Board {
     pub sizes: &'static [Dims],
 }
 
-/// What runs a board's programs.
+/// Emulator or chip that runs a board's programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
     /// QEMU: the program, and the arguments that choose the machine.

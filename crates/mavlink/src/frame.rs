@@ -36,7 +36,7 @@ impl Fields {
     }
 }
 
-/// Who sends, and the number of the next frame.
+/// System and component of the sender, and the number of the next frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sender {
     /// The vehicle: the system id of its autopilot.

@@ -1,4 +1,4 @@
-//! What is sent when: distances 10 to 20 times a second, a heartbeat every second, and what becomes of a pair that is not fit to be used.
+//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and what becomes of a pair that is not fit to be used.
 //!
 //! # What autopilots make of "no data"
 //! | policy | sent while the pair is unfit | PX4 | ArduPilot |
@@ -15,7 +15,7 @@ use crate::pace::Pace;
 use core::fmt;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 
-/// What is sent while the pair is not fit to be used.
+/// Content of the messages while the pair is not fit to be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
     /// Heartbeats only.
@@ -41,7 +41,7 @@ impl Policy {
     }
 }
 
-/// Who sends what how often.
+/// Sender, content and rate of the messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AutopilotParams {
     /// System id of the vehicle: that of its autopilot.
@@ -50,7 +50,7 @@ pub struct AutopilotParams {
     pub component: u8,
     /// Distances a second; 10 ..= 20.
     pub rate_hz: u8,
-    /// What an unfit pair becomes.
+    /// Content while the pair is not fit to be used.
     pub policy: Policy,
     /// Shortest distance that can be measured, cm; 1 or more, below the range. ArduPilot ignores what is nearer, so that nothing nearer is sent.
     pub min_distance_cm: u16,
@@ -92,7 +92,7 @@ impl Default for AutopilotParams {
     }
 }
 
-/// What is wrong with [`AutopilotParams`].
+/// Number of [`AutopilotParams`] outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StreamError {
     /// Not 10 to 20 messages a second.
@@ -167,7 +167,7 @@ impl AutopilotStream {
         }
     }
 
-    /// What is known of every direction, as it is sent.
+    /// Distances of all directions as they are sent, cm.
     #[must_use]
     pub fn distances(&self, obstacles: &Obstacles, plan: &ObstaclePlan, now_us: u64) -> ObstacleDistance {
         let AutopilotParams { min_distance_cm, block_cm, .. } = self.params;

@@ -1,4 +1,4 @@
-//! What two autopilots make of our messages, by small models of their rules: every cell of the table in `src/stream.rs`.
+//! Reactions of two autopilots to our messages, by small models of their rules: every cell of the table in `src/stream.rs`.
 //!
 //! PX4: `src/lib/collision_prevention/CollisionPrevention.cpp` (`_addObstacleSensorData`, `_enterData`, `_updateObstacleData`,
 //! `_checkSetpointDirectionFeasability`, `_calculateConstrainedSetpoint`); 36 bins up to 1.15, 72 since.
@@ -68,7 +68,7 @@ impl Px4 {
         }
     }
 
-    /// What becomes of a stick that asks for this direction.
+    /// Reaction of PX4 to a stick in this direction.
     fn moves(&mut self, degrees: usize, now_ms: u64) -> Px4Says {
         for (distance, time_ms) in self.distances.iter_mut().zip(&self.times_ms) {
             if now_ms - time_ms > PX4_STALE_MS {
@@ -205,7 +205,7 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
 }
 
 impl Flight {
-    /// What PX4 said in this time, which has to be one thing.
+    /// The one state of PX4 in this time.
     fn px4(&self, from: u64, to: u64) -> Px4Says {
         let said: Vec<_> =
             self.log.iter().filter(|(time, ..)| (from..to).contains(time)).map(|&(_, px4, _)| px4).collect();

@@ -2,7 +2,7 @@
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::camera::Camera;
-use crate::turn::{half, matrix};
+use crate::turn::{half, rotation_matrix};
 use core::fmt;
 use nalgebra::Vector3;
 
@@ -127,18 +127,18 @@ impl Calibration {
 
     /// Unit vector from the left to the right camera, in coordinates turned half way from one to the other.
     fn direction(&self) -> [f64; 3] {
-        let t = matrix(half(self.rotation)).tr_mul(&Vector3::from(self.translation));
+        let t = rotation_matrix(half(self.rotation)).tr_mul(&Vector3::from(self.translation));
         (t / -self.baseline()).into()
     }
 
     /// Rotations from each camera's coordinates to common ones whose x axis runs along the baseline, as rows: each camera is turned half of the way
     /// to the other, then both by the smallest angle (Bouguet's choice, as OpenCV's `stereoRectify`).
     pub(crate) fn common_rotations(&self) -> [[[f64; 3]; 3]; 2] {
-        let half = matrix(half(self.rotation));
+        let half = rotation_matrix(half(self.rotation));
         let [x, y, z] = self.direction();
         // The shortest rotation that takes the direction to the x axis: about their cross product (0, z, -y).
         let length = libm::sqrt(2.0 * (1.0 + x));
-        let align = matrix([length / 2.0, 0.0, z / length, -y / length]);
+        let align = rotation_matrix([length / 2.0, 0.0, z / length, -y / length]);
         [align * half, align * half.transpose()].map(|m| m.transpose().into())
     }
 }

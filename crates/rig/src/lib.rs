@@ -33,3 +33,4 @@ pub use nodes::{fine_mesh_nodes, mesh_nodes};
 pub use rectification::{Rectification, RectifyError, View};
 pub use rig_image::{RigImage, RigImageError, RigImageHead};
 pub use rows::{Band, RowError};
+pub use turn::rotation_matrix;

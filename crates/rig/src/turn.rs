@@ -9,8 +9,9 @@ pub(crate) fn half([w, x, y, z]: [f64; 4]) -> [f64; 4] {
     [length / 2.0, x / length, y / length, z / length]
 }
 
-/// Rotation matrix of a unit quaternion.
-pub(crate) fn matrix([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
+/// Rotation matrix of a unit quaternion `[w, x, y, z]`: equal bits on every machine.
+#[must_use]
+pub fn rotation_matrix([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         1.0 - 2.0 * (y * y + z * z),
         2.0 * (x * y - w * z),

@@ -12,7 +12,7 @@ pub struct Reset {
     pub location: u32,
 }
 
-/// What resets a board.
+/// Cause of a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetCause {
     /// Power came.
@@ -73,7 +73,7 @@ impl fmt::Display for Reset {
 /// Kinds of faults of a camera's frame.
 const KINDS: usize = 7;
 
-/// What the cameras lost since the board was reset. Every number stays at its largest value.
+/// Losses of the cameras since the board was reset. Every number stays at its largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CaptureReport {
     /// Faulty frames of the left and the right camera, in the order of [`CaptureReport::KINDS`].

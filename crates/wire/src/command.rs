@@ -148,7 +148,7 @@ pub enum MarginUpdate {
     },
 }
 
-/// What a [`Rig`] is made from.
+/// Numbers of a [`Rig`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigUpdate {
     /// Focal length, px.
@@ -223,7 +223,7 @@ pub enum Refusal {
     MarginNeedsRig,
     /// The board's memory was made for smaller images.
     MemoryTooSmall {
-        /// What is too small.
+        /// Name of the memory that is too small.
         name: Name,
         /// Size needed.
         needed: u32,

@@ -17,7 +17,7 @@ pub const SEGMENTS_PER_PACKET: usize = 10;
 /// Most points in one packet, for the same reason.
 pub const POINTS_PER_PACKET: usize = 32;
 
-/// What a frame gave, without its segments.
+/// Result of a frame, without its segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrameHead {
     /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
@@ -28,11 +28,11 @@ pub struct FrameHead {
     pub width: u16,
     /// Height of the images in px.
     pub height: u16,
-    /// What the frame suffered.
+    /// Faults of the frame.
     pub health: Health,
     /// The numbers behind it; `None` when there was no pair to look at.
     pub pair: Option<PairReport>,
-    /// What was found and lost.
+    /// Numbers of segments found, matched and rejected.
     pub counts: Counts,
     /// Segments that follow.
     pub segments: u16,

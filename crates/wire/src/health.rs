@@ -1,4 +1,4 @@
-//! What a frame suffered, as a set of flags, and the numbers behind them.
+//! Faults of a frame, as a set of flags, and the numbers behind them.
 //!
 //! In: what the board saw, the core's counts and its [`PairHealth`]. Out: 32 bits, of which the unnamed ones are left for later and survive
 //! the journey, and a [`PairReport`].
@@ -90,7 +90,7 @@ impl Health {
         Self(bits)
     }
 
-    /// Whether all flags of `other` are set.
+    /// True when all flags of `other` are set.
     #[must_use]
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0

@@ -15,19 +15,19 @@ pub type BoardName = String<32>;
 /// One record from the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
-    /// What the board is: sent when it starts, and for `Request::Describe` before the answer.
+    /// Description of the board: sent when it starts, and for `Request::Describe` before the answer.
     Hello(Hello),
     /// A frame begins.
     Frame(FrameHead),
     /// Segments of the frame that began last.
     Segments(Segments),
-    /// What became of a command.
+    /// Outcome of a command.
     Answer(Answer),
     /// Points of the frame that began last: only from programs that are fed by a file, a serial port is too slow.
     Points(Points),
     /// Depths of the wanted objects, of the frame that began last.
     Objects(Objects),
-    /// What the cameras lost so far: sent when it has changed, at most once a second.
+    /// Losses of the cameras so far: sent when it has changed, at most once a second.
     Capture(CaptureReport),
     /// A requested photo begins: the pair as the cameras deliver it.
     Photo(PairHead),
@@ -63,7 +63,7 @@ pub struct Pixels {
 /// Most pixels in one packet: fewer bytes than a full list of segments.
 pub const PIXELS_PER_PACKET: usize = 512;
 
-/// What a board is.
+/// Description of a board.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
     /// Its name.
@@ -80,7 +80,7 @@ pub struct Hello {
     pub reset: Option<Reset>,
 }
 
-/// What became of a command.
+/// Outcome of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
     /// The id of the command.

@@ -25,7 +25,7 @@ pub struct Regions {
 /// A box: columns `left .. right` of the rows `top .. bottom`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RegionBox {
-    /// What the detector calls it; comes back with the answer.
+    /// Label of the detector; comes back with the answer.
     pub label: u16,
     /// First column.
     pub left: u16,

@@ -30,7 +30,7 @@ pub(crate) const fn packet_bytes(record: usize) -> usize {
     cobs::max_encoding_length(1 + record + CRC_BYTES) + 1
 }
 
-/// What a packet can hold: a message or a command.
+/// Content of a packet: a message or a command.
 pub trait Record: Serialize + DeserializeOwned + Sealed {
     /// First byte of the payload: the version, and which way the record goes, so that an echo is not taken for an answer.
     const TAG: u8;
@@ -231,7 +231,7 @@ impl<T: Record, const N: usize> Decoder<T, N> {
         self.end_packet(Err(error)).err()
     }
 
-    /// What was received so far.
+    /// Counts of the records and errors so far.
     #[must_use]
     pub fn counters(&self) -> Counters {
         self.counters

@@ -108,7 +108,7 @@ impl RigInUse {
     }
 }
 
-/// What a board knows of its rig.
+/// Rig in use and state of its slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RigReport {
     /// The one in use; without one nothing is rectified.

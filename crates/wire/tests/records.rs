@@ -68,15 +68,7 @@ fn bars() -> (linestereo::Counts, Dims) {
     };
     let (left, right) = (image(0), image(12));
     let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
-    let mut scratch: Box<
-        linestereo::Scratch<
-            { linestereo::scratch::row_bytes(96) },
-            { linestereo::scratch::mark_words(Dims { width: 96, height: 64 }) },
-            64,
-            64,
-            { linestereo::scratch::most_support_points(Dims { width: 96, height: 64 }) },
-        >,
-    > = Box::default();
+    let mut scratch = Box::new(<linestereo::scratch!(Dims { width: 96, height: 64 }, 64)>::new());
     let params = Params { max_disparity: 32, ..Params::default() };
     let counts = *params.plan(dims).unwrap().run([view(&left), view(&right)], scratch.view()).unwrap().counts();
     (counts, dims)
@@ -150,7 +142,7 @@ fn a_buffer_needs_every_byte_of_the_packet() {
 /// The bytes of version 5. When this fails, the records changed: give them another [`VERSION`].
 #[test]
 fn the_layout_of_this_version_is_exactly_this() {
-    /// What is under the byte stuffing and before the checksum.
+    /// Payload: without byte stuffing and checksum.
     fn payload<T: Record>(record: &T) -> Vec<u8> {
         let mut bytes = packet(record);
         let length = cobs::decode_in_place(&mut bytes).unwrap();

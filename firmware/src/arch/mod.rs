@@ -1,4 +1,4 @@
-//! What differs between families of processors; one of the folders is compiled, with the same interface as the others.
+//! Differences between families of processors; one of the folders is compiled, with the same interface as the others.
 //!
 //! ```text
 //! cortex_m    Armv7E-M (M4, M7) and Armv8-M Mainline (M33 and above), on cortex-m-rt

@@ -7,14 +7,7 @@ macro_rules! workspace {
         crate::memory::Workspace<
             { $board.pixels() },
             { $board.raw_width },
-            linestereo::Scratch<
-                { linestereo::scratch::row_bytes($board.largest.width) },
-                { linestereo::scratch::mark_words($board.largest) },
-                { $board.segments },
-                // One per square of the default size.
-                { linestereo::scratch::most_candidates($board.largest, linestereo::Params::DEFAULT.cell) },
-                { linestereo::scratch::most_support_points($board.largest) },
-            >,
+            linestereo::scratch!($board.largest, $board.segments),
             crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },

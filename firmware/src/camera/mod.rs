@@ -50,7 +50,7 @@ pub struct Config {
     pub dims: Dims,
     /// Pixels of the sensor, in each direction, that become one.
     pub binning: Binning,
-    /// What starts a frame.
+    /// Start of a frame: free or triggered.
     pub start: FrameStart,
     /// Who chooses exposure and gain.
     pub exposure: ExposureControl,

@@ -121,7 +121,7 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         self.phase != Phase::Pause
     }
 
-    /// What an interrupt has found, perhaps some of it late; the DMA is at this offset of the ring.
+    /// Serves the events of an interrupt, perhaps late, with the offset of the DMA in the ring, bytes.
     pub fn serve(&mut self, events: Events, offset: u32, time_us: u64) -> Dma {
         if events.is_lost {
             return self.bytes_lost(time_us);

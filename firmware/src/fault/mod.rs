@@ -1,4 +1,4 @@
-//! What must not happen ends in a report and an exit code, never in a hang.
+//! Ends of programs that failed: a report and an exit code, never a hang.
 //!
 //! The processor's handlers find out what it was, on the stack of handlers.
 

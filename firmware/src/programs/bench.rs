@@ -41,7 +41,7 @@ impl<C: Clock> Observer for StageClock<'_, C> {
     }
 }
 
-/// What the obstacles of the last pair cost, as those of a good one, and those to send them to an autopilot; and the bytes of the latter.
+/// Instructions of the obstacles of the last pair, as of a good one, and of sending them to an autopilot; and the bytes sent.
 pub fn measure_autopilot(matched: &Matched<'_>, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));

@@ -24,7 +24,7 @@ struct State {
 }
 
 impl Port {
-    /// So many microseconds pass with every look at the clock.
+    /// A clock that every reading moves on by `look_us` microseconds.
     pub(crate) fn with_look(look_us: u32) -> Self {
         let port = Self::default();
         port.0.borrow_mut().look_us = look_us;
@@ -38,7 +38,7 @@ impl Port {
         port
     }
 
-    /// So many of the bytes that wait, or all.
+    /// At most `most` of the bytes that wait.
     pub(crate) fn fetch(&self, most: usize) -> Vec<u8> {
         let from_board = &mut self.0.borrow_mut().from_board;
         let count = most.min(from_board.len());
@@ -57,7 +57,7 @@ impl Port {
         self.0.borrow_mut().to_board.extend(encode(&Command { id, request }, &mut buffer).unwrap());
     }
 
-    /// What the board wrote since the last call.
+    /// Bytes written by the board since the last call.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         core::mem::take(&mut self.0.borrow_mut().from_board)
     }

@@ -70,7 +70,7 @@ impl fmt::Display for Verdict {
 pub struct Finding {
     /// The verdict it leaves.
     pub verdict: Verdict,
-    /// What is wrong.
+    /// The reason, a sentence.
     pub reason: String,
     /// What to do.
     pub remedy: String,

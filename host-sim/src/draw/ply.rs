@@ -8,7 +8,7 @@ use crate::engine::FrameResult;
 use core::fmt::Write;
 use linestereo::{Disparity, ImagePosition, Rig};
 
-/// What is infinitely far is left out, and segments of which one end is.
+/// Points and segments as PLY, without those that are infinitely far.
 #[must_use]
 pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertex = |at: ImagePosition, disparity: Disparity| {

@@ -22,7 +22,7 @@ const SLOPPY_PX: usize = 2;
 /// An answer further than this from the object's own range is wrong.
 const WRONG_PX: f32 = 1.0;
 
-/// What the core is given of an object.
+/// Form in which an object is given to the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
@@ -57,7 +57,7 @@ impl Outline {
 pub struct ObjectCase {
     /// Scene and object.
     pub name: String,
-    /// What the core is given.
+    /// Form given to the core.
     pub outline: Outline,
     dims: Dims,
     label: u16,
@@ -77,7 +77,7 @@ enum Given {
 }
 
 impl ObjectCase {
-    /// What the core is given; `None` where erosion left nothing.
+    /// Region given to the core; `None` where erosion left nothing.
     #[must_use]
     pub fn region(&self) -> Option<Region<'_>> {
         match &self.given {
@@ -124,7 +124,7 @@ impl ObjectCase {
 pub struct ObjectScore {
     /// Scene and object.
     pub name: String,
-    /// What the core was given.
+    /// Form given to the core.
     pub outline: Outline,
     /// Why there is no answer.
     pub refused: Option<NoDepth>,
@@ -202,7 +202,7 @@ impl TryFrom<PackedObject> for ObjectScore {
 /// The scores of one kind of outline together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObjectSummary {
-    /// What the core was given.
+    /// Form given to the core.
     pub outline: Outline,
     /// Objects asked for.
     pub objects: usize,
@@ -291,7 +291,7 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
     Ok(cases)
 }
 
-/// What the core reports of each object of the pair that the engine ran last.
+/// Answers of the core about each object of the pair that the engine ran last.
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {

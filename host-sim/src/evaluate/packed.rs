@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
-/// What is stored as this many floats.
+/// Values that are stored as a fixed number of floats.
 pub(super) trait Floats<const N: usize>: Copy {
     fn to_floats(self) -> [f32; N];
     fn from_floats(floats: [f32; N]) -> Self;

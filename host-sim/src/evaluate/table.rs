@@ -21,7 +21,7 @@ pub fn scene_table(scores: &[FrameScore]) -> String {
     text
 }
 
-/// What the pooled line does not hold: sure answers, error against yield, stated against observed probability.
+/// Second line of the pooled scores: sure answers, error against yield, stated against observed probability.
 #[must_use]
 pub fn report(summary: &Summary) -> String {
     let mut text = String::from("answers     points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");

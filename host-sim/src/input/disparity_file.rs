@@ -47,7 +47,7 @@ pub fn load_disparities(path: &Path) -> Result<(Dims, Vec<f32>), FrameError> {
     disparities(&bytes).map_err(|fault| FrameError::Disparities(path.to_path_buf(), fault))
 }
 
-/// What the file is tells its content.
+/// Size and disparities of a file, whose format its content tells.
 fn disparities(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let (dims, mut values) = if bytes.starts_with(b"PK") {
         zipped(bytes)?

@@ -1,4 +1,4 @@
-//! What can be wrong with frames on disk, each as one line that says what is wrong and what to do.
+//! Errors of frames on disk, each as one line that says what is wrong and what to do.
 
 use super::layout::Layout;
 use core::fmt;
@@ -143,7 +143,7 @@ impl fmt::Display for LayoutFault {
     }
 }
 
-/// What is wrong with a file of disparities.
+/// Error of a file of disparities.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DisparityFault {
     /// Its first lines are not those of a PFM file.

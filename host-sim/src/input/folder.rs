@@ -53,7 +53,7 @@ pub(super) fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
     paths.into_iter().find(|path| path.is_file())
 }
 
-/// What a folder is called.
+/// Name of a folder.
 pub(super) fn folder_name(folder: &Path) -> String {
     let name = |folder: &Path| folder.file_name().map(|name| name.to_string_lossy().into_owned());
     // "." has no name of its own.

@@ -1,4 +1,4 @@
-//! What comes in: images, folders of pairs in every common layout with their truth, rigs of every format, what detectors found.
+//! Input: images, folders of pairs in every common layout with their truth, rigs of every format, what detectors found.
 //!
 //! ```text
 //! folder, sequence, datasets   which pairs are there, by names and small text files alone: `StoredPair`

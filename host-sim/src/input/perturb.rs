@@ -4,7 +4,7 @@
 
 use linestereo_baselines::GrayImage;
 
-/// What is done to a pair; the default does nothing.
+/// Damage of a pair; the default does nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perturbation {
     /// Standard deviation of a Gaussian blur of both images, in px.

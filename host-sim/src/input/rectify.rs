@@ -67,7 +67,7 @@ enum Meshes {
     Pc([Box<PcMesh>; 2]),
 }
 
-/// What rectifying one camera's images takes and gives.
+/// Numbers of the mesh of one camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFacts {
     /// Raw rows that are held at once.
@@ -92,7 +92,7 @@ impl PairRectifier {
         Ok(Self { dims, meshes, band: Box::new(Band::new()) })
     }
 
-    /// What the mesh of one camera is like.
+    /// The numbers of a camera's mesh.
     #[must_use]
     pub fn facts(&self, eye: CameraSide) -> MeshFacts {
         match &self.meshes {

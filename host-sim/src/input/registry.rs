@@ -45,9 +45,9 @@ pub enum Way {
 pub struct Package {
     /// Its name; files of it start with it.
     pub name: String,
-    /// Who brings it.
+    /// Client that fetches the package.
     pub way: Way,
-    /// What the client is asked for.
+    /// Package and version, as the client names it.
     pub requirement: String,
     /// The folders that it becomes.
     #[serde(rename = "scene")]
@@ -72,7 +72,7 @@ impl PackedScene {
     }
 }
 
-/// What is wrong with a package file.
+/// Error of a package file.
 #[derive(Debug)]
 pub enum PackageError {
     /// It cannot be read.

@@ -25,7 +25,7 @@ pub struct RigFile {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quality {
-    /// What it was made from, in words.
+    /// Origin of the rig, in words.
     pub source: String,
     /// Pairs of photos used.
     pub views: u32,
@@ -186,7 +186,7 @@ fn camera_text(name: &str, camera: &Camera) -> String {
     )
 }
 
-/// What a camera is called, in this file and in messages.
+/// Name of a camera, in this file and in messages.
 #[must_use]
 pub fn side_name(eye: CameraSide) -> &'static str {
     if eye == CameraSide::Left { "left" } else { "right" }

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use std::fs;
 use std::path::Path;
 
-/// What `scene.json` says; fields it does not have are `None`.
+/// Content of `scene.json`; fields it does not have are `None`.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct SceneInfo {
     /// Name of the scene.
@@ -109,7 +109,7 @@ pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError
     stored(folder)?.load(width)
 }
 
-/// What a scene folder holds.
+/// Content of a scene folder.
 pub(super) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let info_path = folder.join("scene.json");
     let info = SceneInfo::load(&info_path)?;

@@ -39,7 +39,7 @@ pub enum PairFiles {
 /// A pair of a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SequencePair {
-    /// What its files or its folder are called, without the side.
+    /// Name of its files or its folder, without the side.
     pub name: String,
     /// The number in the name.
     pub number: Option<u64>,

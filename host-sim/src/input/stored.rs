@@ -65,7 +65,7 @@ pub struct StoredPair {
     pub(super) max_disparity: Option<f64>,
 }
 
-/// What is known of the cameras.
+/// Rig of the cameras, as far as it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum StoredRig {
     /// Nothing.
@@ -84,7 +84,7 @@ pub(super) struct StoredTruth {
     pub(super) visibility: Visibility,
 }
 
-/// What a stored value is in px; 0 is unknown in images, not in files of floats, which hold px where no steps are given.
+/// Scale of stored values, px; 0 is unknown in images, not in files of floats, which hold px where no steps are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scale {
     /// Disparity = value / this.

@@ -7,7 +7,7 @@ use linestereo::{HealthFlags, Match, Point};
 use linestereo_mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 
-/// What is known of each direction after one pair.
+/// Sectors after one pair.
 #[derive(Clone, Debug)]
 pub struct Directions {
     plan: ObstaclePlan,

@@ -4,7 +4,7 @@ use linestereo::HealthFlags;
 use linestereo_wire::{CameraReport, Health, PairReport, RowsReport};
 use serde::Serialize;
 
-/// What to do about each flag, in the order of [`Health::NAMES`].
+/// Remedy for each flag, in the order of [`Health::NAMES`].
 const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
     ("segments_dropped", "more segments than the board has memory for; the shortest are left out"),
@@ -44,7 +44,7 @@ const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
 ];
 
-/// What to do, a line per flag.
+/// Remedies, a line per flag.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
     let is_set = move |name: &str| health.names().any(|set| set == name);
     ADVICE.into_iter().filter(move |&(name, _)| is_set(name))

@@ -30,7 +30,7 @@ struct Listing<'a> {
     answers: &'a Answers,
 }
 
-/// What was asked of a pair besides its segments and points; what nobody asked for is not listed.
+/// Results of a pair besides segments and points; `None` is not listed.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Answers {
     /// Depth of each region.
@@ -113,7 +113,7 @@ impl Query {
 pub struct Object {
     /// Value in the mask, or position in the file.
     pub label: u16,
-    /// What the detector calls it.
+    /// Label of the detector.
     pub name: Option<String>,
     /// At the region's centre.
     pub disparity_px: Option<f64>,

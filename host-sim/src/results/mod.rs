@@ -1,4 +1,4 @@
-//! What comes out of a pair: as JSON, CSV and text, as files of other programs, as directions, as outlines of objects.
+//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as outlines of objects.
 
 pub mod directions;
 mod disparity_map;

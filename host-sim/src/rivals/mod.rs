@@ -34,7 +34,7 @@ const LEAST_DISPARITIES: usize = 5;
 /// The core's name among the methods.
 pub const CORE: &str = "linestereo";
 
-/// What is compared.
+/// A method that takes part in a comparison.
 #[derive(Clone, Debug)]
 pub enum Contender {
     /// The core.
@@ -54,7 +54,7 @@ impl Contender {
     }
 }
 
-/// What one method made of one frame; as JSON it keeps every bit of the scores, but not the map.
+/// Result of one method on one frame; as JSON it keeps every bit of the scores, but not the map.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct MethodScore {
     /// Name of the method.

@@ -73,7 +73,7 @@ struct Answer {
     milliseconds: BTreeMap<String, f64>,
 }
 
-/// What one method gave.
+/// Result of one method.
 #[derive(Clone, Debug)]
 pub struct OpenCvMap {
     /// One of [`OPENCV_METHODS`].

@@ -9,18 +9,20 @@ use linestereo::health::HealthMonitor;
 use linestereo::image::ViewError;
 use linestereo::objects::{LabelRows, Run};
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo_rig::{
-    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification, RectifyError,
-    RowError, View, mesh_nodes,
-};
 use linestereo::{Area, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
-use linestereo::scratch::{mark_words, most_support_points, row_bytes};
-use linestereo::{Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection, Plan, Region, Rejection, Rig, RigError, RunError, Scratch};
+use linestereo::{
+    Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection,
+    Plan, Region, Rejection, Rig, RigError, RunError,
+};
 use linestereo::{HealthFlags, Match, Point};
+use linestereo_rig::{
+    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification,
+    RectifyError, RowError, View, mesh_nodes,
+};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = Scratch<{ row_bytes(QVGA.width) }, { mark_words(QVGA) }, 512, 300, { most_support_points(QVGA) }>;
+type BoardScratch = linestereo::scratch!(QVGA, 512);
 
 unsafe extern "C" {
     /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop it from the machine code.

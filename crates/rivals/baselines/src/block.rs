@@ -11,11 +11,11 @@ use crate::GrayImage;
 /// Every pixel by the lowest cost of the window around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockMatcher {
-    /// What makes two windows alike.
+    /// Matching cost of two windows.
     pub cost: CostKind,
     /// The window.
     pub window: Window,
-    /// What is believed.
+    /// Acceptance tests of a disparity.
     pub acceptance: Acceptance,
 }
 

@@ -1,4 +1,4 @@
-//! What is read from curves of costs over disparity: the lowest place, how unique it is, what the right image says, fractions.
+//! Evaluation of cost curves over disparity: the minimum, its uniqueness, the left-right check, fractions.
 //!
 //! In: a row of curves. Out: for each left pixel a disparity with a confidence, or none.
 //!
@@ -94,7 +94,7 @@ fn lowest(costs: &[u32]) -> u32 {
     costs.iter().copied().fold(u32::MAX, u32::min)
 }
 
-/// What of a curve's lowest place is believed.
+/// Acceptance tests of a curve's minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Acceptance {
     /// Least confidence, 0 to 1: OpenCV's `uniquenessRatio` u of block matching is `u / (100 + u)` here, that of SGBM `u / 100`.

@@ -1,4 +1,4 @@
-//! What every baseline gives: a disparity and a confidence per pixel, or none.
+//! Result of every baseline: a disparity and a confidence per pixel, or none.
 
 use linestereo::{Confidence, Dims, Disparity, Point};
 
@@ -52,7 +52,7 @@ impl DisparityMap {
         (x < usize::from(self.dims.width) && value.is_finite()).then_some(value)
     }
 
-    /// How much is said for a pixel's disparity: 0 next to nothing, 1 everything. Not a probability.
+    /// Confidence of a pixel's disparity, 0 ..= 1. Not a probability.
     #[must_use]
     pub fn confidence(&self, x: usize, y: usize) -> f32 {
         self.confidence[self.index(x, y)]

@@ -28,9 +28,9 @@ pub enum Matcher {
 pub struct Method {
     /// Its name.
     pub name: String,
-    /// What matches.
+    /// Matcher.
     pub matcher: Matcher,
-    /// What follows, in this order.
+    /// Post-processing, in this order.
     pub after: Vec<AfterStep>,
 }
 

@@ -38,7 +38,7 @@ const HIDDEN: u16 = 1 << 15;
 /// The matcher; penalties in 1/256 of the mean cost of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanLineMatcher {
-    /// What makes two windows alike.
+    /// Matching cost of two windows.
     pub cost: CostKind,
     /// The window.
     pub window: Window,

@@ -1,10 +1,10 @@
-//! What is searched, and where: images of one size, disparities from 0, the windows that fit.
+//! Search range: images of one size, disparities from 0, the windows that fit.
 
 use super::window::Window;
 use core::ops::Range;
 use linestereo::Dims;
 
-/// What is searched: images of one size, disparities `0 .. count`.
+/// Search range: images of one size, disparities `0 .. count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Search {
     /// Size of both images.

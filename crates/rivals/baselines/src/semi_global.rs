@@ -44,7 +44,7 @@ pub enum Paths {
 /// The matcher.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SemiGlobalMatcher {
-    /// What makes two windows alike.
+    /// Matching cost of two windows.
     pub cost: CostKind,
     /// The window that a pixel's own cost is summed over.
     pub window: Window,
@@ -54,7 +54,7 @@ pub struct SemiGlobalMatcher {
     pub step: u16,
     /// Penalty of a jump, at most 4095.
     pub jump: u16,
-    /// What is believed.
+    /// Acceptance tests of a disparity.
     pub acceptance: Acceptance,
 }
 

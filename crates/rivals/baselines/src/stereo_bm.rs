@@ -79,7 +79,7 @@ impl StereoBm {
         Ok(Self { side, cap, ..Self::default() })
     }
 
-    /// What buys credibility: uniqueness 90 and texture 3000.
+    /// Strict settings: uniqueness 90 and texture 3000.
     #[must_use]
     pub fn strict() -> Self {
         Self { texture_threshold: 3000, uniqueness_ratio: 90, ..Self::default() }

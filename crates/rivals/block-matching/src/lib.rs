@@ -59,7 +59,7 @@ const MOST_GROUPS: usize = MOST_DISPARITIES / 4;
 /// Disparities come in whole ones of these.
 const STEP: usize = 16;
 
-/// What is searched and what is believed.
+/// Search range and acceptance tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Number of disparities from 0 on: 16, 32, 48 or 64.
@@ -68,14 +68,14 @@ pub struct Settings {
     pub texture_threshold: u32,
     /// Percent by which every other cost has to be above the lowest, up to [`MOST_UNIQUE`]; one that is as low is always too many.
     pub uniqueness_ratio: u16,
-    /// How much two left pixels that meet the same right one may differ, px; `None`: anything.
+    /// Largest difference of two left pixels that match the same right one, px; `None`: no limit.
     pub left_right: Option<u16>,
 }
 
 impl Settings {
     /// OpenCV's defaults, and a left-right check.
     pub const USUAL: Self = Self { disparities: 64, texture_threshold: 10, uniqueness_ratio: 15, left_right: Some(1) };
-    /// What buys credibility.
+    /// Strict settings.
     pub const STRICT: Self = Self { texture_threshold: 3000, uniqueness_ratio: 90, ..Self::USUAL };
 
     /// Groups of four disparities, if the number is one that can be searched in images of this size.

@@ -17,7 +17,7 @@
 use crate::ports::Peripherals;
 use crate::rig_store::RigStore;
 
-/// What a board with one of these chips gives to `live`.
+/// Peripherals of a board with one of these chips, for `live`.
 pub type Board<P> = Peripherals<
     clocks::MicrosecondClock,
     ports::HostPort,

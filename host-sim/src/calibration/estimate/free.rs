@@ -4,12 +4,12 @@ use super::super::bundle::{Belief, RIG, camera_numbers};
 use super::super::model::{FX, FY, Intrinsics, K1, LensModel, SKEW};
 use linestereo::Dims;
 
-/// How much of the radius k1, k2, k3 (k1 to k4 of a fisheye) and p1, p2 move a corner of the image, as a standard deviation of belief, and
+/// Prior standard deviation of k1, k2, k3 (k1 to k4 of a fisheye) and p1, p2, as the share of the radius by which they move a corner of the image, and
 /// the error of a corner that this is weighed against, px.
 const BELIEFS: ([f64; 4], f64) = ([1.0, 0.5, 0.2, 0.2], 0.02);
 const BELIEF_ERROR: f64 = 0.15;
 
-/// What to estimate.
+/// Free parameters of the estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Family of both lenses.
@@ -36,7 +36,7 @@ pub(super) fn shared_numbers(options: &Options, both: bool) -> Vec<usize> {
     cameras.chain(if both { RIG..RIG + 6 } else { 0..0 }).collect()
 }
 
-/// What is believed of the lenses, by how far the image reaches.
+/// Priors of the lens coefficients, by the radius that the image reaches.
 pub(super) fn beliefs(cameras: &[Intrinsics; 2], dims: Dims) -> Vec<Belief> {
     let (radial, tangential) = BELIEFS;
     let corner = f64::from(dims.width).hypot(f64::from(dims.height)) / 2.0;

@@ -1,4 +1,4 @@
-//! What goes into an estimate and what comes out of it: boards, numbers with their spread, views, why there is none.
+//! Input and result of an estimate: boards, numbers with their spread, views, why there is none.
 
 use crate::input::rig_file::side_name;
 use core::fmt;
@@ -103,13 +103,13 @@ pub enum EstimateError {
     TooFew(usize, usize),
     /// No camera explains what is seen.
     NoFit(CameraSide),
-    /// What fits best is no camera.
+    /// The best fit is no camera.
     Camera(CameraSide, CameraError),
-    /// What fits best is no pair.
+    /// The best fit is no pair.
     Pair(CalibrationError),
     /// The photos of one camera are mirrored.
     Mirrored(CameraSide),
-    /// So many of so many views agree about the cameras' pose.
+    /// Too few views agree about the cameras' pose: those that agree, and all.
     NoRig(usize, usize),
     /// The photos do not fix the numbers.
     Undetermined,

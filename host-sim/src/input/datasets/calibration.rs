@@ -18,7 +18,7 @@ use linestereo_wire::RigUpdate;
 use std::fs;
 use std::path::Path;
 
-/// What a `calib.txt` says.
+/// Numbers of a `calib.txt`.
 pub(super) struct MiddleburyCalibration {
     pub(super) rig: RigUpdate,
     /// Disparities to search, px; what is no bound of anything counts as not said.

@@ -8,7 +8,7 @@ use super::node::Matrix;
 use linestereo::Dims;
 use linestereo_rig::{Camera, CameraSide, Lens};
 
-/// What the coefficients of a lens mean.
+/// Meaning of the coefficients of a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum LensModel {
     /// Radial and tangential (OpenCV's default, `radtan`, `plumb_bob`).

@@ -1,4 +1,4 @@
-//! What is wrong with a file, and where.
+//! Errors of a calibration file, with the line they stand on.
 
 use crate::input::rig_file::RigFileError;
 use core::fmt;
@@ -14,7 +14,7 @@ pub struct InterchangeError {
     pub path: PathBuf,
     /// Line in it, from 1, where one line is at fault.
     pub line: Option<usize>,
-    /// What is wrong.
+    /// The error.
     pub problem: Problem,
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for InterchangeError {
 
 impl core::error::Error for InterchangeError {}
 
-/// What is wrong, without where.
+/// The error, without its line.
 #[derive(Debug)]
 pub enum Problem {
     /// The file cannot be read.
@@ -66,7 +66,7 @@ pub enum Problem {
     NotANumber {
         /// Name of the value.
         name: String,
-        /// What stands there.
+        /// The text that stands there.
         text: String,
     },
     /// A value is infinite or "not a number".
@@ -75,9 +75,9 @@ pub enum Problem {
     Shape {
         /// Name of the matrix.
         name: String,
-        /// What it must be.
+        /// The sides that it must have.
         expected: String,
-        /// What it is.
+        /// The sides that it has.
         found: String,
     },
     /// A matrix is no rotation (rows that are not perpendicular unit vectors within 0.001, or a mirror image).
@@ -119,7 +119,7 @@ pub enum Problem {
     NotRepresentable {
         /// The format.
         format: &'static str,
-        /// What it has no place for.
+        /// Name of what the format has no place for.
         what: &'static str,
     },
     /// The rig cannot be rectified, which a format needs.

@@ -73,7 +73,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// What a length of 1 in an OpenCV file is.
+/// Unit of lengths in an OpenCV file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TranslationUnit {
     /// 1 m.
@@ -87,7 +87,7 @@ pub enum TranslationUnit {
     },
 }
 
-/// What a file may not say itself.
+/// Numbers that a file may leave open.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// The format, where it is not told from the content.
@@ -118,11 +118,11 @@ pub struct StoredRectification {
 pub struct Imported {
     /// The rig.
     pub rig: RigFile,
-    /// What the files were.
+    /// Format of the files.
     pub format: Format,
     /// The rectification in them, if there is one that fits.
     pub stored: Option<StoredRectification>,
-    /// What was assumed or left out, a sentence each.
+    /// Assumptions and omissions, a sentence each.
     pub notes: Vec<String>,
 }
 
@@ -131,7 +131,7 @@ pub struct Imported {
 pub struct Exported {
     /// One text for each file, the left camera's first.
     pub texts: Vec<String>,
-    /// What the format has no place for, a sentence each.
+    /// Properties that the format has no place for, a sentence each.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What YAML and XML files hold once parsed: texts, lists and maps with the lines they stand on, and the numbers in them.
+//! Content of parsed YAML and XML files: texts, lists and maps with the lines they stand on, and the numbers in them.
 //!
 //! # Bounds
 //! [`MAX_DEPTH`] levels, [`MAX_VALUES`] values, matrices of [`MAX_ELEMENTS`]: everything that walks a tree ends early.

@@ -77,7 +77,7 @@ const SQUARES: core::ops::RangeInclusive<f64> = 0.002..=0.5;
 /// Baselines outside of this are worth a word, m.
 const USUAL: core::ops::RangeInclusive<f64> = 0.01..=1.0;
 
-/// What a file gives.
+/// Content of a file.
 pub(super) struct Read {
     pub(super) calibration: Calibration,
     pub(super) stored: Option<StoredRectification>,
@@ -149,7 +149,7 @@ fn pose(names: &Names<'_>, rectified: Option<&Pose>, notes: &mut Vec<String>) ->
         (Some(rotation), Some(translation), _) => {
             let turn = rotation.node.matrix(&rotation.name)?;
             let rotation = match turn.vector_of() {
-                Ok(vector) => pose::from_quaternion(quaternion(vector)),
+                Ok(vector) => linestereo_rig::rotation_matrix(quaternion(vector)),
                 Err(_) => pose::rotation(&turn)?,
             };
             let translation = translation.node.matrix(&translation.name)?;
@@ -220,7 +220,7 @@ fn rectification(names: &Names<'_>, notes: &mut Vec<String>) -> Result<Option<Re
 }
 
 impl Rectified {
-    /// What is kept of it: one focal length and one centre, in accordance with the pose.
+    /// The part of a projection that is kept: one focal length and one centre, in accordance with the pose.
     fn stored(&self, pose: &Pose, notes: &mut Vec<String>) -> Option<StoredRectification> {
         let turned = (self.pose.rotation - pose.rotation).abs().max();
         let moved = (self.pose.translation - pose.translation).norm() / pose.translation.norm();
@@ -247,7 +247,7 @@ struct Entry {
     data: Vec<f64>,
 }
 
-/// What is written: the names of OpenCV's `stereo_calib` in one file, lengths in metres.
+/// Matrices of an export: the names of OpenCV's `stereo_calib` in one file, lengths in metres.
 fn entries(calibration: &Calibration) -> Result<Vec<Entry>, Problem> {
     let [left, right] = CameraSide::BOTH.map(|eye| calibration.camera(eye));
     let entry = |name, rows, data: &[f64]| Entry { name, rows, cols: data.len() / rows, data: data.to_vec() };

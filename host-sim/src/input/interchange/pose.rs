@@ -4,7 +4,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
-use linestereo_rig::{Calibration, CalibrationError, Camera};
+use linestereo_rig::{Calibration, CalibrationError, Camera, rotation_matrix};
 use nalgebra::{Matrix3, Vector3};
 
 /// A matrix by rows.
@@ -28,7 +28,7 @@ impl Pose {
 
     /// From left to right.
     pub(super) fn of(calibration: &Calibration) -> Self {
-        let rotation = from_quaternion(calibration.rotation());
+        let rotation = rotation_matrix(calibration.rotation());
         Self { rotation, translation: Vector3::from(calibration.translation()) }
     }
 
@@ -103,21 +103,6 @@ pub(super) fn quaternion(m: &Matrix3<f64>) -> [f64; 4] {
     let row = products[largest];
     let length = libm::sqrt(row.iter().map(|v| v * v).sum());
     row.map(|v| v / length)
-}
-
-/// The rotation of a unit quaternion `[w, x, y, z]`.
-pub(super) fn from_quaternion([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
-    Matrix3::new(
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - w * z),
-        2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y),
-        2.0 * (y * z + w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    )
 }
 
 pub(super) fn rows(matrix: &Matrix3<f64>) -> Rows {

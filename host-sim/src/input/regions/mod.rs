@@ -188,12 +188,12 @@ enum Why {
     MaskSize,
 }
 
-/// What is asked for in one pair.
+/// Regions of one pair.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Objects {
     /// In the order of the file; those of a label image by value.
     pub list: Vec<Object>,
-    /// What was left out.
+    /// Objects left out, with the reason.
     pub skipped: Skipped,
 }
 
@@ -202,7 +202,7 @@ pub struct Objects {
 pub struct Object {
     /// Value in the mask, or position in the file.
     pub label: u16,
-    /// What the detector calls it.
+    /// Label of the detector.
     pub name: Option<String>,
     /// Its pixels.
     pub pixels: Pixels,
@@ -294,7 +294,7 @@ impl Pixels {
     }
 }
 
-/// What a file says of one object, in pixels of the image as given.
+/// One object of a file, in pixels of the image as given.
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
     /// Left, top, right, bottom border: whole numbers are borders of pixels.

@@ -4,7 +4,7 @@ use super::Why;
 use linestereo::objects::Run;
 use linestereo::{Dims, Span};
 
-/// What can be said of an outline before its pixels are looked for.
+/// Checks of an outline that need no pixels.
 pub(super) fn check(parts: &[Vec<[f64; 2]>], dims: Dims) -> Result<(), Why> {
     let corners = || parts.iter().flatten();
     if corners().flatten().any(|value| !value.is_finite()) {

@@ -3,7 +3,7 @@
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, Region, Span};
 
-/// What belongs to an object, row-major.
+/// Pixels of an object, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mask {
     dims: Dims,

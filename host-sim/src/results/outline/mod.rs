@@ -42,7 +42,7 @@ pub struct Refined {
     pub owned_edges: usize,
 }
 
-/// What a region becomes.
+/// Refined region.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefinedOutline {
     /// A box stays as it is.
@@ -186,7 +186,7 @@ struct Border {
     at: i32,
     /// The first pixel of the object, if the border is where the edge is.
     first: i32,
-    /// How much further inside the mask begins: above 0 it is too small.
+    /// Distance from the mask to the depth edge, px: above 0 the mask is too small.
     off: i32,
 }
 

@@ -1,4 +1,4 @@
-//! What is done with a map of disparities after matching (the chapter's list of post-processing).
+//! Post-processing of a disparity map, after the chapter's list.
 //!
 //! Fractions by a parabola and by the equiangular fit, the uniqueness test and the left-right check read the curves of costs and so
 //! stand with them, in [`super::Acceptance`]; here is what needs the map alone, or the map and both images.

@@ -1,4 +1,4 @@
-//! What rank, census and gradient make of an image. Outside of it its nearest pixel counts.
+//! Rank, census and gradient transforms of an image. Outside of it its nearest pixel counts.
 //!
 //! # Source
 //! Rank and census: Zabih and Woodfill, "Non-parametric local transforms for computing visual correspondence" (1994).
