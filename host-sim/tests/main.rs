@@ -1,5 +1,6 @@
 //! Tests of the simulator and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
+mod bench_board;
 mod calibrate;
 mod calibration;
 mod command_line;

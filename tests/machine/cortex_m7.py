@@ -93,6 +93,7 @@ class Core:
         self.registers.clear()
         self.registers[0xE000ED08] = FLASH
         self.regions, self.event, self.ending, self.forced = {}, False, None, None
+        self.unlocked, self.counts_from = False, self.now
         self.events.clear()
         sp, pc = struct.unpack("<2I", self.uc.mem_read(FLASH, 8))
         for register in (UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK):
@@ -157,12 +158,24 @@ class Core:
             return mask(self.enabled, (at & 0x1F) * 8)
         if 0xE000E200 <= at < 0xE000E220:
             return mask(self.pending, (at & 0x1F) * 8)
+        if at == 0xE0001004:  # DWT_CYCCNT
+            return self._cycles()
         if at == 0xE000ED04:
             return (self.active[-1] + 16 if self.active else 0) | (len(self.active) < 2) << 11
         constants = {0xE000ED90: 16 << 8, 0xE000ED00: 0x411FC271, 0xE000ED80: 0xF00FE019, 0xE000ED78: 0x09000003}
         return constants.get(at, self.registers.get(at, 0))
 
+    def _cycles(self):
+        counts = self.registers.get(0xE000EDFC, 0) >> 24 & self.registers.get(0xE0001000, 0) & 1  # DEMCR, DWT_CTRL
+        return int((self.now - self.counts_from) * MHZ) & 0xFFFFFFFF if counts else 0
+
     def _system_write(self, at, value):
+        if at == 0xE0001FB0:  # DWT_LAR
+            self.unlocked = value == 0xC5ACCE55
+        elif 0xE0001000 <= at < 0xE0002000 and not self.unlocked:
+            return
+        elif at == 0xE0001004:
+            self.counts_from = self.now - value / MHZ
         if at in (0xE000ED28, 0xE000ED2C):  # CFSR, HFSR: what is written as 1 is cleared
             value = self.registers.get(at, 0) & ~value
         self.registers[at] = value

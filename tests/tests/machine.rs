@@ -1,14 +1,15 @@
-//! The program `live` as it is flashed, in a model of the STM32H743 (`tests/machine`): from reset to the bytes on both UARTs.
+//! The programs `live` and `selftest` as they are flashed, in a model of the STM32H743 (`tests/machine`): from reset to the bytes on both UARTs.
 //!
 //! Not in the model, and so not shown here: caches, MPU faults, USB, the ADC, the time of anything within a few tens of percent.
 
 use linestereo::Dims;
+use linestereo_firmware::programs::expected::QVGA;
 use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
 use linestereo_sim::board::{firmware, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
 use linestereo_wire::{
-    Command as HostCommand, Decoder, Health, MAX_COMMAND, MAX_PACKET, Message, Outcome, ParamUpdate, RegionBox,
-    Regions, Request, ResetCause, encode,
+    Command as HostCommand, Decoder, Health, MAX_COMMAND, MAX_PACKET, MachineReport, Message, Outcome, ParamUpdate,
+    RegionBox, Regions, Request, ResetCause, Silicon, encode,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -34,9 +35,9 @@ fn python() -> Option<PathBuf> {
     has_unicorn(&own).then_some(own)
 }
 
-/// The image, and what runs it; none where either cannot be had.
-fn machine() -> Option<&'static (PathBuf, PathBuf)> {
-    static MACHINE: OnceLock<Option<(PathBuf, PathBuf)>> = OnceLock::new();
+/// The images of `live` and `selftest`, and what runs them; none where either cannot be had.
+fn machine() -> Option<&'static (PathBuf, Vec<PathBuf>)> {
+    static MACHINE: OnceLock<Option<(PathBuf, Vec<PathBuf>)>> = OnceLock::new();
     let made = MACHINE.get_or_init(|| {
         let Some(python) = python() else {
             eprintln!("\nSKIPPED, no machine model here: pip install unicorn==2.1.4\n");
@@ -45,8 +46,8 @@ fn machine() -> Option<&'static (PathBuf, PathBuf)> {
         let board = linestereo_boards::Board::STM32H743;
         let toolchain = or_skip(Toolchain::for_board(&board))?;
         let features = ["still-scene".to_owned()];
-        let built = firmware::build_all(&toolchain, &board, &["live"], firmware::Logs::None, &features);
-        Some((python, or_skip(built)?.swap_remove(0)))
+        let built = firmware::build_all(&toolchain, &board, &["live", "selftest"], firmware::Logs::None, &features);
+        Some((python, or_skip(built)?))
     });
     made.as_ref()
 }
@@ -60,13 +61,18 @@ struct Run {
 }
 
 impl Run {
+    /// Of `live`.
     fn of(scenario: &Value) -> Option<Self> {
-        let (python, image) = machine()?;
+        Self::of_program(0, scenario)
+    }
+
+    fn of_program(program: usize, scenario: &Value) -> Option<Self> {
+        let (python, images) = machine()?;
         let folder = tempfile::tempdir().unwrap();
         let [asked, given] = ["scenario.json", "result.json"].map(|name| folder.path().join(name));
         std::fs::write(&asked, scenario.to_string()).unwrap();
         let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("machine/stm32h743.py");
-        let run = Command::new(python).arg(model).arg(image).arg(asked).arg(&given).output().unwrap();
+        let run = Command::new(python).arg(model).arg(&images[program]).arg(asked).arg(&given).output().unwrap();
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         let result: Value = serde_json::from_slice(&std::fs::read(given).unwrap()).unwrap();
         let (mut decoder, mut records, mut damaged) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
@@ -265,4 +271,47 @@ fn a_hard_fault_is_named_after_the_reset() {
     let causes: Vec<_> = hellos.map(|hello| hello.reset.map(|reset| reset.cause)).collect();
     assert_eq!(causes, [Some(ResetCause::PowerOn), Some(ResetCause::Fault)]);
     assert_eq!(run.result["resets_us"].as_array().map(Vec::len), Some(1));
+}
+
+/// The clocks and caches of `live`, cycles by the core's counter, and the PC's digests.
+#[test]
+fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
+    const CASES: [u16; 2] = [13, 16];
+    let requests =
+        [(100_000, Request::Describe), (200_000, Request::RunCase(CASES[0])), (210_000, Request::RunCase(CASES[1]))];
+    let Some(run) = Run::of_program(1, &json!({ "until_us": 500_000, "host": host(&requests) })) else { return };
+    assert_eq!((run.damaged, &run.result["ending"]), (0, &Value::Null), "{}", run.result["at"]);
+    let said = |found: fn(&Message) -> Option<Message>| {
+        run.records.iter().filter_map(|(_, record)| found(record)).collect::<Vec<_>>()
+    };
+    let answers = said(|record| matches!(record, Message::Answer(_)).then(|| record.clone()));
+    assert_eq!(answers.len(), requests.len(), "{:?}", run.records.last());
+
+    let machines = said(|record| matches!(record, Message::Machine(_)).then(|| record.clone()));
+    let [.., Message::Machine(MachineReport { unit, cases: 22, silicon: Some(silicon), .. })] = &machines[..] else {
+        panic!("{machines:?}")
+    };
+    let expected = Silicon {
+        processor_id: 0x411f_c271,
+        chip_id: 0x2003_6450,
+        core_hz: 400_000_000,
+        flash_wait: 2,
+        instruction_cache: true,
+        data_cache: true,
+    };
+    assert_eq!((&**unit, silicon), ("cycles", &expected));
+
+    let reports = said(|record| matches!(record, Message::Case(_)).then(|| record.clone()));
+    assert_eq!(reports.len(), CASES.len());
+    for (report, case) in reports.iter().zip(CASES) {
+        let Message::Case(report) = report else { unreachable!() };
+        assert_eq!((report.case, report.digests), (case, QVGA[usize::from(case)]), "{}", report.name);
+        let cost: u64 = report.costs.iter().sum();
+        assert!(cost > 300_000 && cost <= report.total, "{report:?}");
+        // The model's core runs at 400 MHz.
+        let hz = report.total * 1_000_000 / u64::from(report.time_us);
+        assert!(hz.abs_diff(400_000_000) < 4_000_000, "{hz}: {report:?}");
+    }
+    let unfed_us = run.result["longest_unfed_us"].as_f64().unwrap();
+    assert!(unfed_us < 0.5 * 9.5e6, "{unfed_us} us");
 }

@@ -7,6 +7,7 @@ mod bless;
 mod footprint;
 mod measure;
 mod rival;
+mod silicon;
 mod sizes;
 
 use anyhow::{Context, Result, bail};
@@ -157,6 +158,8 @@ enum Command {
         #[arg(long, conflicts_with = "bless")]
         check: bool,
     },
+    /// Print the numbers of real boards that their owners sent: docs/silicon.
+    Silicon,
     /// Compute the digests that the boards are compared with.
     Bless {
         /// Compare with those that are there instead of writing them.
@@ -199,6 +202,7 @@ fn execute(command: Command) -> Result<()> {
             Ok(())
         }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
+        Command::Silicon => silicon::run(&top),
         Command::Bless { check } => bless::run(&top, check),
     }
 }

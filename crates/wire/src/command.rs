@@ -63,6 +63,8 @@ pub enum Request {
     /// Send the next pair as the cameras deliver it, before it is rectified: `Message::Photo` and its pixels, after
     /// the answer. For calibration, and to see what a camera sees.
     Photograph,
+    /// Match the built-in pair of this number: `Message::Case` and the answer. For the program `selftest`; others refuse it.
+    RunCase(u16),
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.

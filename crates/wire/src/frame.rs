@@ -32,6 +32,8 @@ pub struct FrameHead {
     pub health: Health,
     /// The numbers behind it; `None` when there was no pair to look at.
     pub pair: Option<PairReport>,
+    /// Where the time of the frame went.
+    pub times: FrameTimes,
     /// Numbers of segments found, matched and rejected.
     pub counts: Counts,
     /// Segments that follow.
@@ -45,7 +47,8 @@ impl FrameHead {
     pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
-        Self { sequence, capture_time_us, width, height, health, pair: None, counts: counts.into(), segments: 0 }
+        let (times, counts) = (FrameTimes::default(), counts.into());
+        Self { sequence, capture_time_us, width, height, health, pair: None, times, counts, segments: 0 }
     }
 
     /// The same with the health of the pair.
@@ -53,6 +56,17 @@ impl FrameHead {
     pub fn with_pair(self, pair: &PairHealth) -> Self {
         Self { health: self.health | pair.flags.into(), pair: Some(pair.into()), ..self }
     }
+}
+
+/// Where the time of a frame went, microseconds by the board's clock; 0 from programs that are fed by a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct FrameTimes {
+    /// Waiting for the pair, its rows being rectified meanwhile.
+    pub waiting_us: u32,
+    /// Matching it, and the depths of the wanted objects.
+    pub matching_us: u32,
+    /// Writing to the host since the frame before: waiting for room where the port is slow.
+    pub port_us: u32,
 }
 
 /// The core's [`Counts`](linestereo::Counts), number for number.

@@ -1,6 +1,7 @@
 //! Records from a board to its host.
 
 use crate::board_state::{CaptureReport, Reset};
+use crate::case::{CaseReport, MachineReport};
 use crate::command::{PairHead, Refusal};
 use crate::frame::{FrameHead, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::object::Objects;
@@ -33,6 +34,10 @@ pub enum Message {
     Photo(PairHead),
     /// Pixels of the photo that began last.
     Pixels(Pixels),
+    /// What the board runs at: by `selftest`, after each `Hello`.
+    Machine(MachineReport),
+    /// A built-in pair that was matched: by `selftest`, before the answer to `Request::RunCase`.
+    Case(CaseReport),
 }
 
 impl Sealed for Message {}

@@ -5,6 +5,7 @@
 //! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
 
 mod batch;
+pub mod bench_board;
 pub mod calibrate;
 pub mod compare;
 pub mod convert_rig;
@@ -67,6 +68,7 @@ enum Command {
     Sequence(Box<sequence::Args>),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
+    BenchBoard(bench_board::Args),
     Photograph(photograph::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
@@ -94,6 +96,7 @@ pub fn main() -> ExitCode {
         Some(Command::Sequence(args)) => sequence::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
+        Some(Command::BenchBoard(args)) => bench_board::run(args),
         Some(Command::Photograph(args)) => photograph::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),

@@ -47,6 +47,8 @@ min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px wi
 
 Columns:
   frame, time    number and capture time of the pair, since ms after the one before
+  wait, match    ms that the board waited for the pair (its rows are rectified meanwhile), and matched it
+  port           ms that it wrote to this port since the frame before
   segments       matched; 12/20 when 8 of 20 were lost on the way
   nearest, farthest   - without a rig
   health         what the frame suffered: full lists, a covered or frozen camera, rows that are off, ...
@@ -55,7 +57,7 @@ Columns:
 At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
 With --json that summary goes to stderr, and each complete frame is one line on stdout:
   {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":{...},
-   \"segments\":[...], \"counts\":{...}}
+   \"times_us\":{\"waiting\":t, \"matching\":t, \"port\":t}, \"segments\":[...], \"counts\":{...}}
 health, segments and counts as in linestereo run --json.";
 
 /// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
@@ -262,8 +264,10 @@ impl Monitor {
                 let mut lines = objects.list.iter().map(|record| text::object(&record.into()));
                 lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
             }
-            // Points come only from programs that are fed by a file; photos are for `linestereo photograph`.
-            Some(Ok(Message::Points(_) | Message::Photo(_) | Message::Pixels(_))) => Ok(()),
+            // Points come only from programs that are fed by a file; the others are for `photograph` and `bench-board`.
+            Some(Ok(
+                Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
+            )) => Ok(()),
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => {
                 let is_news = self.last_hello.as_ref() != Some(&hello);
