@@ -18,6 +18,7 @@ pub type Name = String<32>;
 
 /// One record from the host to the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
     /// Chosen by the host; the answer carries it. The same command with the same id may come again, when the answer was lost.
     pub id: u16,
@@ -40,6 +41,7 @@ pub const MAX_COMMAND: usize = {
 
 /// Requests of a host. Each is answered, and doing it twice is the same as doing it once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
     /// Say what you are: a `Hello` and the answer.
     Describe,
@@ -72,6 +74,7 @@ pub type RigBytes = heapless::Vec<u8, { RigImage::BYTES }>;
 
 /// A pair whose pixels follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairHead {
     /// Width of both images in px.
     pub width: u16,
@@ -85,6 +88,7 @@ pub struct PairHead {
 
 /// Parameters to change; `None` leaves one as it is. Meanings and ranges are those of [`Params`].
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParamUpdate {
     /// [`Params::min_disparity`], px.
     pub min_disparity: Option<i16>,
@@ -112,6 +116,7 @@ pub struct ParamUpdate {
 
 /// A [`Parts`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PartsUpdate {
     /// [`Parts::Both`].
     Both,
@@ -139,6 +144,7 @@ impl From<PartsUpdate> for Parts {
 
 /// A [`Margin`] in plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MarginUpdate {
     /// [`Margin::Pixels`], 1/64 px.
     PixelsQ6(i16),
@@ -153,6 +159,7 @@ pub enum MarginUpdate {
 
 /// Numbers of a [`Rig`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RigUpdate {
     /// Focal length, px.
     pub focal_px: f64,
@@ -217,6 +224,7 @@ impl ParamUpdate {
 
 /// Why a command was not done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// [`ParamError::OutOfRange`].
     OutOfRange {

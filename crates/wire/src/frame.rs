@@ -19,6 +19,7 @@ pub const POINTS_PER_PACKET: usize = 32;
 
 /// Result of a frame, without its segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameHead {
     /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
     pub sequence: u32,
@@ -71,6 +72,7 @@ pub struct FrameTimes {
 
 /// The core's [`Counts`](linestereo::Counts), number for number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
     /// Segments detected in the left image.
     pub segments_left: u16,

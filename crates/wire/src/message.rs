@@ -70,6 +70,7 @@ pub const PIXELS_PER_PACKET: usize = 512;
 
 /// Description of a board.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hello {
     /// Its name.
     pub board: BoardName,
@@ -87,6 +88,7 @@ pub struct Hello {
 
 /// Outcome of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
     /// The id of the command.
     pub command: u16,
@@ -96,6 +98,7 @@ pub struct Answer {
 
 /// Accepted, or refused for a reason; what is refused has changed nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Done.
     Accepted,

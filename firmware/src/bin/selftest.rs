@@ -36,13 +36,11 @@ fn by_log(memory: &mut impl linestereo_firmware::memory::Memory) -> linestereo_b
     use linestereo_firmware::{error, info};
 
     let all_equal = selftest::run(memory, &BOARD, expected::of(&BOARD), |outcome| {
-        let (scene, width, height) = (outcome.case.scene.name(), outcome.case.dims.width, outcome.case.dims.height);
+        let (scene, dims) = (outcome.case.scene.name(), outcome.case.dims);
         let kind = if outcome.case.worst_case { ", worst case" } else { "" };
         match outcome.differs_in() {
-            None => info!("{=str} {=u16}x{=u16}{=str}: equal", scene, width, height, kind),
-            Some(stage) => {
-                error!("{=str} {=u16}x{=u16}{=str}: {=str} differs", scene, width, height, kind, stage)
-            }
+            None => info!("{=str} {}{=str}: equal", scene, dims, kind),
+            Some(stage) => error!("{=str} {}{=str}: {=str} differs", scene, dims, kind, stage),
         }
     });
     if all_equal { Exit::Success } else { Exit::Difference }
