@@ -5,6 +5,7 @@
 mod bench;
 mod bless;
 mod footprint;
+mod image;
 mod measure;
 mod rival;
 mod silicon;
@@ -78,7 +79,7 @@ impl Boards {
 enum Command {
     /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of pages.
     Setup,
-    /// Build a program and print where its ELF file is, and what it takes of flash and RAM.
+    /// Build a program and print where its ELF file is, what it takes of flash and RAM, and on hardware how it is flashed without a probe.
     Build {
         #[command(flatten)]
         boards: Boards,
@@ -244,6 +245,10 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
             let found = sizes::read(&elf)?;
             let ram = found.static_ram() + found.stack;
             println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
+            if !board.is_emulated() {
+                let (file, how) = image::write(&board, &elf)?;
+                println!("{}\n  {how}", file.display());
+            }
         }
     }
     Ok(())
