@@ -1,6 +1,7 @@
 //! What a new user tries, and natural mistakes: files that would be lost, failures that look like success, input that means something else.
 
 use crate::support::{all_refused, json, linestereo, refused, stderr, stdout, succeed};
+use core::time::Duration;
 use linestereo::Dims;
 use linestereo_baselines::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -8,7 +9,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -310,6 +311,14 @@ fn one_set_of_layouts_for_all_commands() {
         assert_eq!(found[0]["segments"][0]["depth_m"][0].is_number(), *name == "middlebury", "{name}");
         let skew = if *name == "times" { Value::from(400) } else { Value::Null };
         assert_eq!(found[0]["health"]["skew_us"], skew, "{name}");
+        if *name == "times" {
+            let left = at.join("times/left");
+            fs::rename(left.join("1403715273262142976.png"), left.join("1403715273258142976.png")).unwrap();
+            let found = lines(&succeed(at, &["sequence", name]));
+            assert!(found[0]["health"]["flags"].as_array().unwrap().contains(&"skew".into()), "{}", found[0]["health"]);
+            let found = lines(&succeed(at, &["sequence", name, "--max-skew-ms", "5"]));
+            assert!(!found[0]["points"].as_array().unwrap().is_empty(), "{}", found[0]["health"]);
+        }
         succeed(at, &["report", name, "-o", "page.html"]);
         succeed(at, &["compare", name, "--methods", "linestereo", "--no-times"]);
     }

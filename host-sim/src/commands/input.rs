@@ -66,6 +66,9 @@ pub(super) struct InputArgs {
     /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 10 or 12 where no value of the pair is larger, else 16].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=16))]
     bits: Option<u32>,
+    /// Match the pairs of a recording whose times differ by up to so much: right for what stands still [default: 1].
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    max_skew_ms: Option<u32>,
     /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene", "width"])]
     rig: Vec<PathBuf>,
@@ -308,7 +311,10 @@ impl Matcher {
             usable[0].clone_from(&setup.left_content);
             shrink_to_valid(&mut usable[0], setup.dims().width);
         }
-        let engine = engine_with(&setup.params, setup.dims())?;
+        let mut engine = engine_with(&setup.params, setup.dims())?;
+        if let Some(milliseconds) = setup.args.max_skew_ms {
+            engine.allow_skew(1000 * milliseconds);
+        }
         Ok(Self { rectifier, usable, engine })
     }
 

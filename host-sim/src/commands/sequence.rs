@@ -26,8 +26,7 @@ Examples:
 Nearest obstacle against surveyed distances, where nobody knows f*B: taken from one sequence, applied to the other
   linestereo sequence take1 --truth take1/frames.csv --truth-radius-m 0.25 --plot nearest.png --out take1.jsonl
       prints the f*B that fits, errors with it and missed frames, and draws them
-  linestereo sequence take2 --fb 5.84 --truth take2/frames.csv --truth-radius-m 0.25 --out take2.jsonl
-      the f*B of that one for another recording of the same cameras: errors that nothing was fitted to
+      with --fb or a rig those are taken, and the errors are of nothing that was fitted
 
 Layouts, the same for every command: a folder per pair (0001/left.png, 0001/right.png); 0001_left.png and
 0001_right.png; left1.png and right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1/data/
@@ -183,6 +182,9 @@ impl Tally {
         let line =
             |(flag, (count, what)): (&&str, &(usize, &str))| format!("health: {flag} in {count} frames: {what}\n");
         text.extend(flagged.into_iter().map(line));
+        if self.flagged.contains_key("skew") {
+            text.push_str("what is captured apart is matched with --max-skew-ms: right for what stands still\n");
+        }
         text
     }
 
