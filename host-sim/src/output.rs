@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! OutputPath    a file that is named on the command line to be written: `commands::arguments` knows them by this type
-//! OutputFiles   written beside their destinations, then renamed together; never over one of the files that were read
+//! spare         none of them is among the files that a command found for itself
+//! OutputFiles   written beside their destinations, then renamed together
 //! LineFile      one that grows line by line
 //! print, say, detail   results and notes on stdout; more, for who asks, on stderr
 //! ```
@@ -10,11 +11,12 @@
 //! Links are followed: a link to a photo is the photo, and what is written to another link is written to what it points to.
 
 use crate::interruption;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use core::fmt;
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
@@ -128,11 +130,25 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// Refuses outputs that are among the files that a command found for itself and reads.
+pub fn spare<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<()> {
+    let mut outputs = outputs.into_iter().peekable();
+    if outputs.peek().is_none() {
+        return Ok(());
+    }
+    let inputs: HashSet<PathBuf> = inputs.into_iter().map(place).collect();
+    match outputs.find(|path| inputs.contains(&place(path))) {
+        Some(path) => bail!("{} is one of the files that are read; write to another one", path.display()),
+        None => Ok(()),
+    }
+}
+
 /// Files that are written beside their destinations first and renamed together at the end.
 #[derive(Debug, Default)]
 pub struct OutputFiles {
-    /// Places that must not be written to: what was read.
-    inputs: Vec<PathBuf>,
     staged: Vec<(NamedTempFile, PathBuf)>,
     /// Devices and pipes cannot be renamed onto; they are written last.
     direct: Vec<(PathBuf, Vec<u8>)>,
@@ -146,19 +162,12 @@ impl OutputFiles {
         Self::default()
     }
 
-    /// Nothing yet; what is added may be none of these files, which a command found for itself and reads.
-    #[must_use]
-    pub fn sparing<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
-        Self { inputs: inputs.into_iter().map(place).collect(), ..Self::default() }
-    }
-
     /// Writes one file's contents to a temporary file in the destination's folder, or keeps them for stdout.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
         if is_stdout(path) {
             self.stdout = Some(contents.to_vec());
             return Ok(());
         }
-        refuse_input(path, &self.inputs)?;
         self.stage(path, contents).map_err(|error| cannot_write(path, &error))
     }
 
@@ -219,9 +228,8 @@ pub struct LineFile {
 }
 
 impl LineFile {
-    /// Nothing yet; the file may be none of these, which are read.
-    pub fn sparing<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self> {
-        refuse_input(path, &inputs.into_iter().map(place).collect::<Vec<_>>())?;
+    /// Nothing yet.
+    pub fn new(path: &Path) -> Result<Self> {
         let path = place(path);
         let open = || match fs::metadata(&path) {
             Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
@@ -245,13 +253,6 @@ impl LineFile {
         let persist = |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));
         temporary.map_or(Ok(()), persist)
     }
-}
-
-fn refuse_input(path: &Path, inputs: &[PathBuf]) -> Result<()> {
-    if inputs.contains(&place(path)) {
-        return Err(anyhow!("{} is one of the files that are read; write to another one", path.display()));
-    }
-    Ok(())
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {

@@ -98,9 +98,13 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     let before = fs::read(at.join("0001_left.png")).unwrap();
     fs::write(at.join("t.csv"), "frame,dist_m\n1,2\n").unwrap();
     fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#).unwrap();
-    let cases: [(&[&str], &str); 3] = [
+    let cases: [(&[&str], &str); 4] = [
         (&["sequence", ".", "--truth", "t.csv", "--plot", "0001_left.png"], "one of the files that are read"),
         (&["report", ".", "-o", "scene.json"], "one of the files that are read"),
+        (
+            &["compare", ".", "--methods", "linestereo", "--no-times", "--picture", "0001_left.png"],
+            "files that are read",
+        ),
         (&["compare", "0001_left.png", "0001_right.png", "--picture", "0001_left.png"], "are the same"),
     ];
     all_refused(at, &cases);

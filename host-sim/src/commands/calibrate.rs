@@ -1,5 +1,6 @@
 //! `linestereo calibrate`: photos of a chessboard to a calibrated rig.
 
+use super::asked_for;
 use super::pairs::bar;
 use crate::calibration::{
     Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
@@ -8,7 +9,7 @@ use crate::calibration::{
 use crate::draw;
 use crate::input::load_gray;
 use crate::input::rig_file::{Quality, RigFile};
-use crate::output::{OutputFiles, OutputPath};
+use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -100,6 +101,8 @@ pub fn run(args: &Args) -> Result<()> {
     let board = Board::new(cols, rows, args.square_mm / 1e3)
         .map_err(|error| anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"))?;
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
+    let photos = pairs.iter().flat_map(|pair| &pair.files).map(PathBuf::as_path);
+    spare(asked_for([&args.out, &args.json, &args.report]), photos)?;
     let (dims, found) = find_boards(&board, &pairs)?;
     let (views, missing) = seen_by_both(&pairs, &found);
     if views.len() < LEAST_VIEWS {
@@ -121,7 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
     let estimate = estimate?;
     let assessment = assess(&estimate, args.max_disparity);
 
-    let mut output = OutputFiles::sparing(pairs.iter().flat_map(|pair| &pair.files).map(PathBuf::as_path));
+    let mut output = OutputFiles::new();
     if let Some(path) = &args.out {
         let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();
         let quality = Quality {

@@ -1,16 +1,16 @@
 //! `linestereo compare`: the core, the classic methods and OpenCV on the same frames.
 
 use super::batch::{BatchArgs, collect, write_part};
-use super::engine_with;
 use super::method::MethodArgs;
 use super::pairs::{for_each_pair, timed_bar};
+use super::{asked_for, engine_with};
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{ShardFile, ShardHead};
 use crate::input::{
     PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
 };
-use crate::output::{OutputFiles, OutputPath};
+use crate::output::{OutputFiles, OutputPath, spare};
 use crate::rivals::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
@@ -162,6 +162,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     // Without any truth there are still yields, times and pictures.
     let found = collect(&args.inputs, false)?;
+    spare(asked_for([&args.json, &args.picture]), found.pairs.iter().flat_map(StoredPair::files))?;
     notes.splice(..0, found.notes);
     let head = ShardHead::new("compare", args.words(), found.pairs.iter().map(|pair| pair.name.as_str()), notes);
     let (places, pairs) = args.batch.part(found.pairs);

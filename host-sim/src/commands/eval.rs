@@ -3,12 +3,12 @@
 use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
 use super::pairs::{for_each_pair, timed_bar};
-use super::{does_not_fit, engine_with};
+use super::{asked_for, does_not_fit, engine_with};
 use crate::board::{self, Machine};
 use crate::engine::Engine;
 use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, cell_table, report, scene_table};
 use crate::input::{Perturbation, Scene, StoredPair, Truth, check_usable};
-use crate::output::{OutputFiles, OutputPath};
+use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
@@ -186,6 +186,7 @@ pub fn run(args: &Args) -> Result<()> {
         return write_results(args, &head, outcomes);
     }
     let found = collect(&args.folders, true)?;
+    spare(asked_for([&args.json]), found.pairs.iter().flat_map(StoredPair::files))?;
     if args.objects {
         let load = |pair: &StoredPair| load(pair, args);
         let (method, json) = (&args.method, args.json.as_ref());

@@ -1,14 +1,14 @@
 //! `linestereo eval-pixels`: depth at random pixels against ground truth, and the constants of its confidence model.
 
 use super::batch::collect;
-use super::engine_with;
 use super::method::MethodArgs;
 use super::pairs::{bar, named_bar};
+use super::{asked_for, engine_with};
 use crate::engine::{Engine, FittedModels};
 use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::input::Scene;
-use crate::output::{OutputFiles, OutputPath, say};
+use crate::input::{Scene, StoredPair};
+use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
@@ -85,6 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn load(args: &Args) -> Result<Vec<Scene>> {
     let pairs = collect(&args.folders, true)?.pairs;
+    spare(asked_for([&args.out]), pairs.iter().flat_map(StoredPair::files))?;
     if args.leave_one_out && pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }

@@ -42,6 +42,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind}
 use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Exit code of every failure.
@@ -199,6 +200,11 @@ fn does_not_fit(board: &Board, dims: Dims) -> String {
     let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
     let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
     format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
+}
+
+/// The outputs that are asked for.
+fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
+    paths.into_iter().flatten().map(|path| &**path)
 }
 
 /// A line for each file that was written.

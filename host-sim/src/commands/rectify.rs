@@ -5,7 +5,7 @@ use super::view::ViewArgs;
 use crate::draw;
 use crate::input::rectify::PairRectifier;
 use crate::input::{Dataset, PairFiles, StoredPair, check_same_size, load_images};
-use crate::output::{OutputFiles, OutputPath, say};
+use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, Rectification};
@@ -14,13 +14,16 @@ use std::path::{Path, PathBuf};
 /// What the rig image needs and rectification does not use.
 const ANY_RANGE: (i16, u16) = (0, 8);
 
+/// Files of each pair of a folder.
+const WRITTEN: [&str; 3] = ["left.png", "right.png", "rows.png"];
+
 const EXAMPLES: &str = "\
 Examples:
   linestereo rectify left.png right.png --rig rig.toml --out-left l.png --out-right r.png
   linestereo rectify left.png right.png --rig rig.toml --size 320x240 --picture rows.png
       the picture alone: raw above, rectified below, a line every 32 rows
   linestereo rectify recordings --rig rig.toml --out rectified
-      every folder below recordings that holds left.png and right.png (or .jpg, .pgm, .ppm)
+      every pair in or below recordings, in any layout (linestereo sequence --help), in a folder of its name
   linestereo rectify left.png right.png --rig cam0_sensor.yaml --rig cam1_sensor.yaml --picture rows.png
       a rig of EuRoC; OpenCV, Kalibr and ROS files are read as well
 
@@ -30,7 +33,7 @@ In the picture a point has to lie on one line in both lower images. Pixels witho
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Raw left image; or a folder with pairs, one per folder, as left and right.
+    /// Raw left image; or a folder with pairs, in any layout.
     left: PathBuf,
     /// Raw right image.
     #[arg(required_unless_present = "out")]
@@ -38,8 +41,6 @@ pub struct Args {
     /// The rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
     #[arg(long, value_name = "FILE", required = true)]
     rig: Vec<PathBuf>,
-    #[command(flatten)]
-    view: ViewArgs,
     /// Write the rectified left image as PNG.
     #[arg(long, value_name = "FILE.png", requires = "right")]
     out_left: Option<OutputPath>,
@@ -52,6 +53,8 @@ pub struct Args {
     /// Write left.png, right.png and rows.png (the picture) for every pair of the folder to folders of the same names in here.
     #[arg(long, value_name = "FOLDER", conflicts_with = "right")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
 }
 
 /// Runs the command.
@@ -88,19 +91,24 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
 fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
     let pairs = Dataset::recording(root, false)?.pairs;
-    let inputs = || pairs.iter().flat_map(StoredPair::files);
+    // A single pair keeps the folder's name, which is that of OUT.
+    let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
+    let target = |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };
+    let targets: Vec<PathBuf> = pairs.iter().flat_map(|pair| WRITTEN.map(|name| target(pair).join(name))).collect();
+    spare(targets.iter().map(PathBuf::as_path), pairs.iter().flat_map(StoredPair::files))?;
     let progress = named_bar(pairs.len());
     for stored in &pairs {
         progress.set_message(stored.name.clone());
         let pair = Pair::load(&stored.images, &args.view, rectifier)?;
-        // A single pair keeps the folder's name, which is that of OUT.
-        let target = if stored.folder == root && pairs.len() == 1 { out.to_path_buf() } else { out.join(&stored.name) };
+        let target = target(stored);
         std::fs::create_dir_all(&target)
             .with_context(|| format!("cannot make {}; choose a folder that can be written to", target.display()))?;
-        let mut output = OutputFiles::sparing(inputs());
-        output.add(&target.join("left.png"), &draw::gray_png(&pair.rectified[0])?)?;
-        output.add(&target.join("right.png"), &draw::gray_png(&pair.rectified[1])?)?;
-        output.add(&target.join("rows.png"), &pair.picture()?)?;
+        let [left, right] = &pair.rectified;
+        let contents = [draw::gray_png(left)?, draw::gray_png(right)?, pair.picture()?];
+        let mut output = OutputFiles::new();
+        for (name, contents) in WRITTEN.into_iter().zip(&contents) {
+            output.add(&target.join(name), contents)?;
+        }
         output.commit()?;
         progress.inc(1);
     }

@@ -5,7 +5,7 @@ use super::objects::ObjectArgs;
 use super::pairs::named_bar;
 use super::sequence::Player;
 use crate::input::{Dataset, PairFiles, StoredPair};
-use crate::output::{OutputFiles, OutputPath};
+use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -47,6 +47,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (pairs, title) = pairs(args)?;
+    spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
     args.objects.check(pairs.iter().map(StoredPair::left))?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
     let mut player = Player::new(&args.input, &args.left)?;
@@ -78,7 +79,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     failed.iter().for_each(|(name, error)| page.push_error(name, error));
     let html = page.html()?;
-    let mut output = OutputFiles::sparing(pairs.iter().flat_map(StoredPair::files));
+    let mut output = OutputFiles::new();
     output.add(&args.out, html.as_bytes())?;
     let megabytes = html.len() as f64 / 1e6;
     output.commit_and_say(&format!(

@@ -1,5 +1,6 @@
 //! `linestereo sequence`: a recorded sequence, a line of JSON per frame.
 
+use super::asked_for;
 use super::input::{InputArgs, Known, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::pairs::named_bar;
@@ -8,7 +9,7 @@ use crate::engine::FrameResult;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
 use crate::input::{Dataset, SceneInfo, StoredPair};
 use crate::interruption::{self, Interrupted};
-use crate::output::{LineFile, OutputFiles, OutputPath, is_quiet, print, say};
+use crate::output::{LineFile, OutputFiles, OutputPath, is_quiet, print, say, spare};
 use crate::results::{health, listing};
 use crate::statistics::upper_median;
 use anyhow::{Result, bail};
@@ -88,12 +89,11 @@ pub fn run(args: &Args) -> Result<()> {
     }
     args.objects.check(frames.iter().map(|(_, pair)| pair.left()))?;
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
-    let inputs = || found.pairs.iter().flat_map(StoredPair::files);
+    spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
     let out = args.out.as_ref().filter(|path| !path.is_stdout());
-    let mut plot = OutputFiles::sparing(inputs());
-    let mut lines = out.map(|path| LineFile::sparing(path, inputs())).transpose()?;
+    let mut lines = out.map(|path| LineFile::new(path)).transpose()?;
     interruption::watch();
-    let mut player = Player::new(&args.input, &args.folder)?;
+    let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, &args.folder)?);
     let mut tally = Tally::default();
     let progress = named_bar(frames.len());
     for &(number, pair) in &frames {
@@ -116,7 +116,8 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(surveyed) = &surveyed {
         notes.push_str(&compare(args, player.setup(), surveyed, &tally.nearest, &mut plot)?);
     }
-    lines.map_or(Ok(()), LineFile::commit)?;
+    // Without a line an earlier file stays.
+    lines.filter(|_| tally.frames > 0).map_or(Ok(()), LineFile::commit)?;
     plot.commit()?;
     if out.is_some() {
         say(&notes)?;
