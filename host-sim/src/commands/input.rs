@@ -204,7 +204,7 @@ impl InputArgs {
         if let Some((focal_px, baseline_m)) = self.focal_px.zip(self.baseline_m).or(product) {
             let offset_px = self.disparity_offset_px.unwrap_or(-zero);
             let numbers = RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
-            let given = Rig::new(numbers.focal_px, baseline_m, numbers.offset_px);
+            let given = numbers.rig();
             rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
             rig_numbers = Some(numbers);
         } else if self.disparity_offset_px.is_some() {
@@ -217,7 +217,9 @@ impl InputArgs {
             if given.is_some() && rig.is_none() {
                 bail!("--principal-point makes no depths alone; give --focal-px and --baseline-m, or --scene");
             }
-            rig = rig.map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre))).transpose()?;
+            rig = rig
+                .map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre.map(|v| v as f32))))
+                .transpose()?;
             rig = rig.map(|rig| rig.centred(loaded));
         }
         let mut params = self.method.params(max_disparity, rig)?;
@@ -252,11 +254,10 @@ impl InputArgs {
     fn raw(&self, loaded: Dims, rig: &[PathBuf]) -> Result<Setup<'_>> {
         let params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
         let image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
-        let rectification = image.rectification();
         Ok(Setup {
             args: self,
             loaded,
-            given: rectification.dims(),
+            given: image.remap().dims(),
             left_content: Vec::new(),
             zero: 0.0,
             params: image.params(params)?,
@@ -269,7 +270,7 @@ impl InputArgs {
 impl Setup<'_> {
     /// Size of the images as matched.
     pub(super) fn dims(&self) -> Dims {
-        self.rig.as_ref().map_or(self.loaded, |rig| rig.rectification().dims())
+        self.rig.as_ref().map_or(self.loaded, |rig| rig.remap().dims())
     }
 
     /// Disparity range and rig, in words.
@@ -305,7 +306,7 @@ pub(super) struct Matcher {
 impl Matcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
-        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.rectification())).transpose()?;
+        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.remap())).transpose()?;
         let mut usable = CameraSide::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
         if !setup.left_content.is_empty() {
             usable[0].clone_from(&setup.left_content);
