@@ -5,6 +5,7 @@ mod calibrate;
 mod calibration;
 mod command_line;
 mod compare;
+mod first_hour;
 mod flash_image;
 #[cfg(unix)]
 mod frames_get;

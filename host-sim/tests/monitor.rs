@@ -179,19 +179,18 @@ fn json_has_one_line_per_complete_frame() {
 }
 
 #[test]
-fn garbage_alone_is_counted_and_an_empty_file_is_no_error() {
+fn a_file_of_garbage_alone_or_of_nothing_is_refused() {
     let folder = TempDir::new().unwrap();
     let image: Vec<u8> = (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(folder.path().join("image.png"), &image).unwrap();
     fs::write(folder.path().join("empty"), []).unwrap();
-    let output = monitor(folder.path(), &["image.png"]);
-    assert!(output.status.success());
-    let shown = text(&output.stdout);
-    assert!(shown.contains("frames: 0 complete, 0 incomplete, 0 lost\npackets: 0 good"), "{shown}");
-    assert!(shown.contains("bytes: 50000 received, "), "{shown}");
-    let output = monitor(folder.path(), &["empty"]);
-    assert!(output.status.success());
-    assert!(text(&output.stdout).ends_with("bytes: 0 received, 0 skipped\n"));
+    for (file, bytes) in [("image.png", 50_000), ("empty", 0)] {
+        let output = monitor(folder.path(), &[file]);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        let says = format!("linestereo: {file} holds nothing that a board sent, in {bytes} bytes");
+        assert!(error.starts_with(&says) && error.lines().count() == 1, "{error}");
+    }
 }
 
 #[test]
@@ -418,7 +417,7 @@ fn bad_input_gets_one_line() {
         (&["run.bin", "--tcp", "localhost:1"], "--tcp"),
         (&["run.bin", "--send", "start"], "--send"),
         (&["run.bin", "--baud", "9600"], "--baud"),
-        (&["run.bin", "--record", "run.bin"], "--record run.bin would overwrite"),
+        (&["run.bin", "--record", "run.bin"], "--record run.bin and run.bin are the same"),
         (&["run.bin", "--record", "no/such/folder"], "no/such/folder"),
         (&["--tcp", "nowhere"], "cannot resolve nowhere"),
         (&["--tcp", &unused], "cannot connect"),
