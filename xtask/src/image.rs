@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_uf2_file_holds_the_image_page_by_page() {
         for length in [1_usize, 255, 256, 257, 70_001] {
-            let image = Image { start: 0x1000_0000, bytes: (0..length).map(|at| (at * 31 >> 3) as u8).collect() };
+            let image = Image { start: 0x1000_0000, bytes: (0..length).map(|at| ((at * 31) >> 3) as u8).collect() };
             let pages = decoded(&image.uf2(), 0xe48b_ff59);
             assert_eq!(pages.len(), length.div_ceil(256));
             for ((address, _), at) in pages.iter().zip((0x1000_0000..).step_by(256)) {
