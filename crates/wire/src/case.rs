@@ -9,6 +9,7 @@ pub const DIGESTS: usize = Stage::ALL.len() + 1;
 
 /// What a board runs at: sent by `selftest` after each `Hello`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineReport {
     /// Version of the firmware.
     pub firmware: String<24>,
@@ -24,6 +25,7 @@ pub struct MachineReport {
 
 /// A chip and how it is set up, as its registers say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Silicon {
     /// Identification of the processor with its revision: CPUID.
     pub processor_id: u32,
@@ -41,6 +43,7 @@ pub struct Silicon {
 
 /// A built-in pair that was matched.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CaseReport {
     /// Its number.
     pub case: u16,

@@ -61,6 +61,7 @@ impl FrameHead {
 
 /// Where the time of a frame went, microseconds by the board's clock; 0 from programs that are fed by a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameTimes {
     /// Waiting for the pair, its rows being rectified meanwhile.
     pub waiting_us: u32,
