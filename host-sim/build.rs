@@ -17,7 +17,7 @@ fn main() {
     captured();
 }
 
-/// What `cargo package` wrote beside the manifest: `{"git": {"sha1": "..."}}`.
+/// File that `cargo package` writes beside the manifest: `{"git": {"sha1": "..."}}`.
 fn packaged_commit() -> Option<String> {
     let text = fs::read_to_string(".cargo_vcs_info.json").ok()?;
     let (_, rest) = text.split_once("\"sha1\"")?;

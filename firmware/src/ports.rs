@@ -158,7 +158,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub reset: Option<Reset>,
 }
 
-/// What a board gives to a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.
+/// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.
 #[derive(Debug)]
 pub struct BarePeripherals<C, T, H, W> {
     /// A [`Clock`] that counts costs: cycles, or the instructions of an emulator.

@@ -1,4 +1,4 @@
-//! Where `live` says that the time of a frame went.
+//! Times of a frame that `live` reports.
 
 use crate::support::port::Port;
 use linestereo::Dims;

@@ -73,7 +73,7 @@ impl fmt::Display for ClosedPipe {
 
 impl core::error::Error for ClosedPipe {}
 
-/// Whether what [`say`] is given, and progress bars, are left out, and whether what [`detail`] is given is told.
+/// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds those of [`detail`].
 pub fn set_verbosity(quiet: bool, verbose: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
     VERBOSE.store(verbose, Ordering::Relaxed);

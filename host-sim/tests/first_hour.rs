@@ -1,4 +1,4 @@
-//! What a new user tries, and natural mistakes: files that would be lost, failures that look like success, input that means something else.
+//! First commands of a new user, and natural mistakes: files that would be lost, failures that look like success, input that means something else.
 
 use crate::support::{all_refused, json, linestereo, refused, stderr, stdout, succeed};
 use core::time::Duration;

@@ -44,7 +44,7 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// What lies in flash of an ELF file; gaps are as erased.
+    /// Contents of flash by an ELF file; gaps are as erased.
     fn of(elf: &[u8]) -> Result<Self> {
         let header = FileHeader32::<Endianness>::parse(elf).context("the program is no ELF file of 32 bits")?;
         let endian = header.endian()?;
@@ -120,7 +120,7 @@ mod tests {
         u32::from_le_bytes(block[at..at + 4].try_into().unwrap())
     }
 
-    /// What a boot ROM would write, by the specification alone.
+    /// Pages that a boot ROM would write, by the specification alone.
     fn decoded(file: &[u8], family: u32) -> Vec<(u32, Vec<u8>)> {
         assert!(file.len().is_multiple_of(512));
         let mut pages = Vec::new();

@@ -1,4 +1,4 @@
-//! What the program `selftest` says of a board: what it runs at, and of each built-in pair its digests and what its stages cost.
+//! Records of the program `selftest`: the machine, and of each built-in pair the digests and the cost of each stage.
 
 use heapless::String;
 use linestereo::diagnostics::Stage;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Digests of a built-in pair: one per stage, and one of what an autopilot gets.
 pub const DIGESTS: usize = Stage::ALL.len() + 1;
 
-/// What a board runs at: sent by `selftest` after each `Hello`.
+/// Machine: firmware, processor, clock, wait states, caches; sent by `selftest` after each `Hello`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MachineReport {

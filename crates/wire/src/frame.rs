@@ -33,7 +33,7 @@ pub struct FrameHead {
     pub health: Health,
     /// The numbers behind it; `None` when there was no pair to look at.
     pub pair: Option<PairReport>,
-    /// Where the time of the frame went.
+    /// Times of the frame.
     pub times: FrameTimes,
     /// Numbers of segments found, matched and rejected.
     pub counts: Counts,
@@ -59,7 +59,7 @@ impl FrameHead {
     }
 }
 
-/// Where the time of a frame went, microseconds by the board's clock; 0 from programs that are fed by a file.
+/// Times of a frame, us by the board's clock; 0 from programs that are fed by a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameTimes {

@@ -34,7 +34,7 @@ pub enum Message {
     Photo(PairHead),
     /// Pixels of the photo that began last.
     Pixels(Pixels),
-    /// What the board runs at: by `selftest`, after each `Hello`.
+    /// Machine, sent by `selftest` after each `Hello`.
     Machine(MachineReport),
     /// A built-in pair that was matched: by `selftest`, before the answer to `Request::RunCase`.
     Case(CaseReport),

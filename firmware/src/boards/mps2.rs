@@ -124,7 +124,7 @@ pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart
     emulated::peripherals(InstructionClock::start(), host, autopilot)
 }
 
-/// What they give to `selftest`.
+/// Peripherals of `selftest`.
 pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
     let [host, _] = Uart::start(UARTS, 25);
     Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))

@@ -30,7 +30,7 @@ mod on_board {
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }
 
-    /// What it gives to `selftest`.
+    /// Peripherals of `selftest`.
     pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         let [host, _] = Uart::start(UARTS, 20);
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))

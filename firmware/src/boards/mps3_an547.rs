@@ -64,7 +64,7 @@ mod on_board {
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }
 
-    /// What it gives to `selftest`.
+    /// Peripherals of `selftest`.
     pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         let [host, _] = Uart::start(UARTS, MHZ);
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))

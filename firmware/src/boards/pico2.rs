@@ -70,7 +70,7 @@ mod wired {
         (board, reset_cause())
     }
 
-    /// What the board gives to `selftest`. Once.
+    /// Peripherals of `selftest`, once.
     pub fn bare() -> Option<BarePeripherals<CycleCounter, Micros, UsbPort, FrameWatchdog>> {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG);

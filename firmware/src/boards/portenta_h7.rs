@@ -135,7 +135,7 @@ mod on_board {
         Some((watchdog, host, spawner))
     }
 
-    /// What the board gives to `selftest`.
+    /// Peripherals of `selftest`.
     pub fn bare() -> Option<silicon::Bare> {
         let (p, reset) = start();
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
@@ -145,7 +145,7 @@ mod on_board {
         Some(silicon::bare(p.RCC, host, watchdog, reset))
     }
 
-    /// What the board gives to `live`.
+    /// Peripherals of `live`.
     pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
         static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
 

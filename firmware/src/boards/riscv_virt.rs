@@ -97,7 +97,7 @@ mod on_board {
         emulated::peripherals(InstructionClock::start(), Port(Uart(())), NoPort)
     }
 
-    /// What it gives to `selftest`.
+    /// Peripherals of `selftest`.
     pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], Port(Uart(()))))
     }

@@ -107,14 +107,14 @@ mod on_board {
         Some((watchdog, host, spawner))
     }
 
-    /// What the board gives to `selftest`.
+    /// Peripherals of `selftest`.
     pub fn bare() -> Option<silicon::Bare> {
         let (p, reset) = start();
         let (watchdog, host, _) = start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
         Some(silicon::bare(p.RCC, host, watchdog, reset))
     }
 
-    /// What the board gives to `live`.
+    /// Peripherals of `live`.
     pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
         static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
 

@@ -1,4 +1,4 @@
-//! What the built-in pairs cost on a board, and whether it computes what a PC computes: as a table, and as a file that its owner sends.
+//! Costs of the built-in pairs on a board, and its digests beside the PC's: as a table, and as a file that its owner sends.
 //!
 //! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU counted
 //! for the same pairs on the same kind of processor, `docs/board-numbers.toml`), and of each pair the first stage whose digest is another.
@@ -20,7 +20,7 @@ const INSTRUCTIONS: &str = include_str!("../../../docs/board-numbers.toml");
 /// The core's clock by its own counter may differ so much from the one it was set to: both come from one oscillator.
 const CLOCK_TOLERANCE: f64 = 0.01;
 
-/// What a board said.
+/// Answers of a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoardNumbers {
     /// Its name.
@@ -69,7 +69,7 @@ pub struct PerInstruction {
     pub median: f64,
     /// Of the pairs at both ends.
     pub range: [f64; 2],
-    /// What the boards' pages assume.
+    /// Range that the boards' pages assume.
     pub assumed: [f64; 2],
     /// The emulated board whose instructions were counted.
     pub instructions: String,
@@ -137,7 +137,7 @@ impl BoardNumbers {
         self.pairs.iter().filter_map(|(name, pair)| Some((name.as_str(), pair.differs_in.as_deref()?)))
     }
 
-    /// What is odd about the costs: each a line for people.
+    /// Doubts about the costs, a line each.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();

@@ -1,4 +1,4 @@
-//! What is true of the arguments of every command, told from their types and names of values alone.
+//! Checks of the arguments of every command, by their types and names of values alone.
 //!
 //! ```text
 //! OutputPath   an output: under "Outputs" in the help; neither an input nor another output; in the format that its name says
@@ -68,7 +68,7 @@ fn shown(arg: &Arg, path: &Path) -> String {
     arg.get_long().map_or_else(|| path.display().to_string(), |name| format!("--{name} {}", path.display()))
 }
 
-/// What the help calls `FILE.png` is written as PNG, whatever it is called.
+/// Refuses a name of another format: an option whose help says `FILE.png` writes PNG, whatever the name.
 fn check_format(arg: &Arg, path: &Path, name: &str) -> Result<()> {
     let wanted = arg.get_value_names().and_then(|names| names.first()?.rsplit_once('.'));
     let given = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());

@@ -45,7 +45,7 @@ Exit code 0 only if all digests are the PC's.";
 pub struct Args {
     #[command(flatten)]
     port: PortArgs,
-    /// Where everything is written [default: BOARD.toml].
+    /// File for all of it [default: BOARD.toml].
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
 }
@@ -144,7 +144,7 @@ impl Host {
         bail!("its numbers were lost on the way; start again, or use a better cable or a lower speed")
     }
 
-    /// What comes until the answer.
+    /// Records up to the answer.
     fn ask(&mut self, request: Request, within: Duration, every: Duration) -> Result<Vec<Message>> {
         self.next_id = self.next_id.wrapping_add(1);
         let mut packet = [DELIMITER; 1 + MAX_COMMAND];

@@ -78,7 +78,7 @@ pub(super) struct InputArgs {
     method: MethodArgs,
 }
 
-/// What is known of a pair besides its images.
+/// Knowledge of a pair besides its images.
 #[derive(Clone, Debug, Default)]
 pub(super) enum Known {
     /// Nothing.
@@ -136,7 +136,7 @@ pub(super) struct Matched {
 }
 
 impl InputArgs {
-    /// What is known of a pair: what options say, else what stands beside it.
+    /// Knowledge of a pair: by the options, else by the files beside it.
     pub(super) fn known_of(&self, pair: &StoredPair) -> Result<Known> {
         if !self.rig.is_empty() {
             return Ok(Known::Raw(self.rig.clone()));

@@ -87,7 +87,7 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
     output.commit_and_say(&(summary + &written))
 }
 
-/// What was written, in words.
+/// Rectifies one pair; returns the names of the files written, in words.
 fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
     let pairs = Dataset::recording(root, false)?.pairs;

@@ -127,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
     tally.outcome(frames.len(), out.map(|path| path.display().to_string()))
 }
 
-/// What became of the frames.
+/// Counts of frames by outcome.
 #[derive(Default)]
 struct Tally {
     frames: usize,
@@ -169,7 +169,7 @@ impl Tally {
         Ok(with_name(number, &pair.name, &line))
     }
 
-    /// How many there were, and what was wrong with them.
+    /// The counts in words.
     fn summary(&self, found: &Dataset) -> String {
         let layouts: Vec<&str> = found.layouts().into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
@@ -227,9 +227,9 @@ fn parse_range(text: &str) -> Result<(u64, u64), String> {
 /// Pairs of a folder, matched one after the other.
 pub(super) struct Player<'a> {
     args: &'a InputArgs,
-    /// What the folder's scene.json says of pairs that have none of their own.
+    /// The folder's scene.json, for pairs that have none of their own.
     scene: Known,
-    /// What is known of the pairs at hand, and what they are matched with.
+    /// Knowledge of the pairs at hand, with their set-up and matcher.
     at_hand: Option<(Known, Setup<'a>, Matcher)>,
 }
 
@@ -247,7 +247,7 @@ impl<'a> Player<'a> {
         Ok(Self { args, scene, at_hand: None })
     }
 
-    /// What the last pair was matched with.
+    /// Set-up of the last pair.
     pub(super) fn setup(&self) -> Option<&Setup<'a>> {
         self.at_hand.as_ref().map(|(_, setup, _)| setup)
     }

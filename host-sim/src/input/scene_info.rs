@@ -82,7 +82,7 @@ struct RectifiedInfo {
 }
 
 impl SceneInfo {
-    /// What a data set's calibration says.
+    /// The information in a data set's calibration.
     pub(super) fn of_rig(rig: RigUpdate, max_disparity: Option<f64>) -> Self {
         let rectified = RectifiedInfo {
             focal_px: rig.focal_px,
@@ -94,7 +94,7 @@ impl SceneInfo {
         Self { max_disparity, rectified: Some(rectified), ..Self::default() }
     }
 
-    /// What pairs are matched with is the same.
+    /// True when pairs of both are matched with the same parameters.
     #[must_use]
     pub fn matches_like(&self, other: &Self) -> bool {
         let of = |info: &Self| (info.max_disparity, info.disparity_zero_px, info.rectified.clone());

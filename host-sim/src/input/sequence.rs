@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What the left and the right camera are called in names of files and folders.
+/// Names of the left and the right camera in names of files and folders.
 pub(crate) const SIDES: [[&str; 2]; 6] =
     [["left", "right"], ["l", "r"], ["infra1", "infra2"], ["cam0", "cam1"], ["camera0", "camera1"], ["ir1", "ir2"]];
 /// Folders whose names are taken as they are: KITTI's, of benchmarks and of recordings.
@@ -60,7 +60,7 @@ impl PairFiles {
 pub(super) struct SequencePair {
     /// Name of its files without the side; empty for the only pair of a folder.
     pub(super) name: String,
-    /// Where its images are.
+    /// Paths of its images.
     pub(super) files: PairFiles,
 }
 

@@ -142,7 +142,7 @@ impl StoredPair {
         self.images.paths().into_iter().chain(truth).chain(rig.iter().map(PathBuf::as_path))
     }
 
-    /// What is known besides its images: its `scene.json`, or what the calibration of its data set says.
+    /// Information besides its images: its `scene.json`, or the calibration of its data set.
     pub fn info(&self) -> Result<Option<(PathBuf, SceneInfo)>, FrameError> {
         let file = self.folder.join("scene.json");
         if !self.folder.as_os_str().is_empty() && file.is_file() {

@@ -1,4 +1,4 @@
-//! Which chip it is and how it is set up, for a host that writes down what a pair costs.
+//! Identification of the chip, its clock, wait states and caches, for a host that records the cost of a pair.
 //!
 //! # Source
 //! RP2350 datasheet: 4.4 (XIP cache, XIP_CTRL), 12.14 (QMI, M0_TIMING), 12.15.1 (SYSINFO).

@@ -1,4 +1,4 @@
-//! Which chip it is and how it is set up, for a host that writes down what a pair costs.
+//! Identification of the chip, its clock, wait states and caches, for a host that records the cost of a pair.
 //!
 //! # Source
 //! RM0433, sections 4.9.1 (FLASH_ACR) and 60.5.8 (DBGMCU_IDC).
