@@ -53,7 +53,7 @@ pub fn proof_row(image: Gray<'_>, y: usize) -> Option<&[u8]> {
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_rig(focal_px: f64, baseline_m: f64, offset_px: f64) -> Result<Rig, RigError> {
+pub fn proof_rig(focal_px: f32, baseline_m: f32, offset_px: f32) -> Result<Rig, RigError> {
     Rig::new(focal_px, baseline_m, offset_px)
 }
 
