@@ -61,7 +61,7 @@ fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Whoever read stdout has closed it: nothing else is wanted.
+/// Error of a closed stdout: nothing else is wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosedPipe;
 

@@ -1,5 +1,6 @@
 //! First commands of a new user, and natural mistakes: files that would be lost, failures that look like success, input that means something else.
 
+use crate::rectify::RIG;
 use crate::support::{all_refused, json, linestereo, refused, stderr, stdout, succeed};
 use core::time::Duration;
 use linestereo::Dims;
@@ -119,23 +120,6 @@ fn files_that_a_command_finds_are_not_replaced_either() {
         assert_eq!(fs::read(at.join(file)).unwrap(), before, "{file}");
     }
 }
-
-const RIG: &str = "\
-version = 1
-[left]
-size = [320, 240]
-focal_px = [280.0, 280.0]
-centre_px = [159.5, 119.5]
-lens = { model = \"brown-conrady\", k = [-0.1, 0.0, 0.01], p = [0.0, 0.0] }
-[right]
-size = [320, 240]
-focal_px = [280.0, 280.0]
-centre_px = [159.5, 119.5]
-lens = { model = \"brown-conrady\", k = [-0.1, 0.0, 0.01], p = [0.0, 0.0] }
-[pose]
-rotation_rad = [0.0, 0.0, 0.0]
-translation_m = [-0.07, 0.0, 0.0]
-";
 
 #[test]
 fn a_dash_is_stdout_for_every_output() {
@@ -538,7 +522,8 @@ fn quiet_verbose_and_what_shells_want() {
 fn small_things_say_what_to_do() {
     let folder = pair();
     let at = folder.path();
-    fs::write(at.join("rig.toml"), RIG).unwrap();
+    // A third radial coefficient, which Kalibr has no place for.
+    fs::write(at.join("rig.toml"), RIG.replace("k = [-0.1, 0.0, 0.0]", "k = [-0.1, 0.0, 0.01]")).unwrap();
     let line = refused(at, &["convert-rig", "rig.toml", "--to", "kalibr", "--out", "chain.yaml"]);
     assert!(line.contains("k3") && line.contains("calibrate --fix-k3"), "{line}");
     let line = refused(at, &with(&["--focal-px", "-1", "--baseline-m", "0.1"]));

@@ -6,7 +6,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6 px.
-const RIG: &str = "\
+pub(crate) const RIG: &str = "\
 version = 1
 [left]
 size = [320, 240]

@@ -222,7 +222,7 @@ class Board:
         return sum(1 << pin for pin in range(32) if self.pad(pin) is not None and bit(self.pad(pin), 6))
 
     def output(self, pin):
-        """What the processor drives there; None: nothing."""
+        """Level that the processor drives there; None: nothing."""
         out, enable = self.registers.get(SIO + 0x10, 0), self.registers.get(SIO + 0x30, 0)
         return bit(out, pin) if self.function(pin) == 5 and bit(enable, pin) and not bit(self.pad(pin), 7) else None
 

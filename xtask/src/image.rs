@@ -26,7 +26,7 @@ const HAS_FAMILY: u32 = 0x2000;
 const HAS_TAGS: u32 = 0x8000;
 /// RP2350, Arm, secure.
 const RP2350_ARM_S: u32 = 0xe48b_ff59;
-/// Whatever lies where it says.
+/// Family of any content, at absolute addresses.
 const ABSOLUTE: u32 = 0xe48b_ff57;
 /// The block is to be ignored.
 const IGNORED: u32 = 0x9957_e304;

@@ -241,7 +241,7 @@ impl Monitor {
         }
     }
 
-    /// Whatever it was, it came from no board, of this version or another one.
+    /// True when no packet of a board, of this version or another one, was among the bytes.
     fn has_nothing(&self) -> bool {
         let packets = self.decoder.counters();
         packets.good == 0 && packets.other_version == 0 && self.left != Some(0) && !interruption::requested()

@@ -1,7 +1,7 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
-//! What is visible in the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth
-//! itself.
+//! The mask of pixels visible in the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from
+//! the truth itself.
 
 use super::error::FrameError;
 use super::folder::{folder_name, image_path};
