@@ -162,13 +162,13 @@ fn the_layout_of_this_version_is_exactly_this() {
         reset: Some(Reset { cause: ResetCause::Fault, location: 300 }),
     };
     let expected = [
-        5, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
+        6, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
         0, 0xac, 2, 1, 6, 0xac, 2,
     ];
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        5, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15,
         16, 3,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
@@ -180,10 +180,11 @@ fn the_layout_of_this_version_is_exactly_this() {
         row_offset_q8: Some(-6),
         row_drift_q8: None,
         least_disparity_q6: Some(6),
+        range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
-    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12];
+    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15];
     assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
     let segment = Segment {
         ends_q5: [[1, 2], [3, 4]],
@@ -198,24 +199,24 @@ fn the_layout_of_this_version_is_exactly_this() {
         census_q6: 13,
     };
     let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
-    let expected = [5, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
+    let expected = [6, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
     assert_eq!(payload(&Message::Segments(segments)), expected);
     let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
     let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
-    let expected = [5, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
+    let expected = [6, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
     assert_eq!(payload(&Message::Answer(answer)), expected);
-    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x85, 4, 2]);
+    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x86, 4, 2]);
     let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
-    let expected = [0x85, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0, 0];
+    let expected = [0x86, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0, 0];
     assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
     let bytes = [7, 8, 9].into_iter().collect();
-    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x85, 6, 5, 3, 7, 8, 9]);
+    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x86, 6, 5, 3, 7, 8, 9]);
     let head = PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
-    let expected = [0x85, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
+    let expected = [0x86, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
     assert_eq!(payload(&Command { id: 7, request: Request::RawPair(head) }), expected);
     let of = RegionBox { label: 9, left: 1, top: 2, right: 300, bottom: 4 };
     let regions = Regions { boxes: [of].into_iter().collect(), only: true };
-    let expected = [0x85, 8, 7, 1, 9, 1, 2, 0xac, 2, 4, 1];
+    let expected = [0x86, 8, 7, 1, 9, 1, 2, 0xac, 2, 4, 1];
     assert_eq!(payload(&Command { id: 8, request: Request::SetRegions(regions) }), expected);
     let object = ObjectRecord {
         label: 9,
@@ -229,7 +230,7 @@ fn the_layout_of_this_version_is_exactly_this() {
     };
     let refused = ObjectRecord { disparity_q6: Err(2), depth_q16: None, ..object };
     let objects = Objects { sequence: 4, list: [object, refused].into_iter().collect() };
-    let expected = [5, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
+    let expected = [6, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
     assert_eq!(payload(&Message::Objects(objects)), expected);
 }
 
