@@ -6,26 +6,26 @@ use crate::confidence::Model;
 /// The model that plans use unless they are given another.
 #[rustfmt::skip]
 pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {
-    bias_q12: -37036,
+    bias_q12: -37105,
     coefficients_q12: [
-        -17691, // log2 of the paths' sum: best / second-best
-        3750, // log2 of the window's cost: at the disparity / best elsewhere
-        198, // log2(1 + the window's cost)
-        1594, // log2(1 + disparities compared)
+        -17707, // log2 of the paths' sum: best / second-best
+        3751, // log2 of the window's cost: at the disparity / best elsewhere
+        197, // log2(1 + the window's cost)
+        1593, // log2(1 + disparities compared)
         20, // log2(1 + how much worse the window is 1 px away)
-        2787, // log2(1 + ranks that change along the window)
-        -3235, // square of the first
-        2184, // square of the second
-        4430, // log2(1 + neighbours that agree)
-        -994, // log2(1 + neighbours that contradict)
-        2240, // log2(1 + hypotheses of segments nearby that agree)
-        -3333, // log2(1 + hypotheses of segments nearby that contradict)
-        2017, // log2(1 + ranks that change along a window, on average)
+        2790, // log2(1 + ranks that change along the window)
+        -3237, // square of the first
+        2185, // square of the second
+        4439, // log2(1 + neighbours that agree)
+        -1004, // log2(1 + neighbours that contradict)
+        2190, // log2(1 + hypotheses of segments nearby that agree)
+        -3297, // log2(1 + hypotheses of segments nearby that contradict)
+        2031, // log2(1 + ranks that change along a window, on average)
     ],
     probability_q16: [
-        3, 5, 10, 19, 36, 67, 126, 238, 448, 839, 1565,
-        2890, 5246, 9239, 15491, 24158, 34346, 44237, 52209, 57724, 58720, 59603,
-        61596, 62948, 63736, 64289, 64671, 64937, 65122, 65250, 65338, 65400, 65442,
+        3, 5, 10, 19, 36, 67, 127, 239, 449, 841, 1567,
+        2894, 5251, 9245, 15496, 24159, 34342, 44228, 52199, 57715, 58718, 59605,
+        61595, 62946, 63735, 64289, 64672, 64938, 65123, 65251, 65339, 65400, 65443,
     ],
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
