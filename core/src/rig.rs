@@ -43,13 +43,13 @@ pub struct Rig {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
-    Focal(f64),
+    Focal(f32),
     /// Baseline in metres, outside 0.0001 ..= 100 or not finite.
-    Baseline(f64),
+    Baseline(f32),
     /// Disparity offset in pixels, outside -4096 ..= 4096 or not finite.
-    Offset(f64),
+    Offset(f32),
     /// Column or row of the principal point in pixels, outside -2048 ..= 2048 or not finite.
-    PrincipalPoint(f64),
+    PrincipalPoint(f32),
 }
 
 impl fmt::Display for RigError {
@@ -69,7 +69,7 @@ impl Rig {
     /// A rig from its focal length in px, baseline in m and the offset in px that is added to every disparity
     /// (`x_centre_right - x_centre_left`; 0 for most rigs). The principal point is the centre of the image.
     #[expect(clippy::float_arithmetic, reason = "set-up")]
-    pub fn new(focal_px: f64, baseline_m: f64, offset_px: f64) -> Result<Self, RigError> {
+    pub fn new(focal_px: f32, baseline_m: f32, offset_px: f32) -> Result<Self, RigError> {
         if !(1.0..=100_000.0).contains(&focal_px) {
             return Err(RigError::Focal(focal_px));
         }
@@ -89,7 +89,7 @@ impl Rig {
 
     /// The same rig with the principal point of its left image, px.
     #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; the range is checked")]
-    pub fn with_principal_point(self, point: [f64; 2]) -> Result<Self, RigError> {
+    pub fn with_principal_point(self, point: [f32; 2]) -> Result<Self, RigError> {
         if let Some(outside) = point.into_iter().find(|v| !(-2048.0..=2048.0).contains(v)) {
             return Err(RigError::PrincipalPoint(outside));
         }
@@ -188,8 +188,10 @@ impl Rig {
 
 /// Rounded to nearest, halves away from zero.
 #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; callers check the range")]
-fn nearest(v: f64) -> i64 {
-    if v < 0.0 { (v - 0.5) as i64 } else { (v + 0.5) as i64 }
+pub(crate) fn nearest(v: f32) -> i64 {
+    let whole = v as i64;
+    let rest = v - whole as f32; // exact, unlike v + 0.5 above 2^23
+    whole + i64::from(rest >= 0.5) - i64::from(rest <= -0.5)
 }
 
 fn saturate(d_q6: i64) -> Disparity {

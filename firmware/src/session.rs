@@ -96,9 +96,7 @@ impl<'a> Session<'a> {
         session.report.slots = slots.map(|slot| slot.map_err(RigFault::from));
         if let Some((slot, image)) = rig {
             let params = session.params_for(&image);
-            match params
-                .and_then(|params| memory.set_rig(image.rectification()).map(|()| params).map_err(Refusal::from))
-            {
+            match params.and_then(|params| memory.set_rig(image.remap()).map(|()| params).map_err(Refusal::from)) {
                 Ok(params) => session.use_rig(&image, params, Some(slot)),
                 Err(_) => *slot.of(&mut session.report.slots) = Err(RigFault::TooLarge),
             }
@@ -188,12 +186,12 @@ impl<'a> Session<'a> {
     fn set_rig(&mut self, bytes: &[u8], memory: &mut impl Memory) -> Result<(), Refusal> {
         let image = RigImage::decode(bytes).map_err(|error| Refusal::Rig(error.into()))?;
         let params = self.params_for(&image)?;
-        let ready = memory.set_rig(image.rectification()).map_err(Refusal::from);
+        let ready = memory.set_rig(image.remap()).map_err(Refusal::from);
         match ready.and_then(|()| self.keep(&image)) {
             Ok(slot) => self.use_rig(&image, params, slot),
             Err(refusal) => {
                 if let Some(Ok(before)) = self.rig.map(|bytes| RigImage::decode(&bytes)) {
-                    let _ = memory.set_rig(before.rectification()); // it fitted before
+                    let _ = memory.set_rig(before.remap()); // it fitted before
                 }
                 return Err(refusal);
             }
@@ -203,7 +201,7 @@ impl<'a> Session<'a> {
 
     /// The parameters with this rig, if this board holds what it rectifies to.
     fn params_for(&self, image: &RigImage) -> Result<Params, Refusal> {
-        let dims = image.rectification().dims();
+        let dims = image.remap().dims();
         self.check_size(dims)?;
         let params = image.params(self.params).map_err(|error| Refusal::Rig(error.into()))?;
         params.plan(dims)?;

@@ -11,11 +11,11 @@ pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vehicle {
     /// Where the cameras look, degrees clockwise from ahead, seen from above; -180 ..= 180.
-    pub yaw_deg: f64,
+    pub yaw_deg: f32,
     /// Obstacles at this distance or further do not matter, m; 0.1 ..= 600.
-    pub range_m: f64,
+    pub range_m: f32,
     /// Lowest and highest height that matters, m above the camera; -1000 ..= 1000.
-    pub heights_m: [f64; 2],
+    pub heights_m: [f32; 2],
     /// System id of the autopilot.
     pub system: u8,
     /// Distances a second, at most one a pair; 10 ..= 20.
@@ -61,7 +61,7 @@ impl Vehicle {
     const fn is_valid(&self) -> bool {
         let Self { yaw_deg, range_m, heights_m: [low, high], rate_hz, .. } = *self;
         let block_cm = match self.block_cm {
-            Some(block_cm) => block_cm as f64,
+            Some(block_cm) => block_cm as f32,
             None => 0.0,
         };
         -180.0 <= yaw_deg

@@ -668,7 +668,7 @@ fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trac
     let grey = |eye: CameraSide, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
     let rectified = |torn_after: usize| {
         let mut memory = Box::new(Workspace::new());
-        memory.set_rig(&rectification).unwrap();
+        memory.set_rig(&rectification.remap()).unwrap();
         let mut sink = MemoryRows::new(&mut *memory, dims);
         sink.restart(CameraSide::Left);
         for y in 0..torn_after {

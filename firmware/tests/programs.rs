@@ -227,7 +227,7 @@ fn raw_pairs_are_rectified_row_by_row() {
     for (eye, raw) in CameraSide::BOTH.into_iter().zip(painted(RAW, Scene::Blocks)) {
         let mut mesh: Box<Mesh<NODES, 96>> = Box::new(Mesh::new());
         let mut band: Box<Band<{ 200 * 150 }>> = Box::new(Band::new());
-        mesh.build(image.rectification(), eye).unwrap();
+        mesh.build(image.remap(), eye).unwrap();
         for row in raw.chunks(200) {
             band.push(&mesh, row, twin.frames()[eye as usize]).unwrap();
         }

@@ -120,7 +120,7 @@ fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
 fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
     let (_, mut source) = source(1_000_000);
     let mut memory = Box::new(Workspace::new());
-    memory.set_rig(&rectification()).unwrap();
+    memory.set_rig(&rectification().remap()).unwrap();
     for frame in 0..3 {
         let pair = source.next_pair(&mut *memory, Some(DIMS)).unwrap();
         assert_eq!((pair.dims, pair.frame_start), (DIMS, Some(FrameStart::Triggered)));
@@ -129,7 +129,7 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
         assert_eq!(pair.times_us, Some([1_000_000 - middle_us; 2]));
 
         let mut expected = Box::new(Workspace::new());
-        expected.set_rig(&rectification()).unwrap();
+        expected.set_rig(&rectification().remap()).unwrap();
         expected.restart();
         for y in 0..48 {
             for eye in CameraSide::BOTH {

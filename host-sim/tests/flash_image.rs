@@ -2,7 +2,7 @@
 
 use crate::support::{all_refused, refused, succeed, with_rig};
 use linestereo::Dims;
-use linestereo_rig::{RigImage, View};
+use linestereo_rig::RigImage;
 use std::fs;
 
 const RIG: &str = "\
@@ -31,24 +31,24 @@ fn an_image_is_written_and_explained() {
     );
     let bytes = fs::read(folder.path().join("rig.bin")).unwrap();
     let image = RigImage::decode(&bytes).unwrap();
-    assert_eq!(image.rectification().dims(), Dims { width: 320, height: 240 });
-    assert_eq!((image.view(), image.disparities()), (View::Alpha(0.5), (0, 48)));
+    assert_eq!(image.remap().dims(), Dims { width: 320, height: 240 });
+    assert_eq!(image.disparities(), (0, 48));
     let explained = succeed(folder.path(), &["flash-image", "--check", "rig.bin"]);
     assert_eq!(format!("{explained}wrote rig.bin\n"), made);
     for says in [
-        "version 1, 268 bytes, sequence 0, checksum right",
+        "version 2, 212 bytes, sequence 0, checksum right",
         "left camera   640x480, focal length 532.50 532.75 px, centre (320.25, 240.50), skew 0 px, Brown-Conrady",
         "right camera  640x480, focal length 530.50 531.00 px, centre (322.00, 239.00), skew 0 px, fisheye",
         "baseline 83.20 mm, cameras turned by 1.16",
-        "rectified     320x240, alpha 0.5: focal length ",
+        "rectified     320x240, focal length ",
         "disparities   0 .. 48 px: depths from 0.",
     ] {
         assert!(explained.contains(says), "{explained} does not say {says}");
     }
     succeed(folder.path(), &["flash-image", "rig.toml", "rig.bin", "--focal-px", "321.5"]);
     let image = RigImage::decode(&fs::read(folder.path().join("rig.bin")).unwrap()).unwrap();
-    assert_eq!((image.view(), image.rectification().focal()), (View::Focal(321.5), 321.5));
-    assert_eq!(image.rectification().dims(), Dims { width: 640, height: 480 }, "as the raw images");
+    assert_eq!(image.remap().focal(), 321.5);
+    assert_eq!(image.remap().dims(), Dims { width: 640, height: 480 }, "as the raw images");
 }
 
 #[test]

@@ -121,11 +121,7 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
                 continue;
             }
             let rig = RigUpdate { focal_px: 300.5, baseline_m: 0.07, offset_px: 1.25 };
-            let params = Params {
-                max_disparity: 48,
-                rig: Some(linestereo::Rig::new(rig.focal_px, rig.baseline_m, rig.offset_px).unwrap()),
-                ..Params::default()
-            };
+            let params = Params { max_disparity: 48, rig: Some(rig.rig().unwrap()), ..Params::default() };
             let found = run_one(&machine, &board::update(&params, Some(rig)), &pair);
             let twin = Twin::of(&board).run(&params, &pair.0, &pair.1).unwrap();
             assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {dims}", board.name);
@@ -300,7 +296,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
             let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
             assert_eq!((replayed.pairs.len(), replayed.bad_packets), (1, 0));
             let found = replayed.pairs.remove(0).unwrap();
-            let (left, right) = PairRectifier::new(rig.rectification()).unwrap().pair(&left, &right).unwrap();
+            let (left, right) = PairRectifier::new(rig.remap()).unwrap().pair(&left, &right).unwrap();
             let twin = Twin::of(&board).run(&params, &left, &right).unwrap();
             let dims = board.largest;
             assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {width}x{height}", board.name);
@@ -323,7 +319,7 @@ fn pixels_without_source_are_not_used_on_a_board() {
     let found = replayed.pairs.remove(0).unwrap().result;
     assert_eq!((found.counts.segments_left_dropped, found.counts.segments_right_dropped), (0, 0));
 
-    let mut rectifier = PairRectifier::new(rig.rectification()).unwrap();
+    let mut rectifier = PairRectifier::new(rig.remap()).unwrap();
     let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
     let (left, right) = rectifier.pair(&left, &right).unwrap();
     let view = |image: &'static GrayImage, spans: &'static [Span]| image.view().unwrap().with_valid(spans).unwrap();

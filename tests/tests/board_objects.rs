@@ -52,7 +52,7 @@ fn a_board_says_of_objects_what_the_pc_says() {
         let update = board::update(&Params::default(), Some(RIG));
         let replayed = machine.run_pairs_with_objects(&update, &asked).unwrap();
         let mut answered = 0;
-        let rig = linestereo::Rig::new(RIG.focal_px, RIG.baseline_m, RIG.offset_px).ok();
+        let rig = RIG.rig().ok();
         let mut engine = Engine::new(&Params { rig, ..Params::default() }, dims).unwrap();
         for ((pair, found), only) in pairs.iter().zip(&replayed.pairs).zip([false, true, true]) {
             let found = &found.as_ref().unwrap().objects;

@@ -15,7 +15,7 @@ const BASELINE: f64 = 0.1;
 const CENTRE: [f64; 2] = [159.5, 119.5];
 
 fn params() -> Params {
-    Params { rig: Some(Rig::new(FOCAL, BASELINE, 0.0).unwrap()), ..Params::default() }
+    Params { rig: Some(Rig::new(FOCAL as f32, BASELINE as f32, 0.0).unwrap()), ..Params::default() }
 }
 
 fn plan_of(change: impl FnOnce(&mut ObstacleParams)) -> ObstaclePlan {
@@ -70,10 +70,11 @@ fn every_column_has_the_sector_and_the_distance_of_the_definition() {
         for step in 0..2 * 319 {
             let x = f64::from(step) * 0.5;
             let disparity = 4.0 + f64::from(step % 50);
-            let (index, expected_cm) = reference(x, disparity, yaw_deg, sectors);
+            let (index, expected_cm) = reference(x, disparity, yaw_deg.into(), sectors);
             let obstacles = seen(&plan, &[edge(x, disparity, 0.995)]);
-            let turn = ((x - CENTRE[0]).atan2(FOCAL).to_degrees() + yaw_deg) / 360.0 * f64::from(sectors);
-            let is_at_a_boundary = ((turn - 0.5) - (turn - 0.5).round()).abs() < 0.01;
+            let turn = ((x - CENTRE[0]).atan2(FOCAL).to_degrees() + f64::from(yaw_deg)) / 360.0 * f64::from(sectors);
+            // Boundaries are within 0.0125 of a sector: the tangent in single precision.
+            let is_at_a_boundary = ((turn - 0.5) - (turn - 0.5).round()).abs() < 0.015;
             let found: Vec<(u8, u16)> =
                 obstacles.sectors(&plan, 0).zip(0_u8..).filter_map(|(s, i)| Some((i, distance(s)?))).collect();
             let [(found_index, cm)] = found[..] else { panic!("x {x}: {found:?}") };
@@ -233,7 +234,7 @@ fn only_the_height_band_matters() {
     assert!(ahead(140.0, 170.0, 15.0), "from 0.14 m to 0.34 m below");
     assert!(ahead(20.0, 220.0, 15.0), "through the band");
     // What is seen outside of the band lies behind it, as the floor does: free, as far as it is this segment's to say.
-    let free = |heights_m: [f64; 2], from: f64, to: f64, d: f64| {
+    let free = |heights_m: [f32; 2], from: f64, to: f64, d: f64| {
         let plan = plan_of(|p| p.heights_m = heights_m);
         let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
         matches!(seen(&plan, &matches).sector(&plan, 0, 0), Sector::Free { .. })
@@ -250,7 +251,7 @@ fn only_the_height_band_matters() {
 
 #[test]
 fn an_offset_of_the_rig_moves_distances_not_directions() {
-    let rig = Rig::new(FOCAL, BASELINE, 40.0).unwrap();
+    let rig = Rig::new(FOCAL as f32, BASELINE as f32, 40.0).unwrap();
     let plan = ObstacleParams::DEFAULT.plan(&Params { rig: Some(rig), ..params() }, DIMS).unwrap();
     // 20 + 40 px: half a metre.
     assert_eq!(distance(seen(&plan, &[edge(160.0, 20.0, 0.995)]).sector(&plan, 0, 0)), Some(50));
@@ -340,7 +341,7 @@ fn parameters_without_sense_are_refused_by_name() {
         (&|p| p.sectors = 0, "sectors is 0, allowed are 4 to 72"),
         (&|p| p.range_m = 601.0, "range (m) is 601, allowed are 0.1 to 600"),
         (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1, allowed are 2 to 1000"),
-        (&|p| p.heights_m = [f64::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
+        (&|p| p.heights_m = [f32::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
         (&|p| p.error_probability = 0.0, "error probability is 0, allowed are 0.00002 to 0.5"),
     ];
     for (change, expected) in cases {
@@ -374,7 +375,7 @@ fn nothing_overflows() {
         );
         let dims = [DIMS, Dims { width: 1280, height: 16 }, Dims { width: 80, height: 1280 }][round % 3];
         let wanted = ObstacleParams {
-            yaw_deg: f64::from(random() % 361) - 180.0,
+            yaw_deg: (random() % 361) as f32 - 180.0,
             sectors: [4, 5, 7, 36, 71, 72][round % 6],
             range_m: [0.1, 10.0, 600.0][round % 3],
             heights_m: [[-1000.0, 1000.0], [-0.1, 0.1], [0.0, 0.0]][round % 3],
@@ -438,9 +439,10 @@ fn captured_frames_give_no_ghosts() {
         let mut depths: Vec<f64> = (-5..=5).flat_map(|offset| of_truth(offset, 0)).collect();
         depths.sort_by(f64::total_cmp);
         // With all in range; and with ranges that most of the scene lies behind.
-        let quantile = |share: usize| depths[depths.len() / share] / 100.0;
+        let quantile = |share: usize| (depths[depths.len() / share] / 100.0) as f32;
         for range_m in [10.0, quantile(20), quantile(10), quantile(5)] {
             let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::DEFAULT };
+            let range_m = f64::from(range_m);
             let plan = wanted.plan(&params, dims).unwrap();
             let mut obstacles = Obstacles::new();
             obstacles.update(&plan, &result.matches, result.points.iter().copied(), HealthFlags::GOOD, 0);

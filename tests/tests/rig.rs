@@ -8,7 +8,7 @@ const DEPTH_STEPS: f64 = 65536.0;
 const DISPARITY_STEPS: f64 = 64.0;
 
 /// Focal length, baseline, offset: boards, Middlebury, and both ends of what is accepted.
-const RIGS: [(f64, f64, f64); 7] = [
+const RIGS: [(f32, f32, f32); 7] = [
     (400.0, 0.1, 0.0),
     (288.0, 0.12, -3.25),
     (934.2704, 0.16, 67.4473),
@@ -17,6 +17,16 @@ const RIGS: [(f64, f64, f64); 7] = [
     (100_000.0, 100.0, 0.0),
     (100_000.0, 100.0, -4096.0),
 ];
+
+/// The rigs, and their numbers as given.
+fn rigs() -> impl Iterator<Item = (Rig, f64, f64, f64)> {
+    RIGS.into_iter().map(|(focal, baseline, offset)| {
+        (Rig::new(focal, baseline, offset).unwrap(), focal.into(), baseline.into(), offset.into())
+    })
+}
+
+/// Relative error of f*B, the product of two numbers in single precision.
+const PRODUCT: f64 = 1.0 / (1 << 24) as f64;
 
 fn disparities() -> impl Iterator<Item = Disparity> {
     (i16::MIN..=i16::MAX).map(Disparity::from_bits)
@@ -29,8 +39,7 @@ fn rounded(offset: f64) -> f64 {
 
 #[test]
 fn depth_is_the_nearest_step() {
-    for (focal, baseline, offset) in RIGS {
-        let rig = Rig::new(focal, baseline, offset).unwrap();
+    for (rig, focal, baseline, offset) in rigs() {
         for disparity in disparities() {
             let (found, d) = (rig.depth(disparity), disparity.to_num::<f64>() + rounded(offset));
             let expected = reference::depth(focal * baseline, rounded(offset), disparity.to_num());
@@ -39,7 +48,7 @@ fn depth_is_the_nearest_step() {
                 continue;
             }
             // Half a step, and f*B rounded to half a step, divided by d.
-            let bound = 0.5 / DEPTH_STEPS * (1.0 + 1.0 / d) * (1.0 + 1e-9);
+            let bound = 0.5 / DEPTH_STEPS * (1.0 + 1.0 / d) * (1.0 + 1e-9) + expected * PRODUCT;
             let error = (found.to_num::<f64>() - expected).abs();
             assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} is {found}, not {expected}");
         }
@@ -62,8 +71,7 @@ fn nothing_in_front_of_infinity_is_infinite() {
 
 #[test]
 fn depth_never_grows_with_disparity() {
-    for (focal, baseline, offset) in RIGS {
-        let rig = Rig::new(focal, baseline, offset).unwrap();
+    for (rig, focal, baseline, offset) in rigs() {
         let depths: Vec<Depth> = disparities().map(|disparity| rig.depth(disparity)).collect();
         assert!(depths.is_sorted_by(|far, near| far >= near), "{focal} {baseline} {offset}");
     }
@@ -71,8 +79,7 @@ fn depth_never_grows_with_disparity() {
 
 #[test]
 fn sigma_follows_the_slope_of_depth() {
-    for (focal, baseline, offset) in RIGS {
-        let rig = Rig::new(focal, baseline, offset).unwrap();
+    for (rig, focal, baseline, offset) in rigs() {
         for sigma in [0.0, 1.0 / 64.0, 0.25, 1.0, 7.5, 500.0] {
             for disparity in disparities().step_by(7) {
                 let d = disparity.to_num::<f64>() + rounded(offset);
@@ -84,7 +91,8 @@ fn sigma_follows_the_slope_of_depth() {
                     continue;
                 }
                 // A step for the quotient, and what half a step of z and of f*B makes of it.
-                let bound = (1.0 + 0.5 * (1.0 + 1.0 / d) * sigma / d) / DEPTH_STEPS * (1.0 + 1e-9);
+                let bound =
+                    (1.0 + 0.5 * (1.0 + 1.0 / d) * sigma / d) / DEPTH_STEPS * (1.0 + 1e-9) + z * sigma / d * PRODUCT;
                 let error = (found.to_num::<f64>() - z * sigma / d).abs();
                 assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} +- {sigma} is {found}");
             }
@@ -94,8 +102,8 @@ fn sigma_follows_the_slope_of_depth() {
 
 #[test]
 fn margins_become_the_interval_of_equation_13() {
-    for (focal, baseline, offset) in RIGS {
-        let (rig, product) = (Rig::new(focal, baseline, offset).unwrap(), focal * baseline);
+    for (rig, focal, baseline, offset) in rigs() {
+        let product = focal * baseline;
         for (nearer, farther) in [(0.25, 0.5), (0.0, 0.0), (3.0, 1000.0), (30_000.0, 0.125)] {
             for disparity in disparities() {
                 // From the rounded depth, so that only the interval itself is on trial.
@@ -112,7 +120,7 @@ fn margins_become_the_interval_of_equation_13() {
                     // Half a step, and f*B rounded to half a step of depth, relative.
                     let bound = 0.5 / DISPARITY_STEPS
                         + if expected.is_finite() {
-                            (expected + rounded(offset)) * 0.5 / DEPTH_STEPS / product
+                            (expected + rounded(offset)) * (0.5 / DEPTH_STEPS / product + PRODUCT)
                         } else {
                             0.0
                         };
@@ -137,8 +145,7 @@ fn margins_that_reach_the_camera_are_open() {
 #[test]
 fn a_disparity_lies_in_its_own_interval() {
     let (nearer, farther) = (Depth::from_num(0.05), Depth::from_num(0.05));
-    for (focal, baseline, offset) in RIGS.into_iter().take(4) {
-        let rig = Rig::new(focal, baseline, offset).unwrap();
+    for (rig, focal, baseline, offset) in rigs().take(4) {
         for disparity in disparities().filter(|&disparity| rig.depth(disparity) != INFINITE_DEPTH) {
             let (low, high) = rig.disparity_interval(disparity, nearer, farther);
             assert!(low <= disparity && disparity <= high, "{focal} {baseline} {offset}: {disparity}");
@@ -148,18 +155,18 @@ fn a_disparity_lies_in_its_own_interval() {
 
 #[test]
 fn unusable_rigs_are_refused_by_name() {
-    for focal in [0.0, 0.99, -400.0, 100_001.0, f64::INFINITY] {
+    for focal in [0.0, 0.99, -400.0, 100_001.0, f32::INFINITY] {
         assert_eq!(Rig::new(focal, 0.1, 0.0), Err(RigError::Focal(focal)));
     }
-    for baseline in [0.0, 0.000_09, -0.1, 100.1, f64::INFINITY] {
+    for baseline in [0.0, 0.000_09, -0.1, 100.1, f32::INFINITY] {
         assert_eq!(Rig::new(400.0, baseline, 0.0), Err(RigError::Baseline(baseline)));
     }
-    for offset in [-4096.1, 4096.1, f64::NEG_INFINITY] {
+    for offset in [-4096.1, 4096.1, f32::NEG_INFINITY] {
         assert_eq!(Rig::new(400.0, 0.1, offset), Err(RigError::Offset(offset)));
     }
-    assert!(matches!(Rig::new(f64::NAN, 0.1, 0.0), Err(RigError::Focal(_))));
-    assert!(matches!(Rig::new(400.0, f64::NAN, 0.0), Err(RigError::Baseline(_))));
-    assert!(matches!(Rig::new(400.0, 0.1, f64::NAN), Err(RigError::Offset(_))));
+    assert!(matches!(Rig::new(f32::NAN, 0.1, 0.0), Err(RigError::Focal(_))));
+    assert!(matches!(Rig::new(400.0, f32::NAN, 0.0), Err(RigError::Baseline(_))));
+    assert!(matches!(Rig::new(400.0, 0.1, f32::NAN), Err(RigError::Offset(_))));
     let error = Rig::new(0.0, 0.1, 0.0).unwrap_err();
     assert_eq!(error.to_string(), "focal length 0 px is outside 1 to 100000");
 }
@@ -167,12 +174,12 @@ fn unusable_rigs_are_refused_by_name() {
 /// Against the float equation, at corners and centre, for whole and broken principal points.
 #[test]
 fn a_pixel_and_its_disparity_are_a_position_in_space() {
-    for (focal, baseline, offset) in RIGS {
-        let rig = Rig::new(focal, baseline, offset).unwrap();
+    for (rig, focal, _, offset) in rigs() {
         let at = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         assert_eq!(rig.xyz(at(1.0, 1.0), Disparity::from_num(20)), None, "where is the optical axis?");
-        for [cx, cy] in [[159.5, 119.5], [-31.25, 700.0], [0.1, 1279.9]] {
-            let rig = rig.with_principal_point([cx, cy]).unwrap();
+        for point in [[159.5, 119.5], [-31.25, 700.0], [0.1, 1279.9]] {
+            let rig = rig.with_principal_point(point).unwrap();
+            let [cx, cy] = point.map(f64::from);
             for (x, y) in [(0.0, 0.0), (1279.0, 0.03125), (159.5, 1279.0)] {
                 for disparity in [0.5, 3.25, 63.984_375].map(Disparity::from_num) {
                     let z = rig.depth(disparity);
@@ -195,6 +202,6 @@ fn a_pixel_and_its_disparity_are_a_position_in_space() {
         assert_eq!(rig.centred(dims), rig.with_principal_point([159.5, 119.5]).unwrap());
         let given = rig.with_principal_point([1.0, 2.0]).unwrap();
         assert_eq!(given.centred(dims), given);
-        assert_eq!(rig.with_principal_point([0.0, f64::INFINITY]), Err(RigError::PrincipalPoint(f64::INFINITY)));
+        assert_eq!(rig.with_principal_point([0.0, f32::INFINITY]), Err(RigError::PrincipalPoint(f32::INFINITY)));
     }
 }

@@ -173,7 +173,7 @@ fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
         let params = update(&rig.params(Params::default())?, None);
         let mut replayed = machine.run_raw_pairs(&rig, &params, &[(&rendering.left, &rendering.right)])?;
         let found = replayed.pairs.pop().context("no pair was answered")??;
-        let rectifier = PairRectifier::new(rig.rectification())?;
+        let rectifier = PairRectifier::new(rig.remap())?;
         let band = CameraSide::BOTH.map(|eye| rectifier.facts(eye).band_bytes as u64);
         let pair = RawPair {
             rectification: found.rectification,

@@ -10,7 +10,7 @@
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
 //!     blank, is matched at the disparity of the surface beside the region
 //! the other side lies outside, and no support point in the region agrees: a half
-//! support points: p >= 0.8, and 5 px (in a large mask 9 px) around them in the region: half of a segment's weight
+//! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
 //! in a box, surfaces near its centre are preferred: a second weight, by which the surface is selected, falls to 3/8 at the border
 //! ```
 //!
@@ -41,10 +41,6 @@ const MOST_POINTS: usize = 24;
 const LEAST_PROBABILITY: u16 = 0xcccc;
 /// Distance of the corners tested around a support point, px: half of its window, and one more.
 const WINDOW_HALF: i32 = 5;
-/// The same in a large mask, which has points enough further inside: ranks reach 2 px beyond the window, the mask may be 2 px too large.
-const FAR_INSIDE: i32 = 9;
-/// Half of the sides from which a mask is large, px.
-const LARGE_HALF: i32 = 32;
 /// Difference below which the disparities of both sides are equal, 1/64 px.
 const SAME_Q6: i32 = 64;
 
@@ -114,11 +110,14 @@ fn list_points(
     neighbours: &mut [Neighbour],
     found: &mut RegionSupport,
 ) {
-    let is_large = !cover.is_box() && cover.half_size.into_iter().all(|half| half >= LARGE_HALF);
-    let reach = if is_large { FAR_INSIDE } else { WINDOW_HALF };
     let inside = || {
         support.within(area).filter(|(x, y, point)| {
-            let corners = [(-reach, -reach), (reach, -reach), (-reach, reach), (reach, reach)];
+            let corners = [
+                (-WINDOW_HALF, -WINDOW_HALF),
+                (WINDOW_HALF, -WINDOW_HALF),
+                (-WINDOW_HALF, WINDOW_HALF),
+                (WINDOW_HALF, WINDOW_HALF),
+            ];
             let corners = corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
             point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
         })

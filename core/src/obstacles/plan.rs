@@ -4,14 +4,15 @@
 //! of directions.
 //!
 //! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read OBSTACLE_DISTANCE. A boundary at the angle `a`
-//! from the optical axis is the column `cx + f * tan(a)`.
+//! from the optical axis is the column `cx + f * tan(a)`; the tangent is micromath's, within 0.1 degrees of the angle, the same on every machine.
 
 use crate::health::HealthFlags;
 use crate::image::Dims;
 use crate::params::Params;
-use crate::rig::Rig;
-use core::f64::consts::PI;
+use crate::rig::{Rig, nearest};
+use core::f32::consts::PI;
 use core::fmt;
+use micromath::F32;
 
 /// Largest number of sectors in view of a camera: half of 72, and one more where both borders cut one.
 pub const MAX_IN_VIEW: usize = 37;
@@ -26,18 +27,18 @@ const MAX_SECTORS: u8 = 72;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObstacleParams {
     /// Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 ..= 180.
-    pub yaw_deg: f64,
+    pub yaw_deg: f32,
     /// Number of sectors of a full turn; 4 ..= 72. 72 are 5 degrees each.
     pub sectors: u8,
     /// Range, m: obstacles at this distance or further are ignored; 0.1 ..= 600.
-    pub range_m: f64,
+    pub range_m: f32,
     /// Lowest and highest height of obstacles, m above the camera; -1000 ..= 1000. One plan and one [`Obstacles`](super::Obstacles) for each band.
-    pub heights_m: [f64; 2],
+    pub heights_m: [f32; 2],
     /// Time for which a state is kept when it is not seen again, ms. Both autopilots keep a message for half a second themselves.
     pub keep_ms: u16,
     /// Largest probability that all hypotheses for a state are wrong, taken as independent; 0.00002 ..= 0.5. At 0.01 one hypothesis is enough only
     /// if its confidence is 0.99, otherwise two or more have to agree.
-    pub error_probability: f64,
+    pub error_probability: f32,
     /// Flags of health with which a pair is not used.
     pub unfit: HealthFlags,
 }
@@ -74,11 +75,11 @@ impl ObstacleParams {
         check("error probability", self.error_probability, 0.000_02, 0.5)?;
         let view = View::new(self, &rig, dims)?;
 
-        let focal_baseline = rig.focal_baseline_q16() as f64;
+        let focal_baseline = rig.focal_baseline_q16() as f32;
         let [first, last] = [-0.5, view.width - 0.5].map(|column| view.sector_at(column));
         let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
         let range_cm = nearest(100.0 * self.range_m) as u16;
-        let most = f64::from(params.max_disparity) + rig.offset_q6() as f64 / 64.0;
+        let most = f32::from(params.max_disparity) + rig.offset_q6() as f32 / 64.0;
         let near = if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
         let mut plan = ObstaclePlan {
             first: first.rem_euclid(self.sectors.into()) as u8,
@@ -102,12 +103,12 @@ impl ObstacleParams {
             error_q16: nearest(65536.0 * self.error_probability) as u16,
             unfit: self.unfit,
         };
-        let mut before = f64::NEG_INFINITY;
+        let mut before = f32::NEG_INFINITY;
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
             let column = view.boundary(first + k);
             *edge_q5 = nearest(32.0 * column.max(0.0).min(view.width)) as u16;
             // Seen by both cameras as a whole, at any distance from the near limit on.
-            if k > 0 && before >= f64::from(params.max_disparity) && column <= view.width - 0.5 {
+            if k > 0 && before >= f32::from(params.max_disparity) && column <= view.width - 0.5 {
                 plan.complete |= 1 << (k - 1);
             }
             before = column;
@@ -119,63 +120,60 @@ impl ObstacleParams {
 /// Directions of columns.
 struct View {
     /// Focal length, px.
-    focal: f64,
+    focal: f32,
     /// Column of the optical axis, px.
-    column: f64,
+    column: f32,
     /// Row of the optical axis, px.
-    row: f64,
+    row: f32,
     /// Width of the image, px.
-    width: f64,
+    width: f32,
     /// Direction of the optical axis, rad clockwise from ahead.
-    yaw: f64,
-    /// Angle of one sector, rad.
-    sector: f64,
+    yaw: f32,
+    /// Number of sectors of a full turn.
+    sectors: u8,
 }
 
 #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
 impl View {
     fn new(params: &ObstacleParams, rig: &Rig, dims: Dims) -> Result<Self, ObstacleError> {
-        let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|v| f64::from(v) / 65536.0);
+        let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|v| v as f32 / 65536.0);
         check("principal column (px)", column, 0.0, dims.width.into())?;
         check("principal row (px)", row, 0.0, dims.height.into())?;
-        let (yaw, sector) = (params.yaw_deg / 180.0 * PI, 2.0 * PI / f64::from(params.sectors));
-        Ok(Self { focal: rig.focal_q16() as f64 / 65536.0, column, row, width: dims.width.into(), yaw, sector })
+        let (yaw, sectors) = (params.yaw_deg / 180.0 * PI, params.sectors);
+        Ok(Self { focal: rig.focal_q16() as f32 / 65536.0, column, row, width: dims.width.into(), yaw, sectors })
     }
 
     /// Sector that a column falls into, counted from ahead.
-    fn sector_at(&self, column: f64) -> i32 {
-        let direction = libm::atan((column - self.column) / self.focal) + self.yaw;
-        libm::round(direction / self.sector) as i32
+    fn sector_at(&self, column: f32) -> i32 {
+        let turn = i32::from(self.sectors);
+        (-turn..turn).find(|sector| self.boundary(sector + 1) > column).unwrap_or(turn)
     }
 
     /// Column of the boundary before a sector; infinite beyond a right angle from the axis, where there is none.
-    fn boundary(&self, sector: i32) -> f64 {
-        let angle = (f64::from(sector) - 0.5) * self.sector - self.yaw;
+    fn boundary(&self, sector: i32) -> f32 {
+        let angle = (sector as f32 - 0.5) * 2.0 * PI / f32::from(self.sectors) - self.yaw;
         if angle <= -0.5 * PI {
-            f64::NEG_INFINITY
+            f32::NEG_INFINITY
         } else if angle >= 0.5 * PI {
-            f64::INFINITY
+            f32::INFINITY
         } else {
-            self.column + self.focal * libm::tan(angle)
+            self.column + self.focal * F32(angle).tan().0
         }
     }
 
-    /// Cosines of the directions of evenly spaced columns.
+    /// Cosines of the directions of evenly spaced columns: `f / sqrt(f^2 + (x - cx)^2)`.
     fn cosines_q15(&self) -> [u16; PARTS + 1] {
+        let focal_q10 = nearest(1024.0 * self.focal);
         core::array::from_fn(|part| {
-            let column = self.width * part as f64 / PARTS as f64;
-            nearest(32768.0 * libm::cos(libm::atan((column - self.column) / self.focal))) as u16
+            let across_q10 = nearest(32.0 * self.width * part as f32 - 1024.0 * self.column);
+            let length_q10 = (focal_q10 * focal_q10 + across_q10 * across_q10).unsigned_abs().isqrt().max(1);
+            (focal_q10.unsigned_abs() << 15).checked_div(length_q10).unwrap_or(0) as u16
         })
     }
 }
 
-fn check(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), ObstacleError> {
+fn check(name: &'static str, value: f32, low: f32, high: f32) -> Result<(), ObstacleError> {
     if (low..=high).contains(&value) { Ok(()) } else { Err(ObstacleError::OutOfRange { name, value, low, high }) }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "set-up")]
-fn nearest(value: f64) -> i64 {
-    libm::round(value) as i64
 }
 
 /// Checked parameters for one camera, constant over pairs.
@@ -253,11 +251,11 @@ pub enum ObstacleError {
         /// Name of the parameter, with its unit.
         name: &'static str,
         /// Its value.
-        value: f64,
+        value: f32,
         /// Least allowed value.
-        low: f64,
+        low: f32,
         /// Largest allowed value.
-        high: f64,
+        high: f32,
     },
 }
 
@@ -271,3 +269,47 @@ impl fmt::Display for ObstacleError {
 }
 
 impl core::error::Error for ObstacleError {}
+
+#[cfg(test)]
+#[allow(clippy::float_arithmetic, clippy::unwrap_used, reason = "compared with double precision")]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    /// Every boundary that 160 degrees of view can show, of every number of sectors: within 1/35 of a sector of the exact direction.
+    #[test]
+    fn single_precision_keeps_directions() {
+        let dims = Dims { width: 320, height: 240 };
+        let rig = Rig::new(250.0, 0.06, 0.0).unwrap().centred(dims);
+        let (mut worst_deg, mut worst_share) = (0.0_f64, 0.0_f64);
+        for sectors in 4..=MAX_SECTORS {
+            for yaw_deg in [0.0, 31.0, -90.0, 180.0] {
+                let view =
+                    View::new(&ObstacleParams { sectors, yaw_deg, ..ObstacleParams::DEFAULT }, &rig, dims).unwrap();
+                for sector in -i32::from(sectors)..i32::from(sectors) {
+                    let exact = (f64::from(sector) - 0.5) * 360.0 / f64::from(sectors) - f64::from(yaw_deg);
+                    if exact.abs() < 80.0 {
+                        let tangent = f64::from((view.boundary(sector) - view.column) / view.focal);
+                        let off = (tangent.atan().to_degrees() - exact).abs();
+                        worst_deg = worst_deg.max(off);
+                        worst_share = worst_share.max(off * f64::from(sectors) / 360.0);
+                    }
+                }
+            }
+        }
+        std::eprintln!("boundaries are within {worst_deg:.3} degrees, {worst_share:.4} of a sector");
+        assert!(worst_deg < 0.14 && worst_share < 1.0 / 35.0);
+    }
+
+    #[test]
+    fn cosines_are_exact_to_the_last_bit_but_one() {
+        let dims = Dims { width: 640, height: 480 };
+        let rig = Rig::new(333.25, 0.06, 0.0).unwrap().with_principal_point([301.5, 240.0]).unwrap();
+        let view = View::new(&ObstacleParams::DEFAULT, &rig, dims).unwrap();
+        for (cosine, part) in view.cosines_q15().into_iter().zip(0..) {
+            let tangent = (f64::from(part) * 20.0 - 301.5) / 333.25;
+            let exact = 32768.0 / (1.0 + tangent * tangent).sqrt();
+            assert!((f64::from(cosine) - exact).abs() < 2.0, "{cosine} for {exact}");
+        }
+    }
+}

@@ -13,6 +13,7 @@
 //! Brandt, 2006, in the form of OpenCV's and Kalibr's equidistant fisheye model (k1 .. k4).
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
+use crate::real::Real;
 use core::fmt;
 use linestereo::image::Dims;
 
@@ -22,20 +23,20 @@ pub const MAX_TANGENT: f64 = 4.0;
 /// Number of steps in which a lens is tested for folding.
 const STEPS: u32 = 512;
 
-/// Distortion of a lens on the normalised plane.
+/// Distortion of a lens on the normalised plane, in double precision or, behind a [`Remap`](crate::Remap), in single.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
+pub enum Lens<T = f64> {
     /// Radial (barrel, pincushion, and both at once: mustache) and tangential.
     BrownConrady {
         /// Radial: `1 + k1 r^2 + k2 r^4 + k3 r^6`.
-        k: [f64; 3],
+        k: [T; 3],
         /// Tangential: `2 p1 x y + p2 (r^2 + 2 x^2)`, `p1 (r^2 + 2 y^2) + 2 p2 x y`.
-        p: [f64; 2],
+        p: [T; 2],
     },
     /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of `tan(theta)`.
     Fisheye {
         /// Coefficients of the polynomial in the angle.
-        k: [f64; 4],
+        k: [T; 4],
     },
 }
 
@@ -45,24 +46,8 @@ impl Lens {
 
     /// Distorted position of a point of the normalised plane. The polynomial may fold far outside of the image: [`Camera::project`] excludes that.
     #[must_use]
-    pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let factor = self.radial(x * x + y * y);
-        let [dx, dy] = self.tangential([x, y]);
-        [x * factor + dx, y * factor + dy]
-    }
-
-    /// Ratio of the distorted to the undistorted radius, from the square of the latter.
-    fn radial(&self, s: f64) -> f64 {
-        match *self {
-            Self::BrownConrady { k: [k1, k2, k3], .. } => 1.0 + s * (k1 + s * (k2 + s * k3)),
-            Self::Fisheye { k: [k1, k2, k3, k4] } => {
-                let r = libm::sqrt(s);
-                let theta = libm::atan(r);
-                let t = theta * theta;
-                let ratio = if r > 1e-9 { theta / r } else { 1.0 };
-                ratio * (1.0 + t * (k1 + t * (k2 + t * (k3 + t * k4))))
-            }
-        }
+    pub fn distort(&self, point: [f64; 2]) -> [f64; 2] {
+        self.distorted(point)
     }
 
     /// Derivative of the distorted by the undistorted radius.
@@ -77,16 +62,6 @@ impl Lens {
                 let t = theta * theta;
                 (1.0 + t * (3.0 * k1 + t * (5.0 * k2 + t * (7.0 * k3 + t * 9.0 * k4)))) / (1.0 + r * r)
             }
-        }
-    }
-
-    fn tangential(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        match *self {
-            Self::BrownConrady { p: [p1, p2], .. } => {
-                let s = x * x + y * y;
-                [2.0 * p1 * x * y + p2 * (s + 2.0 * x * x), p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y]
-            }
-            Self::Fisheye { .. } => [0.0; 2],
         }
     }
 
@@ -105,12 +80,61 @@ impl Lens {
         MAX_TANGENT
     }
 
-    fn coefficients(&self) -> impl Iterator<Item = f64> {
-        let (a, b): ([f64; 4], [f64; 2]) = match *self {
-            Self::BrownConrady { k: [k1, k2, k3], p } => ([k1, k2, k3, 0.0], p),
-            Self::Fisheye { k } => (k, [0.0; 2]),
+    /// The same in single precision.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, reason = "the range is checked")]
+    pub(crate) fn to_single(self) -> Lens<f32> {
+        self.map(|v| v as f32)
+    }
+}
+
+impl<T: Real> Lens<T> {
+    fn coefficients(&self) -> impl Iterator<Item = T> {
+        let (a, b): ([T; 4], [T; 2]) = match *self {
+            Self::BrownConrady { k: [k1, k2, k3], p } => ([k1, k2, k3, T::from(0.0)], p),
+            Self::Fisheye { k } => (k, [T::from(0.0); 2]),
         };
         a.into_iter().chain(b)
+    }
+
+    fn map<U>(self, each: impl Fn(T) -> U) -> Lens<U> {
+        match self {
+            Self::BrownConrady { k, p } => Lens::BrownConrady { k: k.map(&each), p: p.map(&each) },
+            Self::Fisheye { k } => Lens::Fisheye { k: k.map(&each) },
+        }
+    }
+
+    /// Distorted position of a point of the normalised plane.
+    pub(crate) fn distorted(&self, [x, y]: [T; 2]) -> [T; 2] {
+        let factor = self.radial(x * x + y * y);
+        let [dx, dy] = self.tangential([x, y]);
+        [x * factor + dx, y * factor + dy]
+    }
+
+    /// Ratio of the distorted to the undistorted radius, from the square of the latter.
+    fn radial(&self, s: T) -> T {
+        let one = T::from(1.0);
+        match *self {
+            Self::BrownConrady { k: [k1, k2, k3], .. } => one + s * (k1 + s * (k2 + s * k3)),
+            Self::Fisheye { k: [k1, k2, k3, k4] } => {
+                let r = s.sqrt();
+                let theta = r.atan();
+                let t = theta * theta;
+                let ratio = if r > T::from(1e-9) { theta / r } else { one };
+                ratio * (one + t * (k1 + t * (k2 + t * (k3 + t * k4))))
+            }
+        }
+    }
+
+    fn tangential(&self, [x, y]: [T; 2]) -> [T; 2] {
+        match *self {
+            Self::BrownConrady { p: [p1, p2], .. } => {
+                let two = T::from(2.0);
+                let s = x * x + y * y;
+                [two * p1 * x * y + p2 * (s + two * x * x), p1 * (s + two * y * y) + two * p2 * x * y]
+            }
+            Self::Fisheye { .. } => [T::from(0.0); 2],
+        }
     }
 }
 
@@ -148,6 +172,35 @@ impl fmt::Display for CameraError {
 
 impl core::error::Error for CameraError {}
 
+/// Checks the size of raw images, px, and what a camera's numbers can be.
+pub(crate) fn check_numbers<T: Real>(
+    dims: Dims,
+    focal: [T; 2],
+    centre: [T; 2],
+    skew: T,
+    lens: &Lens<T>,
+) -> Result<(), CameraError> {
+    let within = |v: &T, low: f32, high: f32| T::from(low) <= *v && *v <= T::from(high);
+    if !(16..=4096).contains(&dims.width) || !(16..=4096).contains(&dims.height) {
+        return Err(CameraError::Dims(dims));
+    }
+    if let Some(&wrong) = focal.iter().find(|f| !within(f, 1.0, 100_000.0)) {
+        return Err(CameraError::Focal(wrong.into()));
+    }
+    let inside = |c: &T, side: u16| within(c, -f32::from(side), 2.0 * f32::from(side));
+    let [cx, cy] = &centre;
+    if !inside(cx, dims.width) || !inside(cy, dims.height) {
+        return Err(CameraError::Centre(centre.map(T::into)));
+    }
+    if !within(&skew, -1000.0, 1000.0) {
+        return Err(CameraError::Skew(skew.into()));
+    }
+    match lens.coefficients().find(|k| !within(k, -1000.0, 1000.0)) {
+        Some(wrong) => Err(CameraError::Lens(wrong.into())),
+        None => Ok(()),
+    }
+}
+
 /// A calibrated camera.
 ///
 /// ```
@@ -176,23 +229,8 @@ pub struct Camera {
 impl Camera {
     /// A camera from the size of its raw images, focal lengths `[fx, fy]`, centre `[cx, cy]` and skew in px, and its lens.
     pub fn new(dims: Dims, focal: [f64; 2], centre: [f64; 2], skew: f64, lens: Lens) -> Result<Self, CameraError> {
-        if !(16..=4096).contains(&dims.width) || !(16..=4096).contains(&dims.height) {
-            return Err(CameraError::Dims(dims));
-        }
-        if let Some(&wrong) = focal.iter().find(|f| !(1.0..=100_000.0).contains(*f)) {
-            return Err(CameraError::Focal(wrong));
-        }
-        let inside = |c: f64, side: u16| (-f64::from(side)..=2.0 * f64::from(side)).contains(&c);
+        check_numbers(dims, focal, centre, skew, &lens)?;
         let [cx, cy] = centre;
-        if !inside(cx, dims.width) || !inside(cy, dims.height) {
-            return Err(CameraError::Centre(centre));
-        }
-        if !(-1000.0..=1000.0).contains(&skew) {
-            return Err(CameraError::Skew(skew));
-        }
-        if let Some(wrong) = lens.coefficients().find(|k| !(-1000.0..=1000.0).contains(k)) {
-            return Err(CameraError::Lens(wrong));
-        }
         let camera = Self { dims, focal, centre, skew, lens, limit: lens.limit() };
         // The middle of each border must be in view: a lens that folds before that does not belong to this image.
         let (right, bottom) = (f64::from(dims.width - 1), f64::from(dims.height - 1));
@@ -244,19 +282,11 @@ impl Camera {
     /// beyond [`MAX_TANGENT`], and where the lens folds.
     #[must_use]
     pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
-        let (raw, seen) = self.project_beyond([x, y, z])?;
-        seen.then_some(raw)
-    }
-
-    /// Raw position, px, of a ray, continued smoothly beyond the limit of the lens, with a flag that is true within the limit. `None` behind the
-    /// camera.
-    pub(crate) fn project_beyond(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], bool)> {
         if z <= 0.0 {
             return None;
         }
         let (x, y) = (x / z, y / z);
-        let radius = libm::sqrt(x * x + y * y);
-        Some((self.pixel(self.lens.distort([x, y])), radius <= self.limit))
+        (libm::sqrt(x * x + y * y) <= self.limit).then(|| self.pixel(self.lens.distort([x, y])))
     }
 
     /// Tangent of the largest viewing angle that is used: [`MAX_TANGENT`], or that at which the lens starts to fold.

@@ -1,6 +1,6 @@
 //! Computation and interpolation of one camera's nodes: a mesh without its memory.
 //!
-//! In: a rectification and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
+//! In: a remap and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
 //! Method and bounds: [`mesh`](crate::mesh).
 
 use crate::calibration::CameraSide;
@@ -8,7 +8,7 @@ use crate::nodes::{
     BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, is_behind,
     is_seen, node_at, nodes_along,
 };
-use crate::rectification::Rectification;
+use crate::remap::Remap;
 use linestereo::diagnostics::kernel::{X_ROUNDING, columns, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH, Span};
 
@@ -47,32 +47,32 @@ impl Grid {
 
     /// Computes the nodes and rows of one camera; `None` when no rectified pixel has a source.
     pub(crate) fn build<'a>(
-        rectification: &Rectification,
+        remap: &Remap,
         eye: CameraSide,
         nodes: &mut [Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) -> Option<Self> {
-        let mut grid = Self::with_nodes(rectification, eye, COARSE, nodes);
+        let mut grid = Self::with_nodes(remap, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
         if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() && grid.dims.width <= MAX_WIDTH / 2 {
-            grid = Self::with_nodes(rectification, eye, FINE, nodes);
+            grid = Self::with_nodes(remap, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);
         }
         grid.choose_pieces(nodes, cubic);
         grid.centre_pieces(nodes);
-        grid.plan_rows(rectification, eye, nodes, rows);
+        grid.plan_rows(remap, eye, nodes, rows);
         (grid.band_rows > 0).then_some(grid)
     }
 
     /// Computes nodes at this distance, log2 of px.
-    fn with_nodes(rectification: &Rectification, eye: CameraSide, cell: u8, nodes: &mut [Node]) -> Self {
-        let (dims, raw) = (rectification.dims(), rectification.camera(eye).dims());
+    fn with_nodes(remap: &Remap, eye: CameraSide, cell: u8, nodes: &mut [Node]) -> Self {
+        let (dims, raw) = (remap.dims(), remap.raw_dims());
         let columns = nodes_along(dims.width, cell);
         let rows = usize::from(nodes_along(dims.height, cell));
         for (row, v) in nodes.chunks_exact_mut(usize::from(columns).max(1)).take(rows).zip(-1..) {
             for (node, u) in row.iter_mut().zip(-1..) {
-                let [x, y] = [u, v].map(|i: i32| f64::from(i << cell));
-                *node = node_at(rectification.extended_source(eye, [x, y]));
+                let [x, y] = [u, v].map(|i: i32| (i << cell) as f32);
+                *node = node_at(remap.source(eye, [x, y]));
             }
         }
         Self { dims, raw, columns, cell, piece: cell, band_rows: 0, is_inner: false, error_q16: 0 }
@@ -177,14 +177,14 @@ impl Grid {
     /// Spans, last raw rows, and the height of the band.
     fn plan_rows<'a>(
         &mut self,
-        rectification: &Rectification,
+        remap: &Remap,
         eye: CameraSide,
         nodes: &[Node],
         rows: impl Iterator<Item = (&'a mut Span, &'a mut u16)>,
     ) {
         let (mut last, mut is_inner) = (0, true);
         for ((row_span, row_last), y) in rows.zip(0..) {
-            let span = self.longest_run(rectification, eye, nodes, y);
+            let span = self.longest_run(remap, eye, nodes, y);
             let (mut low, mut high) = (i32::MAX, 0);
             self.for_each_piece(nodes, y, |start, length, piece| {
                 for i in (0..length).filter(|i| span.contains(i32::from(start + i))) {
@@ -204,14 +204,14 @@ impl Grid {
     }
 
     /// The largest run of pixels of row `y` that have a source.
-    fn longest_run(&self, rectification: &Rectification, eye: CameraSide, nodes: &[Node], y: u16) -> Span {
+    fn longest_run(&self, remap: &Remap, eye: CameraSide, nodes: &[Node], y: u16) -> Span {
         let (mut longest, mut run) = (Span::default(), Span::default());
         self.for_each_piece(nodes, y, |start, length, piece| {
             let visibility = self.visibility(nodes, start >> self.cell, y >> self.cell);
             for (i, x) in (0..length).zip(start..) {
                 let seen = match visibility {
                     Visibility::Whole => true,
-                    Visibility::Part => rectification.source(eye, [f64::from(x), f64::from(y)]).is_some(),
+                    Visibility::Part => remap.source(eye, [f32::from(x), f32::from(y)]).is_some_and(|(_, seen)| seen),
                     Visibility::Nothing => false,
                 };
                 if !(seen && self.is_inside(piece.at(i))) {

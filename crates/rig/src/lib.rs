@@ -1,11 +1,13 @@
 //! Geometry of a stereo rig for linestereo: two calibrated cameras and the pose between them, and raw frames -> rectified rows.
 //!
-//! In: cameras and pose, once, in double precision. Out: a [`Rig`](linestereo::Rig) for [`Params`](linestereo::Params), and rectified
+//! In: cameras and pose, once, in floating point. Out: a [`Rig`](linestereo::Rig) for [`Params`](linestereo::Params), and rectified
 //! rows, in integers. Not needed by firmware whose frames are rectified already.
 //!
 //! ```text
-//! once, floating point:  Calibration (two cameras, the pose between them), from numbers or from the bytes of a RigImage
+//! once, f64, on a PC:    Calibration (two cameras, the pose between them)
 //!                     -> Rectification (one virtual camera: directions, focal length, centre)
+//!                     -> Remap (raw positions of rectified ones), also as the bytes of a RigImage
+//! once, f32, on a board: Remap
 //!                     -> Mesh, one per camera (raw positions of every 16th pixel, raw rows needed by each row)
 //! per raw row, integers: Band (the raw rows needed at once) -> rectified rows
 //! ```
@@ -21,7 +23,9 @@ pub mod checksum;
 mod grid;
 mod mesh;
 mod nodes;
+mod real;
 mod rectification;
+mod remap;
 mod rig_image;
 mod rows;
 mod turn;
@@ -31,6 +35,7 @@ pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
 pub use mesh::{Mesh, MeshError};
 pub use nodes::{fine_mesh_nodes, mesh_nodes};
 pub use rectification::{Rectification, RectifyError, View};
+pub use remap::{Remap, RemapCamera};
 pub use rig_image::{RigImage, RigImageError, RigImageHead};
 pub use rows::{Band, RowError};
 pub use turn::rotation_matrix;

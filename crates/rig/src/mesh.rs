@@ -1,6 +1,6 @@
 //! Raw positions of rectified pixels as a coarse mesh of integers.
 //!
-//! In: a [`Rectification`], once. Out: raw positions along every rectified row, and the raw rows that a [`Band`](crate::Band) has to hold.
+//! In: a [`Remap`], once. Out: raw positions along every rectified row, and the raw rows that a [`Band`](crate::Band) has to hold.
 //!
 //! ```text
 //! set-up, floating point:
@@ -19,7 +19,7 @@
 use crate::calibration::CameraSide;
 use crate::grid::Grid;
 use crate::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
-use crate::rectification::Rectification;
+use crate::remap::Remap;
 use core::fmt;
 use linestereo::diagnostics::kernel::X_ROUNDING;
 use linestereo::image::{Dims, Span, shrink_to_valid};
@@ -42,7 +42,7 @@ use linestereo::image::{Dims, Span, shrink_to_valid};
 /// let mut band: Band<{ 64 * 12 }> = Band::new();
 /// let mut frame = [0; 64 * 48];
 ///
-/// mesh.build(&rectification, CameraSide::Left)?;
+/// mesh.build(&rectification.remap(), CameraSide::Left)?;
 /// assert!(mesh.band_bytes() <= 64 * 12);
 /// for _ in 0..DIMS.height {
 ///     let raw_row = [100; 64]; // as the camera delivers it
@@ -119,9 +119,9 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     }
 
     /// Computes the mesh of one camera. After an error it is empty.
-    pub fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), MeshError> {
+    pub fn build(&mut self, remap: &Remap, eye: CameraSide) -> Result<(), MeshError> {
         self.grid = Grid::EMPTY;
-        let dims = rectification.dims();
+        let dims = remap.dims();
         let (needed, given) = (mesh_nodes(dims), NODES);
         if given < needed {
             return Err(MeshError::Nodes { needed, given });
@@ -131,7 +131,7 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
             return Err(MeshError::Rows { needed, given });
         }
         let rows = self.spans.iter_mut().zip(&mut self.last).take(needed);
-        self.grid = Grid::build(rectification, eye, &mut self.nodes, rows).ok_or(MeshError::NothingSeen)?;
+        self.grid = Grid::build(remap, eye, &mut self.nodes, rows).ok_or(MeshError::NothingSeen)?;
         Ok(())
     }
 
@@ -202,8 +202,8 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     /// Largest error of the positions of pixels, px: an estimate from the differences of nodes.
     #[must_use]
     #[expect(clippy::float_arithmetic, reason = "set-up")]
-    pub fn error(&self) -> f64 {
-        f64::from(self.grid.error_q16) / f64::from(ONE)
+    pub fn error(&self) -> f32 {
+        self.grid.error_q16 as f32 / ONE as f32
     }
 
     pub(crate) fn plan(&self) -> MeshPlan<'_> {

@@ -17,7 +17,7 @@ pub(crate) const COARSE: u8 = 4;
 /// Distance of nodes of a fine mesh, log2 of px.
 pub(crate) const FINE: u8 = 3;
 /// Limit of positions, px: beyond any image.
-const FAR: f64 = 8192.0;
+const FAR: f32 = 8192.0;
 /// One pixel, Q16.
 pub(crate) const ONE: i32 = 1 << 16;
 
@@ -48,9 +48,9 @@ pub(crate) const NO_NODE: Node = Node { x: 0, y: 0 };
 
 /// Node of a raw position, px, with a flag that is true in view of the camera; `None` is behind the camera.
 #[expect(clippy::float_arithmetic, reason = "set-up")]
-pub(crate) fn node_at(source: Option<([f64; 2], bool)>) -> Node {
+pub(crate) fn node_at(source: Option<([f32; 2], bool)>) -> Node {
     let Some(([x, y], seen)) = source else { return BEHIND };
-    let nearest = |v: f64| (v.clamp(-FAR, FAR) * f64::from(ONE)) as i32 & !1;
+    let nearest = |v: f32| (v.clamp(-FAR, FAR) * ONE as f32) as i32 & !1;
     Node { x: nearest(x) | i32::from(!seen), y: nearest(y) }
 }
 

@@ -1,7 +1,7 @@
 //! Rectification of a calibrated pair: two virtual cameras with the same direction, focal length and centre, corresponding points on one row.
 //!
 //! In: a [`Calibration`], the size of the rectified images, the part of the view to keep. Out: the raw position of every rectified pixel, in
-//! floating point. [`Mesh`](crate::Mesh) has it in integers.
+//! double precision: [`Remap`](crate::Remap) has it in single, [`Mesh`](crate::Mesh) in integers.
 //!
 //! # Source
 //! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the same, so that disparity 0 is infinity.
@@ -138,9 +138,7 @@ impl Calibration {
 
 impl Rectification {
     fn new(calibration: &Calibration, dims: Dims) -> Result<Self, RectifyError> {
-        if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
-            return Err(RectifyError::Dims(dims));
-        }
+        check_dims(dims)?;
         Ok(Self {
             cameras: CameraSide::BOTH.map(|eye| *calibration.camera(eye)),
             to_camera: calibration.common_rotations().map(Matrix3::from),
@@ -177,7 +175,7 @@ impl Rectification {
 
     /// The rig that converts disparities to depths, and pixels to positions in space.
     pub fn rig(&self) -> Result<Rig, RigError> {
-        Rig::new(self.focal, self.baseline, 0.0)?.with_principal_point(self.centre)
+        self.remap().rig()
     }
 
     /// The camera behind one of the rectified images.
@@ -211,9 +209,9 @@ impl Rectification {
         self.camera(eye).project(self.ray(eye, [x, y]))
     }
 
-    /// Raw position of a rectified one by [`Camera::project_beyond`].
-    pub(crate) fn extended_source(&self, eye: CameraSide, position: [f64; 2]) -> Option<([f64; 2], bool)> {
-        self.camera(eye).project_beyond(self.ray(eye, position))
+    /// Rotation from common to a camera's coordinates, by rows.
+    pub(crate) fn rotation(&self, side: CameraSide) -> [[f64; 3]; 3] {
+        self.turn(side).transpose().into()
     }
 
     /// Ray of a rectified position, in the camera's coordinates.
@@ -368,6 +366,15 @@ impl Rectification {
                 })
             })
         })
+    }
+}
+
+/// Checks the size of rectified images against the core's limits.
+pub(crate) fn check_dims(dims: Dims) -> Result<(), RectifyError> {
+    if (MIN_SIDE..=MAX_WIDTH).contains(&dims.width) && (MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
+        Ok(())
+    } else {
+        Err(RectifyError::Dims(dims))
     }
 }
 

@@ -1,41 +1,40 @@
-//! Binary image of a rig for storage on a board: cameras, pose, rectified view and disparity range in [`RigImage::BYTES`] bytes.
+//! Binary image of a rig for storage on a board: what rectifies both cameras, and the disparity range, in [`RigImage::BYTES`] bytes.
 //!
-//! In: a calibration, a view and a disparity range. Out: bytes. Decoding gives the same bits again, so that a board and a PC rectify alike, or the
-//! error in the bytes.
+//! In: a calibration, a view and a disparity range. Out: bytes. The common view is found once, where the image is made: decoding checks
+//! numbers and computes none, so that a board and a PC rectify alike.
 //!
 //! ```text
 //! offset  bytes                      all numbers little endian
 //!      0      4  magic               "LSRG"
-//!      4      2  version             1
+//!      4      2  version             2
 //!      6      2  length              of the whole image, checksum included
 //!      8      4  sequence            0 in a file; counted by boards that write images into two slots
 //!     12    2+2  rectified size      px
 //!     16      2  first disparity     px, signed
 //!     18      2  end of disparities  px
-//!     20      4  view                0: alpha, 1: focal length
-//!     24      8  its value           f64; the focal length in px
-//!     32    4*8  rotation            f64, unit quaternion w x y z: a point X of the left camera is at R X + t in the right one
-//!     64    3*8  translation         f64, m
-//!     88     88  left camera         raw width, height (2+2), lens (4) 0: Brown-Conrady, 1: fisheye, then f64: focal lengths x y,
-//!                                    centre x y, skew, coefficients k1 k2 k3 p1 p2, or k1 k2 k3 k4 0
-//!    176     88  right camera        the same
-//!    264      4  CRC-32              of all bytes before it
+//!     20    2+2  raw size            px
+//!     24    4*4  rectified view      f32: focal length, centre x y, px; baseline, m
+//!     40     84  left camera         f32: rotation from common to the camera's coordinates by rows (9*4), focal lengths x y, centre x y, skew,
+//!                                    px; lens (4) 0: Brown-Conrady, 1: fisheye, then coefficients k1 k2 k3 p1 p2, or k1 k2 k3 k4 0,
+//!                                    and the tangent of the angle up to which the lens is used
+//!    124     84  right camera        the same
+//!    208      4  CRC-32              of all bytes before it
 //! ```
 //!
-//! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version, so that a later one is recognised.
+//! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version, so that another one is recognised.
 //!
 //! # Bounds
 //! A CRC-32 detects one, two or three damaged bits in an image this short; other damage passes with a probability of 1 / (4 * 10^9), and its
-//! numbers then still have to be those of a usable rig.
+//! numbers then still have to be within their ranges.
 //!
 //! # Cost
-//! Checking an image: one pass over its bytes. Decoding one: two cameras and a common view in double precision, a few million
-//! operations. No allocation, no panic path.
+//! Checking an image: one pass over its bytes; decoding one: some hundred comparisons. No allocation, no panic path.
 
-use crate::calibration::{Calibration, CalibrationError, CameraSide};
-use crate::camera::{Camera, CameraError, Lens};
+use crate::calibration::{Calibration, CameraSide};
+use crate::camera::{CameraError, Lens};
 use crate::checksum::{CRC_32, CRC_BYTES};
-use crate::rectification::{Rectification, RectifyError, View};
+use crate::rectification::{RectifyError, View};
+use crate::remap::{Remap, RemapCamera, RemapError};
 use core::fmt;
 use linestereo::{Dims, ParamError, Params};
 use serde::{Deserialize, Serialize};
@@ -43,18 +42,16 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every image.
 const MAGIC: [u8; 4] = *b"LSRG";
 /// Version that is written.
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 /// Value of erased flash.
 const ERASED: u8 = 0xff;
 
 /// A rig that a board can use: its cameras can be rectified to this size and view, and the disparity range fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigImage {
-    calibration: Calibration,
-    view: View,
+    remap: Remap,
     min_disparity: i16,
     max_disparity: u16,
-    rectification: Rectification,
 }
 
 /// Start of an image.
@@ -105,12 +102,8 @@ pub enum RigImageError {
     },
     /// A kind of lens that this version does not have.
     LensKind(CameraSide, u32),
-    /// A kind of view that this version does not have.
-    ViewKind(u32),
     /// A camera is not usable.
     Camera(CameraSide, CameraError),
-    /// The cameras are no stereo pair.
-    Pair(CalibrationError),
     /// The pair cannot be rectified to this size and view.
     View(RectifyError),
     /// The disparity range does not fit.
@@ -131,9 +124,7 @@ impl fmt::Display for RigImageError {
                 write!(f, "damaged or of another version: it says it has {found} bytes, not {}", RigImage::BYTES)
             }
             Self::LensKind(eye, kind) => write!(f, "{} camera: lens {kind} is not known, only 0 and 1 are", name(eye)),
-            Self::ViewKind(kind) => write!(f, "view {kind} is not known, only 0 and 1 are"),
             Self::Camera(eye, error) => write!(f, "{} camera: {error}", name(eye)),
-            Self::Pair(error) => write!(f, "pose: {error}"),
             Self::View(error) => write!(f, "rectified view: {error}"),
             Self::Range(error) => write!(f, "disparity range: {error}"),
         }
@@ -180,7 +171,7 @@ impl RigImageHead {
 
 impl RigImage {
     /// Size of an image, bytes.
-    pub const BYTES: usize = 268;
+    pub const BYTES: usize = 212;
 
     /// A rig whose images are rectified to this size and view and searched at disparities `min_disparity .. max_disparity`, px.
     pub fn new(
@@ -190,31 +181,36 @@ impl RigImage {
         (min_disparity, max_disparity): (i16, u16),
     ) -> Result<Self, RigImageError> {
         let rectification = calibration.rectify(dims, view).map_err(RigImageError::View)?;
-        let image = Self { calibration, view, min_disparity, max_disparity, rectification };
-        image.params(Params::DEFAULT)?.plan(dims).map_err(RigImageError::Range)?;
-        Ok(image)
+        Self { remap: rectification.remap(), min_disparity, max_disparity }.checked()
+    }
+
+    /// Checks all numbers.
+    fn checked(self) -> Result<Self, RigImageError> {
+        let remap = self.remap.checked().map_err(|error| match error {
+            RemapError::Camera(side, error) => RigImageError::Camera(side, error),
+            RemapError::View(error) => RigImageError::View(error),
+        })?;
+        self.params(Params::DEFAULT)?.plan(remap.dims()).map_err(RigImageError::Range)?;
+        Ok(self)
     }
 
     /// The image as bytes.
     #[must_use]
     pub fn encode(&self, sequence: u32) -> [u8; Self::BYTES] {
-        let Dims { width, height } = self.rectification.dims();
-        let (view_kind, view) = match self.view {
-            View::Alpha(alpha) => (ViewKind::ALPHA, alpha),
-            View::Focal(focal) => (ViewKind::FOCAL, focal),
-        };
+        let size = |Dims { width, height }: Dims| [width, height].map(Short);
+        let Remap { dims, raw, focal, centre, baseline, cameras } = self.remap;
+        let [left, right] = cameras;
         let numbers = Numbers {
             head: Head { magic: MAGIC, version: VERSION, length: Self::BYTES as u16, sequence },
-            width,
-            height,
+            dims: size(dims),
             min_disparity: self.min_disparity,
             max_disparity: self.max_disparity,
-            view_kind,
-            view,
-            rotation: self.calibration.rotation(),
-            translation: self.calibration.translation(),
-            left: CameraNumbers::of(self.calibration.camera(CameraSide::Left)),
-            right: CameraNumbers::of(self.calibration.camera(CameraSide::Right)),
+            raw: size(raw),
+            focal,
+            centre,
+            baseline,
+            left: left.into(),
+            right: right.into(),
         };
         let mut bytes = [0; Self::BYTES];
         if let Some((content, crc)) = bytes.split_last_chunk_mut::<CRC_BYTES>() {
@@ -242,29 +238,11 @@ impl RigImage {
     pub fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
         RigImageHead::check(bytes)?;
         let Ok((numbers, _)) = postcard::take_from_bytes::<Numbers>(bytes) else { return Err(RigImageError::Damaged) };
-        let left = numbers.left.camera(CameraSide::Left)?;
-        let right = numbers.right.camera(CameraSide::Right)?;
-        let calibration =
-            Calibration::new(left, right, numbers.rotation, numbers.translation).map_err(RigImageError::Pair)?;
-        let view = match numbers.view_kind {
-            ViewKind::ALPHA => View::Alpha(numbers.view),
-            ViewKind::FOCAL => View::Focal(numbers.view),
-            kind => return Err(RigImageError::ViewKind(kind)),
-        };
-        let dims = Dims { width: numbers.width, height: numbers.height };
-        Self::new(calibration, dims, view, (numbers.min_disparity, numbers.max_disparity))
-    }
-
-    /// Cameras and pose.
-    #[must_use]
-    pub fn calibration(&self) -> &Calibration {
-        &self.calibration
-    }
-
-    /// Part of the view that is kept.
-    #[must_use]
-    pub fn view(&self) -> View {
-        self.view
+        let size = |[Short(width), Short(height)]: [Short; 2]| Dims { width, height };
+        let Numbers { dims, min_disparity, max_disparity, raw, focal, centre, baseline, left, right, .. } = numbers;
+        let cameras = [left.camera(CameraSide::Left)?, right.camera(CameraSide::Right)?];
+        let remap = Remap { dims: size(dims), raw: size(raw), focal, centre, baseline, cameras };
+        Self { remap, min_disparity, max_disparity }.checked()
     }
 
     /// First disparity, and the end of disparities, px.
@@ -273,15 +251,15 @@ impl RigImage {
         (self.min_disparity, self.max_disparity)
     }
 
-    /// The common view, and the mapping to the raw images.
+    /// Raw positions of rectified pixels.
     #[must_use]
-    pub fn rectification(&self) -> &Rectification {
-        &self.rectification
+    pub fn remap(&self) -> &Remap {
+        &self.remap
     }
 
     /// `params` with this rig and its disparity range.
     pub fn params(&self, params: Params) -> Result<Params, RigImageError> {
-        let rig = self.rectification.rig().map_err(|error| RigImageError::View(RectifyError::Rig(error)))?;
+        let rig = self.remap.rig().map_err(|error| RigImageError::View(RectifyError::Rig(error)))?;
         let (min_disparity, max_disparity) = self.disparities();
         Ok(Params { min_disparity, max_disparity, rig: Some(rig), ..params })
     }
@@ -299,46 +277,37 @@ struct Head {
     sequence: u32,
 }
 
+/// Number of two bytes.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Short(#[serde(with = "postcard::fixint::le")] u16);
+
 /// All fields but the checksum, unchecked.
 #[derive(Serialize, Deserialize)]
 struct Numbers {
     head: Head,
-    #[serde(with = "postcard::fixint::le")]
-    width: u16,
-    #[serde(with = "postcard::fixint::le")]
-    height: u16,
+    dims: [Short; 2],
     #[serde(with = "postcard::fixint::le")]
     min_disparity: i16,
     #[serde(with = "postcard::fixint::le")]
     max_disparity: u16,
-    #[serde(with = "postcard::fixint::le")]
-    view_kind: u32,
-    view: f64,
-    rotation: [f64; 4],
-    translation: [f64; 3],
+    raw: [Short; 2],
+    focal: f32,
+    centre: [f32; 2],
+    baseline: f32,
     left: CameraNumbers,
     right: CameraNumbers,
 }
 
-struct ViewKind;
-
-impl ViewKind {
-    const ALPHA: u32 = 0;
-    const FOCAL: u32 = 1;
-}
-
 #[derive(Serialize, Deserialize)]
 struct CameraNumbers {
-    #[serde(with = "postcard::fixint::le")]
-    width: u16,
-    #[serde(with = "postcard::fixint::le")]
-    height: u16,
+    rotation: [[f32; 3]; 3],
+    focal: [f32; 2],
+    centre: [f32; 2],
+    skew: f32,
     #[serde(with = "postcard::fixint::le")]
     lens_kind: u32,
-    focal: [f64; 2],
-    centre: [f64; 2],
-    skew: f64,
-    lens: [f64; 5],
+    lens: [f32; 5],
+    limit: f32,
 }
 
 struct LensKind;
@@ -348,24 +317,24 @@ impl LensKind {
     const FISHEYE: u32 = 1;
 }
 
-impl CameraNumbers {
-    fn of(camera: &Camera) -> Self {
-        let Dims { width, height } = camera.dims();
-        let (lens_kind, lens) = match camera.lens() {
+impl From<RemapCamera> for CameraNumbers {
+    fn from(RemapCamera { rotation, focal, centre, skew, lens, limit }: RemapCamera) -> Self {
+        let (lens_kind, lens) = match lens {
             Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => (LensKind::BROWN_CONRADY, [k1, k2, k3, p1, p2]),
             Lens::Fisheye { k: [k1, k2, k3, k4] } => (LensKind::FISHEYE, [k1, k2, k3, k4, 0.0]),
         };
-        Self { width, height, lens_kind, focal: camera.focal(), centre: camera.centre(), skew: camera.skew(), lens }
+        Self { rotation, focal, centre, skew, lens_kind, lens, limit }
     }
+}
 
-    fn camera(&self, eye: CameraSide) -> Result<Camera, RigImageError> {
-        let &Self { width, height, lens_kind, focal, centre, skew, lens: [a, b, c, d, e] } = self;
+impl CameraNumbers {
+    fn camera(self, side: CameraSide) -> Result<RemapCamera, RigImageError> {
+        let Self { rotation, focal, centre, skew, lens_kind, lens: [a, b, c, d, e], limit } = self;
         let lens = match lens_kind {
             LensKind::BROWN_CONRADY => Lens::BrownConrady { k: [a, b, c], p: [d, e] },
             LensKind::FISHEYE => Lens::Fisheye { k: [a, b, c, d] },
-            kind => return Err(RigImageError::LensKind(eye, kind)),
+            kind => return Err(RigImageError::LensKind(side, kind)),
         };
-        Camera::new(Dims { width, height }, focal, centre, skew, lens)
-            .map_err(|error| RigImageError::Camera(eye, error))
+        Ok(RemapCamera { rotation, focal, centre, skew, lens, limit })
     }
 }

@@ -3,7 +3,7 @@
 //! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
 //! range of the one that is wrong. Bytes that were damaged never get here: see `Decoder`.
 
-use crate::object::Regions;
+use crate::object::{MAX_REGIONS, Regions};
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
 use core::fmt;
@@ -31,10 +31,11 @@ impl Record for Command {
     const TAG: u8 = VERSION | 0x80;
 }
 
-/// Bytes of the largest packet of a [`Command`]: a rig.
+/// Bytes of the largest packet of a [`Command`]: regions.
 pub const MAX_COMMAND: usize = {
-    // id 3, kind 1, length 2
-    packet_bytes(6 + RigImage::BYTES)
+    // id 3, kind 1, count 1; of each label 3 and four times 3; only 1
+    let (regions, rig) = (6 + MAX_REGIONS * 15, 6 + RigImage::BYTES);
+    packet_bytes(if regions > rig { regions } else { rig })
 };
 
 /// Requests of a host. Each is answered, and doing it twice is the same as doing it once.
@@ -159,11 +160,18 @@ pub struct RigUpdate {
     pub offset_px: f64,
 }
 
+impl RigUpdate {
+    /// The rig, its principal point in the centre of the image.
+    pub fn rig(&self) -> Result<Rig, RigError> {
+        Rig::new(self.focal_px as f32, self.baseline_m as f32, self.offset_px as f32)
+    }
+}
+
 impl ParamUpdate {
     /// `params` with these put in. Only the rig is checked here, because it cannot be made otherwise; the rest is for [`Params::plan`].
     pub fn apply(&self, params: Params) -> Result<Params, Refusal> {
         let rig = match self.rig {
-            Some(rig) => Some(Rig::new(rig.focal_px, rig.baseline_m, rig.offset_px)?),
+            Some(rig) => Some(rig.rig()?),
             None => params.rig,
         };
         let margin = match self.margin {
@@ -291,10 +299,10 @@ impl From<ParamError> for Refusal {
 impl From<RigError> for Refusal {
     fn from(error: RigError) -> Self {
         match error {
-            RigError::Focal(value) => Self::Focal(value),
-            RigError::Baseline(value) => Self::Baseline(value),
+            RigError::Focal(value) => Self::Focal(value.into()),
+            RigError::Baseline(value) => Self::Baseline(value.into()),
             // An update has no principal point.
-            RigError::Offset(value) | RigError::PrincipalPoint(value) => Self::Offset(value),
+            RigError::Offset(value) | RigError::PrincipalPoint(value) => Self::Offset(value.into()),
         }
     }
 }
@@ -322,9 +330,9 @@ impl fmt::Display for Refusal {
             Self::MemoryTooSmall { ref name, needed, given } => {
                 write!(f, "{name} of the board's memory holds {given}, these images need {needed}")
             }
-            Self::Focal(value) => RigError::Focal(value).fmt(f),
-            Self::Baseline(value) => RigError::Baseline(value).fmt(f),
-            Self::Offset(value) => RigError::Offset(value).fmt(f),
+            Self::Focal(value) => RigError::Focal(value as f32).fmt(f),
+            Self::Baseline(value) => RigError::Baseline(value as f32).fmt(f),
+            Self::Offset(value) => RigError::Offset(value as f32).fmt(f),
             Self::Unsupported => write!(f, "this board cannot do that"),
             Self::Skewed { skew_us, limit_us } => Skewed { skew_us, limit_us }.fmt(f),
             Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),

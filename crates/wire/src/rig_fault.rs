@@ -32,9 +32,7 @@ pub enum RigFault {
     LeftCamera,
     /// The right camera.
     RightCamera,
-    /// [`RigImageError::Pair`].
-    Pose,
-    /// [`RigImageError::View`], [`RigImageError::ViewKind`], or no pixel of it lies inside a raw image.
+    /// [`RigImageError::View`], or no pixel of it lies inside a raw image.
     View,
     /// [`RigImageError::Range`].
     Range,
@@ -58,8 +56,7 @@ impl From<RigImageError> for RigFault {
             RigImageError::Camera(CameraSide::Right, _) | RigImageError::LensKind(CameraSide::Right, _) => {
                 Self::RightCamera
             }
-            RigImageError::Pair(_) => Self::Pose,
-            RigImageError::View(_) | RigImageError::ViewKind(_) => Self::View,
+            RigImageError::View(_) => Self::View,
             RigImageError::Range(_) => Self::Range,
         }
     }
@@ -79,7 +76,6 @@ impl fmt::Display for RigFault {
             Self::Length => "damaged or of another version",
             Self::LeftCamera => "left camera unusable",
             Self::RightCamera => "right camera unusable",
-            Self::Pose => "pose unusable",
             Self::View => "view unusable",
             Self::Range => "disparity range unusable",
             Self::TooLarge => "too large for this board",
@@ -103,8 +99,8 @@ impl RigInUse {
     #[must_use]
     pub fn new(image: &RigImage, slot: Option<u8>) -> Self {
         let size = |Dims { width, height }: Dims| [width, height];
-        let raw = image.calibration().camera(CameraSide::Left).dims();
-        Self { raw: size(raw), rectified: size(image.rectification().dims()), slot }
+        let remap = image.remap();
+        Self { raw: size(remap.raw_dims()), rectified: size(remap.dims()), slot }
     }
 }
 

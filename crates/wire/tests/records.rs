@@ -139,7 +139,7 @@ fn a_buffer_needs_every_byte_of_the_packet() {
     }
 }
 
-/// The bytes of version 5. When this fails, the records changed: give them another [`VERSION`].
+/// The bytes of version 6. When this fails, the records changed: give them another [`VERSION`].
 #[test]
 fn the_layout_of_this_version_is_exactly_this() {
     /// Payload: without byte stuffing and checksum.
@@ -150,7 +150,7 @@ fn the_layout_of_this_version_is_exactly_this() {
         assert_eq!(u32::from_le_bytes(*crc), crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload));
         payload.to_vec()
     }
-    assert_eq!(VERSION, 5);
+    assert_eq!(VERSION, 6);
     let rig = RigInUse { raw: [752, 480], rectified: [320, 204], slot: Some(1) };
     let rig = RigReport { in_use: Some(rig), slots: [Err(RigFault::Damaged), Ok(300)] };
     let hello = Hello {

@@ -14,7 +14,7 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
-use linestereo_rig::{CameraSide, Rectification, RowError};
+use linestereo_rig::{CameraSide, Remap, RowError};
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ pub trait Memory {
     ) -> Result<Matched<'_>, RunError>;
 
     /// Makes ready to rectify raw pairs. After an error no raw row is taken.
-    fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom>;
+    fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom>;
 
     /// The next raw rows are the first ones of a pair.
     fn restart(&mut self);
@@ -152,14 +152,14 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         matcher.run(pair, areas, self.core.view(), observer).map_err(|_| RunError::Size(dims))
     }
 
-    fn set_rig(&mut self, rectification: &Rectification) -> Result<(), NoRoom> {
+    fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {
         self.raw_width = 0;
-        let width = rectification.camera(CameraSide::Left).dims().width;
+        let width = remap.raw_dims().width;
         if usize::from(width) > RAW_ROW {
             return Err(NoRoom::Small { name: "raw row", needed: width.into(), given: RAW_ROW });
         }
         for (rectifier, eye) in self.rectifiers.iter_mut().zip(CameraSide::BOTH) {
-            rectifier.build(rectification, eye)?;
+            rectifier.build(remap, eye)?;
         }
         self.raw_width = width;
         Ok(())

@@ -1,7 +1,7 @@
 //! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
 
 use linestereo::Span;
-use linestereo_rig::{Band, CameraSide, Mesh, MeshError, Rectification, RowError};
+use linestereo_rig::{Band, CameraSide, Mesh, MeshError, Remap, RowError};
 
 /// [`Mesh`] and [`Band`] without their capacities.
 pub trait Rectifier {
@@ -9,7 +9,7 @@ pub trait Rectifier {
     const CLEARED: Self;
 
     /// Makes ready for one camera of a rig. After an error every row is refused.
-    fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), NoRoom>;
+    fn build(&mut self, remap: &Remap, eye: CameraSide) -> Result<(), NoRoom>;
 
     /// The next raw row is the first of a frame.
     fn restart(&mut self);
@@ -64,9 +64,9 @@ impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for Cam
     const CLEARED: Self =
         Self { mesh: Mesh::new(), band: Band::new(), valid: [Span { start: 0, end: 0 }; ROWS], valid_rows: 0 };
 
-    fn build(&mut self, rectification: &Rectification, eye: CameraSide) -> Result<(), NoRoom> {
+    fn build(&mut self, remap: &Remap, eye: CameraSide) -> Result<(), NoRoom> {
         self.band.restart();
-        self.mesh.build(rectification, eye)?;
+        self.mesh.build(remap, eye)?;
         self.valid_rows = self.mesh.valid(&mut self.valid).len() as u16;
         let needed = self.mesh.band_bytes();
         if needed > BAND { Err(NoRoom::Small { name: "band", needed, given: BAND }) } else { Ok(()) }

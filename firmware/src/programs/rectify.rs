@@ -103,9 +103,9 @@ pub struct Measured {
 /// Sets a rig up for frames of this size and rectifies a pair of noise; `None` where rig or memory do not fit.
 pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims: Dims) -> Option<Measured> {
     let started = clock.now();
-    let rectification = rig.calibration(dims)?.rectify(dims, View::default()).ok()?;
+    let remap = rig.calibration(dims)?.rectify(dims, View::default()).ok()?.remap();
     for (mesh, eye) in workspace.meshes.iter_mut().zip(CameraSide::BOTH) {
-        mesh.build(&rectification, eye).ok()?;
+        mesh.build(&remap, eye).ok()?;
     }
     let set_up = clock.elapsed(started, clock.now());
     let mut measured = Measured { set_up, rows: 0, worst_row: 0, band_bytes: 0, digest: 0 };

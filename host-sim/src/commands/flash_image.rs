@@ -2,11 +2,11 @@
 
 use super::print;
 use super::view::ViewArgs;
-use crate::input::rig_file::rotation_vector;
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
-use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, RigImageHead, View};
+use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
+use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
 /// Disparity range without an option.
@@ -90,42 +90,38 @@ fn in_words(RigImageHead { version, length, sequence, is_whole }: &RigImageHead)
 }
 
 fn description(image: &RigImage, head: &RigImageHead) -> String {
-    let (calibration, rectification) = (image.calibration(), image.rectification());
+    let remap = image.remap();
     let mut text = format!("rig image     {}\n", in_words(head));
-    for (name, eye) in [("left camera ", CameraSide::Left), ("right camera", CameraSide::Right)] {
-        let _ = writeln!(text, "{name}  {}", camera(calibration.camera(eye)));
+    for (name, side) in [("left camera ", CameraSide::Left), ("right camera", CameraSide::Right)] {
+        let _ = writeln!(text, "{name}  {}, {}", remap.raw_dims(), camera(remap.camera(side)));
     }
-    let _ = writeln!(text, "pose          {}", pose(calibration));
-    let view = match image.view() {
-        View::Alpha(alpha) => format!("alpha {alpha}"),
-        View::Focal(_) => "focal length as asked for".to_owned(),
-    };
-    let (focal, [cx, cy]) = (rectification.focal(), rectification.centre());
     let _ = writeln!(
         text,
-        "rectified     {}, {view}: focal length {focal:.2} px, centre ({cx:.2}, {cy:.2})",
-        rectification.dims()
+        "pose          baseline {:.2} mm, cameras turned by {:.3} degrees",
+        1e3 * remap.baseline(),
+        angle_deg(CameraSide::BOTH.map(|side| remap.camera(side).rotation))
     );
+    let (focal, [cx, cy]) = (remap.focal(), remap.centre());
+    let _ = writeln!(text, "rectified     {}, focal length {focal:.2} px, centre ({cx:.2}, {cy:.2})", remap.dims());
     let (first, end) = image.disparities();
-    let nearest = focal * rectification.baseline() / f64::from(end);
+    let nearest = focal * remap.baseline() / f32::from(end);
     let _ = writeln!(text, "disparities   {first} .. {end} px: depths from {nearest:.3} m");
     text
 }
 
-fn camera(camera: &Camera) -> String {
-    let ([fx, fy], [cx, cy]) = (camera.focal(), camera.centre());
-    let lens = match camera.lens() {
+fn camera(camera: &RemapCamera) -> String {
+    let RemapCamera { focal: [fx, fy], centre: [cx, cy], skew, lens, .. } = camera;
+    let lens = match lens {
         Lens::BrownConrady { k, p } => format!("Brown-Conrady k {k:?} p {p:?}"),
         Lens::Fisheye { k } => format!("fisheye k {k:?}"),
     };
-    format!(
-        "{}, focal length {fx:.2} {fy:.2} px, centre ({cx:.2}, {cy:.2}), skew {} px, {lens}",
-        camera.dims(),
-        camera.skew()
-    )
+    format!("focal length {fx:.2} {fy:.2} px, centre ({cx:.2}, {cy:.2}), skew {skew} px, {lens}")
 }
 
-fn pose(calibration: &Calibration) -> String {
-    let angle = rotation_vector(calibration.rotation()).iter().map(|v| v * v).sum::<f64>().sqrt().to_degrees();
-    format!("baseline {:.2} mm, cameras turned by {angle:.3} degrees", 1e3 * calibration.baseline())
+/// Angle between two cameras, degrees, from their rotations.
+fn angle_deg(rotations: [[[f32; 3]; 3]; 2]) -> f64 {
+    let [left, right] = rotations.map(|rows| Matrix3::from(rows.map(|row| row.map(f64::from))));
+    let turn = left.tr_mul(&right);
+    let axis = Vector3::new(turn.m32 - turn.m23, turn.m13 - turn.m31, turn.m21 - turn.m12);
+    axis.norm().atan2(turn.trace() - 1.0).to_degrees()
 }

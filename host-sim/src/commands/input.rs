@@ -171,7 +171,7 @@ impl InputArgs {
         if let Some((focal_px, baseline_m)) = self.focal_px.zip(self.baseline_m).or(product) {
             let offset_px = self.disparity_offset_px.unwrap_or(-zero);
             let numbers = RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
-            let given = Rig::new(numbers.focal_px, baseline_m, numbers.offset_px);
+            let given = numbers.rig();
             rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
             rig_numbers = Some(numbers);
         } else if self.disparity_offset_px.is_some() {
@@ -181,7 +181,9 @@ impl InputArgs {
         let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
         if self.fb.is_none() {
             let centre = scene.as_ref().and_then(|(_, info)| info.principal_point(scale));
-            rig = rig.map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre))).transpose()?;
+            rig = rig
+                .map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre.map(|v| v as f32))))
+                .transpose()?;
             rig = rig.map(|rig| rig.centred(loaded));
         }
         let mut params = self.method.params(max_disparity, rig)?;
@@ -220,11 +222,10 @@ impl InputArgs {
             params.max_disparity = range_to(nearest, rig.as_ref(), image.rectification().dims())?;
             image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
         }
-        let rectification = image.rectification();
         Ok(Setup {
             args: self,
             loaded,
-            given: rectification.dims(),
+            given: image.remap().dims(),
             left_content: Vec::new(),
             zero: 0.0,
             params: image.params(params)?,
@@ -255,7 +256,7 @@ fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
 impl Setup<'_> {
     /// Size of the images as matched.
     pub(super) fn dims(&self) -> Dims {
-        self.rig.as_ref().map_or(self.loaded, |rig| rig.rectification().dims())
+        self.rig.as_ref().map_or(self.loaded, |rig| rig.remap().dims())
     }
 
     /// The rig where directions are known too, not the product of focal length and baseline alone.
@@ -283,7 +284,7 @@ pub(super) struct Matcher {
 impl Matcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
-        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.rectification())).transpose()?;
+        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.remap())).transpose()?;
         let mut usable = CameraSide::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
         if !setup.left_content.is_empty() {
             usable[0].clone_from(&setup.left_content);

@@ -9,7 +9,7 @@ use crate::input::{check_same_size, find_pairs, load_gray};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use linestereo_baselines::GrayImage;
-use linestereo_rig::{CameraSide, Rectification};
+use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
 /// What the rig image needs and rectification does not use.
@@ -58,8 +58,8 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let image = args.view.image(&args.rig, None, ANY_RANGE)?;
-    let mut rectifier = PairRectifier::new(image.rectification())?;
-    let summary = summary(image.rectification(), &rectifier);
+    let mut rectifier = PairRectifier::new(image.remap())?;
+    let summary = summary(image.remap(), &rectifier);
     let written = match (&args.right, &args.out) {
         (Some(right), _) => one(args, &mut rectifier, right)?,
         (None, Some(out)) => folder(args, out, &mut rectifier)?,
@@ -135,8 +135,8 @@ impl Pair {
     }
 }
 
-fn summary(rectification: &Rectification, rectifier: &PairRectifier) -> String {
-    let dims = rectification.dims();
+fn summary(remap: &Remap, rectifier: &PairRectifier) -> String {
+    let dims = remap.dims();
     let [left, right] = CameraSide::BOTH.map(|eye| {
         let facts = rectifier.facts(eye);
         let valid: u32 = facts.spans.iter().map(|span| u32::from(span.end - span.start)).sum();
@@ -146,9 +146,9 @@ fn summary(rectification: &Rectification, rectifier: &PairRectifier) -> String {
     format!(
         "{} rectified to {dims}, focal length {:.1} px, baseline {:.4} m; valid {:.1} % and {:.1} %; \
          raw rows held at once {} and {} ({} and {} bytes)\n",
-        rectification.camera(CameraSide::Left).dims(),
-        rectification.focal(),
-        rectification.baseline(),
+        remap.raw_dims(),
+        remap.focal(),
+        remap.baseline(),
         left.0,
         right.0,
         left.1,

@@ -263,7 +263,7 @@ fn on_board(
     let pairs = [(left, right)];
     let (left, replayed) = match &setup.rig {
         Some(rig) => {
-            let rectified = PairRectifier::new(rig.rectification())?.image(CameraSide::Left, left)?;
+            let rectified = PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?;
             (rectified, machine.run_raw_pairs_with(regions, rig, &update, &pairs)?)
         }
         None => (left.clone(), machine.run_pairs_with(regions, &update, &pairs)?),

@@ -18,13 +18,13 @@ pub(super) struct SectorArgs {
     pub(super) sectors: bool,
     /// Obstacles at this distance or further do not matter [default: 10].
     #[arg(long, value_name = "M")]
-    sector_range: Option<f64>,
+    sector_range: Option<f32>,
     /// Heights that matter, above the camera [default: all].
     #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
-    sector_heights: Option<Vec<f64>>,
+    sector_heights: Option<Vec<f32>>,
     /// Where the camera looks, degrees clockwise from ahead [default: 0].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    camera_yaw: Option<f64>,
+    camera_yaw: Option<f32>,
     /// Draw the sectors from above, as PNG.
     #[arg(long, value_name = "FILE.png")]
     pub(super) fan: Option<PathBuf>,

@@ -9,7 +9,7 @@ use linestereo::{Dims, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
 use linestereo_rig::{
-    Band, Calibration, Camera, CameraSide, Mesh, MeshError, Rectification, RowError, fine_mesh_nodes, mesh_nodes,
+    Band, Calibration, Camera, CameraSide, Mesh, MeshError, Remap, RowError, fine_mesh_nodes, mesh_nodes,
 };
 
 /// The largest images that a board rectifies.
@@ -82,12 +82,12 @@ pub struct MeshFacts {
 
 impl PairRectifier {
     /// Builds the meshes.
-    pub fn new(rectification: &Rectification) -> Result<Self, RectifierError> {
-        let dims = rectification.dims();
+    pub fn new(remap: &Remap) -> Result<Self, RectifierError> {
+        let dims = remap.dims();
         let meshes = if dims.width <= BOARD.width && dims.height <= BOARD.height {
-            Meshes::Board([built(rectification, CameraSide::Left)?, built(rectification, CameraSide::Right)?])
+            Meshes::Board([built(remap, CameraSide::Left)?, built(remap, CameraSide::Right)?])
         } else {
-            Meshes::Pc([built(rectification, CameraSide::Left)?, built(rectification, CameraSide::Right)?])
+            Meshes::Pc([built(remap, CameraSide::Left)?, built(remap, CameraSide::Right)?])
         };
         Ok(Self { dims, meshes, band: Box::new(Band::new()) })
     }
@@ -117,11 +117,11 @@ impl PairRectifier {
 }
 
 fn built<const NODES: usize, const ROWS: usize>(
-    rectification: &Rectification,
+    remap: &Remap,
     eye: CameraSide,
 ) -> Result<Box<Mesh<NODES, ROWS>>, RectifierError> {
     let mut mesh = Box::new(Mesh::new());
-    mesh.build(rectification, eye).map_err(|error| RectifierError::Mesh(eye, error))?;
+    mesh.build(remap, eye).map_err(|error| RectifierError::Mesh(eye, error))?;
     Ok(mesh)
 }
 

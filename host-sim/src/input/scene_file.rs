@@ -56,9 +56,7 @@ impl SceneInfo {
     /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
     pub fn rig(&self, path: &Path, scale: f64) -> Result<Option<Rig>, FrameError> {
         let Some(numbers) = self.rig_numbers(scale) else { return Ok(None) };
-        Rig::new(numbers.focal_px, numbers.baseline_m, numbers.offset_px)
-            .map(Some)
-            .map_err(|error| FrameError::Rig(path.to_path_buf(), error))
+        numbers.rig().map(Some).map_err(|error| FrameError::Rig(path.to_path_buf(), error))
     }
 
     /// Of each row of a left image of this size the pixels with content; `None` when all have.

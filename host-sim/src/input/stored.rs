@@ -175,9 +175,9 @@ impl StoredRig {
     fn at(&self, scale: f64) -> Result<Option<(RigUpdate, Rig)>, FrameError> {
         let Self::Rectified(path, numbers) = self else { return Ok(None) };
         let (focal_px, offset_px) = (numbers.focal_px * scale, numbers.offset_px * scale);
-        let rig =
-            Rig::new(focal_px, numbers.baseline_m, offset_px).map_err(|error| FrameError::Rig(path.clone(), error))?;
-        Ok(Some((RigUpdate { focal_px, baseline_m: numbers.baseline_m, offset_px }, rig)))
+        let reduced = RigUpdate { focal_px, offset_px, ..*numbers };
+        let rig = reduced.rig().map_err(|error| FrameError::Rig(path.clone(), error))?;
+        Ok(Some((reduced, rig)))
     }
 }
 
@@ -252,7 +252,7 @@ fn rectified(
     }
     let calibration = reduced(&calibration, dims).map_err(|error| failed(&error))?;
     let view = calibration.rectify(dims, View::Alpha(0.0)).map_err(|error| failed(&error))?;
-    let mut rectifier = PairRectifier::new(&view).map_err(|error| failed(&error))?;
+    let mut rectifier = PairRectifier::new(&view.remap()).map_err(|error| failed(&error))?;
     let (left, right) = (area_average(&left, dims.width)?, area_average(&right, dims.width)?);
     let (left, right) = rectifier.pair(&left, &right).map_err(|error| failed(&error))?;
     let rig = view.rig().map_err(|error| FrameError::Rig(files[0].clone(), error))?;

@@ -128,7 +128,7 @@ pub struct Row {
 impl RigPlan {
     /// Focal length in px, baseline in m, disparities searched up to `max_disparity`, standard deviation of a disparity in px.
     pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self, PlanError> {
-        Rig::new(focal, baseline, 0.0).map_err(PlanError::Rig)?;
+        Rig::new(focal as f32, baseline as f32, 0.0).map_err(PlanError::Rig)?;
         if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
             return Err(PlanError::Dims(dims));
         }

@@ -70,7 +70,7 @@ impl Pair {
 
     /// The same pair as the core's rig.
     pub fn rig(&self) -> Result<Rig, RigError> {
-        Rig::new(self.focal_px, self.baseline_m, self.disparity_offset_px)
+        Rig::new(self.focal_px as f32, self.baseline_m as f32, self.disparity_offset_px as f32)
     }
 }
 

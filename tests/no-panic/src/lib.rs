@@ -16,7 +16,7 @@ use linestereo::{
 };
 use linestereo::{HealthFlags, Match, Point};
 use linestereo_rig::{
-    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification,
+    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification, Remap,
     RectifyError, RowError, View, mesh_nodes,
 };
 
@@ -209,12 +209,17 @@ pub fn proof_positions(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_mesh(mesh: &mut BoardMesh, rectification: &Rectification, eye: CameraSide) -> Result<(), MeshError> {
-    mesh.build(rectification, eye)
+pub fn proof_remap(rectification: &Rectification) -> Remap {
+    rectification.remap()
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_mesh_source(mesh: &BoardMesh, x: u16, y: u16) -> (Option<[i32; 2]>, usize, f64) {
+pub fn proof_mesh(mesh: &mut BoardMesh, remap: &Remap, eye: CameraSide) -> Result<(), MeshError> {
+    mesh.build(remap, eye)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_mesh_source(mesh: &BoardMesh, x: u16, y: u16) -> (Option<[i32; 2]>, usize, f32) {
     (mesh.source(x, y), mesh.spans().len() + mesh.band_bytes(), mesh.error())
 }
 
