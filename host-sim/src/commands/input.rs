@@ -219,7 +219,7 @@ impl InputArgs {
         let mut image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
         if let Some(nearest) = self.nearest {
             let rig = image.params(params)?.rig;
-            params.max_disparity = range_to(nearest, rig.as_ref(), image.rectification().dims())?;
+            params.max_disparity = range_to(nearest, rig.as_ref(), image.remap().dims())?;
             image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
         }
         Ok(Setup {
