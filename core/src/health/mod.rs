@@ -171,7 +171,8 @@ impl HealthMonitor {
         let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
         now |= HealthFlags::BEYOND_INFINITY.when(beyond);
 
-        if let Some(range) = health.range {
+        // A fault of a camera leaves windows without a match as well.
+        if let Some(range) = health.range.filter(|_| health.now.and(CAMERA_FLAGS) == HealthFlags::GOOD) {
             tested |= HealthFlags::RANGE_SMALL;
             now |= HealthFlags::RANGE_SMALL.when(is_small(&range, limits));
         }

@@ -170,8 +170,10 @@ impl Matching<'_> {
                     && let Some(in_range) = costs.get_mut(range)
                 {
                     rank_costs(window, columns, in_range);
-                    let [_, right] = valid;
-                    nearer.add((row.into(), column), costs, &ranks, right.start.into());
+                    if !in_range.is_empty() {
+                        let [_, right] = valid;
+                        nearer.add((row.into(), column), costs, &ranks, right.start.into());
+                    }
                     if let Some(changes) = changes.get_mut(column) {
                         *changes = changes_of(window);
                         detail.add(*changes);
