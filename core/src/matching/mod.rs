@@ -138,7 +138,7 @@ pub struct Side {
 }
 
 /// [`SegmentKind::OtherNearer`] above which the other side is nearer, Q8. Near-vertical segments are matched by the edge itself as well.
-const NEARER_Q8: i32 = 96;
+const NEARER_Q8: i32 = 144;
 
 impl Side {
     pub(crate) fn new([d0, d1]: [i32; 2], evidence: &SegmentEvidence, (model, edge_model): (&Model, &Model)) -> Self {
