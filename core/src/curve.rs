@@ -143,6 +143,7 @@ impl Curve {
         second_best
     }
 
+    #[inline(always)]
     fn swap_neighbourhood(&mut self, at: i32, other: &mut [u16]) {
         for (d, other) in (at - NEIGHBOURHOOD..).zip(other) {
             if let Ok(index) = usize::try_from(d - self.first)

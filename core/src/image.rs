@@ -22,6 +22,7 @@ pub struct Dims {
 
 /// Columns `start .. end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Span {
     /// First column, px.
     pub start: u16,
@@ -81,8 +82,17 @@ impl fmt::Display for Dims {
     }
 }
 
+/// As [`Display`](fmt::Display).
+#[cfg(feature = "defmt")]
+impl defmt::Format for Dims {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{=u16}x{=u16}", self.width, self.height);
+    }
+}
+
 /// Reason why a slice is not an image of the given geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ViewError {
     /// A side is outside [`MIN_SIDE`] ..= [`MAX_WIDTH`] / [`MAX_HEIGHT`].
     Dims(Dims),

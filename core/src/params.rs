@@ -11,6 +11,7 @@ use core::fmt;
 
 /// Largest difference between the techniques (Eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Margin {
     /// In disparity, px, both ways.
     Pixels(Disparity),
@@ -25,6 +26,7 @@ pub enum Margin {
 
 /// Parts of the method that match a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Parts {
     /// Support points, and segments, whose search range they limit.
     #[default]
@@ -35,6 +37,7 @@ pub enum Parts {
 
 /// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Params {
     /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is, which the
     /// rig's offset corrects.
@@ -123,6 +126,7 @@ fn in_range(
 
 /// A parameter that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ParamError {
     /// A number outside its range.
     OutOfRange {

@@ -4,6 +4,7 @@ use crate::units::{Confidence, Depth, Disparity, Position};
 
 /// A sub-pixel image point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ImagePosition {
     /// Pixels right of the first column's centre.
     pub x: Position,
@@ -13,6 +14,7 @@ pub struct ImagePosition {
 
 /// The side or sides of a segment whose surface the edge belongs to. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Owner {
     /// Side of smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
     Left,
@@ -24,6 +26,7 @@ pub enum Owner {
 
 /// Disparity by each of the three techniques, px, at the segment's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Techniques {
     /// Disparity by the edge in the right image with the same properties; `None` when there is none.
     pub feature: Option<Disparity>,
@@ -35,6 +38,7 @@ pub struct Techniques {
 
 /// A segment of the left image with its disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Match {
     /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
     pub ends: [ImagePosition; 2],
@@ -56,6 +60,7 @@ pub struct Match {
 
 /// One pixel of the left image with a disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Point {
     /// Column, px.
     pub x: u16,
@@ -80,6 +85,7 @@ impl Point {
 
 /// Origin of a point: a segment or a support point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
     /// A segment, at this index of the list of matches.
     Segment(u16),
@@ -91,6 +97,7 @@ pub enum Source {
 
 /// Reason why a left segment (or one piece of it) has no match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rejection {
     /// Another segment in the same cell has more extent and contrast.
     LessProminent,
@@ -149,6 +156,7 @@ impl Rejection {
 
 /// Numbers of segments found, matched, rejected and dropped in one frame: `segments_left = matched + all rejections`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
     /// Segments detected in the left image (long ones count once per piece that is matched on its own).
     pub segments_left: u16,

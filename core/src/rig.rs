@@ -28,6 +28,7 @@ use core::fmt;
 /// assert!((x.to_num::<f64>() - 0.1).abs() < 1e-4 && y == 0 && z == 2);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rig {
     /// Focal length, px, Q16.
     focal_q16: i64,
@@ -41,6 +42,7 @@ pub struct Rig {
 
 /// Number of a rig that is not valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
     Focal(f32),

@@ -16,6 +16,7 @@ use heapless::vec::VecView;
 
 /// A pair that cannot be matched as planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunError {
     /// An image has another size than planned.
     SizeMismatch {

@@ -3,7 +3,7 @@
 use crate::memory::Memory;
 use core::convert::Infallible;
 use linestereo::Dims;
-use linestereo_wire::{CaptureReport, Reset};
+use linestereo_wire::{CaptureReport, Reset, Silicon};
 
 /// A clock that counts up and wraps.
 pub trait Clock {
@@ -156,6 +156,25 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+}
+
+/// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.
+#[derive(Debug)]
+pub struct BarePeripherals<C, T, H, W> {
+    /// A [`Clock`] that counts costs: cycles, or the instructions of an emulator.
+    pub counter: C,
+    /// A [`Clock`] of time.
+    pub clock: T,
+    /// The host's port: a [`ByteSource`] and [`ByteSink`].
+    pub host: H,
+    /// A [`Watchdog`].
+    pub watchdog: W,
+    /// Sleeps until an interrupt has come since the last rest.
+    pub rest: fn(),
+    /// Why the board was reset, if it knows.
+    pub reset: Option<Reset>,
+    /// The chip and how it is set up; `None` on an emulated board.
+    pub silicon: Option<Silicon>,
 }
 
 /// Start of a frame: free or triggered.

@@ -124,6 +124,7 @@ impl<'a> Session<'a> {
             Request::Start => self.running = true,
             Request::Stop => self.running = false,
             Request::Photograph => return Reply::Photograph { command: command.id },
+            Request::RunCase(_) => return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported))),
             // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
                 Ok((params, _)) => {
@@ -323,6 +324,7 @@ impl From<NoRoom> for Refusal {
     }
 }
 
-fn out_of_range(text: &str, value: i64, low: i64, high: i64) -> Refusal {
+/// Refusal of a number outside its range.
+pub(crate) fn out_of_range(text: &str, value: i64, low: i64, high: i64) -> Refusal {
     Refusal::OutOfRange { name: name(text), value, low, high }
 }

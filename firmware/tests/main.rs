@@ -2,6 +2,7 @@
 
 mod camera;
 mod capture;
+mod frame_times;
 mod host_lines;
 mod i2c;
 mod pio;

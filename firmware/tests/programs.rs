@@ -146,6 +146,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             Message::Capture(lost) => panic!("a file loses nothing: {lost}"),
             Message::Photo(_) | Message::Pixels(_) => panic!("nobody asked for a photo"),
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
+            Message::Machine(_) | Message::Case(_) => panic!("of another program: {message:?}"),
         }
     }
     let mut listed = Vec::new();
@@ -524,8 +525,8 @@ fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
 
 #[test]
 fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() {
-    // A look at the clock takes 17 ms, a turn two looks: 60 turns are two seconds.
-    let (port, autopilot) = (Port::with_look(17_000), Port::default());
+    // A look at the clock takes 8.5 ms, a turn with a pair four looks: 60 turns are two seconds.
+    let (port, autopilot) = (Port::with_look(8_500), Port::default());
     let told = || mavlink_frames(&autopilot.bytes());
     let mut memory = Box::new(Workspace::new());
     let mut camera = LooseCamera(0, Painter::new(DIMS));

@@ -116,6 +116,11 @@ impl Engine {
         self
     }
 
+    /// From now on pairs whose images were captured up to so far apart are matched.
+    pub fn allow_skew(&mut self, skew_us: u32) {
+        self.matcher.limits.skew_us = skew_us;
+    }
+
     /// Size of the pairs.
     #[must_use]
     pub fn dims(&self) -> Dims {

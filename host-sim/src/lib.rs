@@ -3,7 +3,8 @@
 //! Each module uses only those above it, and those of its line:
 //!
 //! ```text
-//! output, programs          files written whole; other programs of this machine
+//! interruption, output      Ctrl-C; files written whole
+//! programs                  other programs of this machine
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
 //! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
@@ -22,6 +23,7 @@ pub mod engine;
 pub mod evaluate;
 pub mod fitting;
 pub mod input;
+pub mod interruption;
 pub mod monitor;
 pub mod output;
 pub mod planning;

@@ -1,11 +1,150 @@
-//! Output files: all of a command's files appear, whole, or none does.
+//! Output files: all of a command's files appear, whole, or none does; "-" is stdout, for every one of them.
+//!
+//! ```text
+//! OutputPath    a file that is named on the command line to be written: `commands::arguments` knows them by this type
+//! spare         none of them is among the files that a command found for itself
+//! OutputFiles   written beside their destinations, then renamed together
+//! LineFile      one that grows line by line
+//! print, say, detail   results and notes on stdout; more, for who asks, on stderr
+//! ```
+//!
+//! Links are followed: a link to a photo is the photo, and what is written to another link is written to what it points to.
 
-use anyhow::{Result, anyhow};
+use crate::interruption;
+use anyhow::{Result, anyhow, bail};
+use core::fmt;
+use core::ops::Deref;
+use core::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
+use std::collections::HashSet;
+use std::ffi::OsString;
 use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
+
+/// Links in a row that are followed to a file that is not there.
+const MOST_LINKS: usize = 32;
+
+/// Results alone are printed.
+static QUIET: AtomicBool = AtomicBool::new(false);
+/// Details are told.
+static VERBOSE: AtomicBool = AtomicBool::new(false);
+
+/// File to be written, or stdout.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputPath(PathBuf);
+
+impl OutputPath {
+    /// It is stdout.
+    #[must_use]
+    pub fn is_stdout(&self) -> bool {
+        is_stdout(&self.0)
+    }
+}
+
+impl From<OsString> for OutputPath {
+    fn from(path: OsString) -> Self {
+        Self(path.into())
+    }
+}
+
+impl Deref for OutputPath {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Whoever read stdout has closed it: nothing else is wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct ClosedPipe;
+
+impl fmt::Display for ClosedPipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("stdout was closed")
+    }
+}
+
+impl core::error::Error for ClosedPipe {}
+
+/// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds those of [`detail`].
+pub fn set_verbosity(quiet: bool, verbose: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
+    VERBOSE.store(verbose, Ordering::Relaxed);
+}
+
+/// Is only what was asked for printed?
+#[must_use]
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Writes results to stdout; [`ClosedPipe`] where nobody reads it any more (`| head`).
+pub fn print(text: &str) -> Result<()> {
+    print_bytes(text.as_bytes())
+}
+
+/// Writes a note for people to stdout, unless they want none.
+pub fn say(text: &str) -> Result<()> {
+    if is_quiet() { Ok(()) } else { print(text) }
+}
+
+/// Tells on stderr what a command takes and does, where that is asked for.
+pub fn detail(text: impl FnOnce() -> String) {
+    if VERBOSE.load(Ordering::Relaxed) {
+        eprintln!("{}", text());
+    }
+}
+
+fn print_bytes(bytes: &[u8]) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(bytes).and_then(|()| stdout.flush()).map_err(|error| match error.kind() {
+        io::ErrorKind::BrokenPipe => ClosedPipe.into(),
+        _ => error.into(),
+    })
+}
+
+/// Place of a file however it is named: links followed, as far as it is there.
+#[must_use]
+pub fn place(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        if let Ok(place) = path.canonicalize() {
+            return place;
+        }
+        // A link to what is not there yet.
+        let Ok(target) = fs::read_link(&path) else { break };
+        path = folder_of(&path).join(target);
+    }
+    let name = path.file_name().zip(folder_of(&path).canonicalize().ok());
+    name.map(|(name, folder)| folder.join(name)).unwrap_or(path)
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Refuses outputs that are among the files that a command found for itself and reads.
+pub fn spare<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<()> {
+    let mut outputs = outputs.into_iter().peekable();
+    if outputs.peek().is_none() {
+        return Ok(());
+    }
+    let inputs: HashSet<PathBuf> = inputs.into_iter().map(place).collect();
+    match outputs.find(|path| inputs.contains(&place(path))) {
+        Some(path) => bail!("{} is one of the files that are read; write to another one", path.display()),
+        None => Ok(()),
+    }
+}
 
 /// Files that are written beside their destinations first and renamed together at the end.
 #[derive(Debug, Default)]
@@ -13,6 +152,7 @@ pub struct OutputFiles {
     staged: Vec<(NamedTempFile, PathBuf)>,
     /// Devices and pipes cannot be renamed onto; they are written last.
     direct: Vec<(PathBuf, Vec<u8>)>,
+    stdout: Option<Vec<u8>>,
 }
 
 impl OutputFiles {
@@ -22,29 +162,23 @@ impl OutputFiles {
         Self::default()
     }
 
-    /// Writes one file's contents to a temporary file in the destination's folder.
+    /// Writes one file's contents to a temporary file in the destination's folder, or keeps them for stdout.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
+        if is_stdout(path) {
+            self.stdout = Some(contents.to_vec());
+            return Ok(());
+        }
         self.stage(path, contents).map_err(|error| cannot_write(path, &error))
     }
 
-    /// The same of a listing, made only if it is asked for. "-" is stdout, for which the listing is given back: print it after the files.
-    pub fn add_listing(
-        &mut self,
-        path: Option<&Path>,
-        listing: impl FnOnce() -> serde_json::Result<String>,
-    ) -> Result<Option<String>> {
-        let Some(path) = path else { return Ok(None) };
-        let listing = listing()?;
-        if path == Path::new("-") {
-            return Ok(Some(listing));
-        }
-        self.add(path, listing.as_bytes())?;
-        Ok(None)
+    /// The same of a text, made only if it is asked for.
+    pub fn add_text(&mut self, path: Option<&OutputPath>, text: impl FnOnce() -> Result<String>) -> Result<()> {
+        path.map_or(Ok(()), |path| self.add(path, text()?.as_bytes()))
     }
 
     /// The same of a value as indented JSON.
-    pub fn add_json(&mut self, path: Option<&Path>, value: &impl Serialize) -> Result<Option<String>> {
-        self.add_listing(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
+    pub fn add_json(&mut self, path: Option<&OutputPath>, value: &impl Serialize) -> Result<()> {
+        self.add_text(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
     }
 
     fn stage(&mut self, path: &Path, contents: &[u8]) -> io::Result<()> {
@@ -56,18 +190,15 @@ impl OutputFiles {
             }
             _ => {}
         }
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        if let Some(permissions) = ordinary_permissions() {
-            builder.permissions(permissions);
-        }
-        let mut file = builder.prefix(".linestereo-").tempfile_in(folder)?;
+        let path = place(path);
+        let mut file = temporary_beside(&path)?;
         file.write_all(contents)?;
-        self.staged.push((file, path.to_path_buf()));
+        detail(|| format!("{}: {} bytes", path.display(), contents.len()));
+        self.staged.push((file, path));
         Ok(())
     }
 
-    /// Puts every file in its place.
+    /// Puts every file in its place, and what is for stdout there.
     pub fn commit(self) -> Result<()> {
         for (file, path) in self.staged {
             file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
@@ -76,27 +207,38 @@ impl OutputFiles {
             let write = || File::options().write(true).open(&path)?.write_all(&contents);
             write().map_err(|error| cannot_write(&path, &error))?;
         }
-        Ok(())
+        self.stdout.map_or(Ok(()), |contents| print_bytes(&contents))
+    }
+
+    /// The same; then a note for people on stdout, unless a file went there.
+    pub fn commit_and_say(self, text: &str) -> Result<()> {
+        let is_free = self.stdout.is_none();
+        self.commit()?;
+        if is_free { say(text) } else { Ok(()) }
     }
 }
 
 /// A file that grows line by line beside its destination, and appears there when it is whole.
 #[derive(Debug)]
 pub struct LineFile {
-    file: io::BufWriter<NamedTempFile>,
+    file: io::BufWriter<File>,
+    /// Its temporary name; none for devices and pipes.
+    temporary: Option<TempPath>,
     path: PathBuf,
 }
 
 impl LineFile {
     /// Nothing yet.
     pub fn new(path: &Path) -> Result<Self> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        if let Some(permissions) = ordinary_permissions() {
-            builder.permissions(permissions);
-        }
-        let file = builder.prefix(".linestereo-").tempfile_in(folder).map_err(|error| cannot_write(path, &error))?;
-        Ok(Self { file: io::BufWriter::new(file), path: path.to_path_buf() })
+        let path = place(path);
+        let open = || match fs::metadata(&path) {
+            Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+            Ok(there) if !there.is_file() => Ok((File::options().write(true).open(&path)?, None)),
+            _ => temporary_beside(&path).map(|file| file.into_parts()).map(|(file, name)| (file, Some(name))),
+        };
+        let (file, temporary) = open().map_err(|error| cannot_write(&path, &error))?;
+        temporary.iter().for_each(|name| interruption::remove_at_once(name));
+        Ok(Self { file: io::BufWriter::new(file), temporary, path })
     }
 
     /// More of it.
@@ -106,16 +248,28 @@ impl LineFile {
 
     /// Puts it in its place.
     pub fn commit(self) -> Result<()> {
-        let Self { file, path } = self;
-        let file = file.into_inner().map_err(|error| cannot_write(&path, error.error()))?;
-        file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
-        Ok(())
+        let Self { mut file, temporary, path } = self;
+        file.flush().map_err(|error| cannot_write(&path, &error))?;
+        let persist = |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));
+        temporary.map_or(Ok(()), persist)
     }
+}
+
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    if let Some(permissions) = ordinary_permissions() {
+        builder.permissions(permissions);
+    }
+    builder.prefix(".linestereo-").tempfile_in(folder_of(path))
 }
 
 /// Only the kind: the error itself names the temporary file, which nobody asked for.
 fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
-    anyhow!("cannot write {}: {}; choose a file in a folder that exists and is writable", path.display(), error.kind())
+    let why = match error.kind() {
+        io::ErrorKind::NotFound => "its folder does not exist".to_owned(),
+        kind => kind.to_string(),
+    };
+    anyhow!("cannot write {}: {why}; choose a file in a folder that exists and is writable", path.display())
 }
 
 /// Temporary files are private by default; results are for everybody the umask allows.

@@ -1,9 +1,11 @@
 //! Tests of the simulator and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
+mod bench_board;
 mod calibrate;
 mod calibration;
 mod command_line;
 mod compare;
+mod first_hour;
 mod flash_image;
 #[cfg(unix)]
 mod frames_get;

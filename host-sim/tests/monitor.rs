@@ -44,7 +44,8 @@ fn found(id: u16) -> Match {
 fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
     let mut core = linestereo::Counts::default();
     (core.segments_left, core.matched, core.segments_left_dropped) = (40, segments, u16::from(sequence == 1));
-    let head = FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core);
+    let times = FrameTimes { waiting_us: 11_000, matching_us: 21_500, port_us: 300 };
+    let head = FrameHead { times, ..FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core) };
     let matches: Vec<Match> = (0..segments).map(found).collect();
     let mut packets = Vec::new();
     send_frame(&head, &matches, &mut |packet| {
@@ -127,13 +128,13 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
     let output = monitor(folder.path(), &["run.bin", "--record", "copy.bin"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
     let expected = format!(
-        "    frame      time s  since ms  segments  nearest m  farthest m  health\n\
+        "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health\n\
          board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n\
-        \x20       1       0.040         -        25       2.00    infinite  segments_dropped\n\
+        \x20       1       0.040         -     11.0      21.5      0.3        25       2.00    infinite  segments_dropped\n\
          health: segments_dropped: more segments than the board has memory for; the shortest are left out\n\
-        \x20       2       0.080      40.0     15/25       2.00    infinite  good\n\
-        \x20       5       0.200     120.0         0          -           -  good\n\
-        \x20       6       0.240      40.0     10/12       2.00    infinite  good\n\
+        \x20       2       0.080      40.0     11.0      21.5      0.3     15/25       2.00    infinite  good\n\
+        \x20       5       0.200     120.0     11.0      21.5      0.3         0          -           -  good\n\
+        \x20       6       0.240      40.0     11.0      21.5      0.3     10/12       2.00    infinite  good\n\
          frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n\
          packets: 12 good, 2 framing damaged, 2 checksum wrong, 1 too long, 1 malformed, 1 of another version\n\
          another version: version 1, this program reads version 6\n\
@@ -157,9 +158,10 @@ fn json_has_one_line_per_complete_frame() {
     let first = &lines[0];
     let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
     keys.sort();
-    assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size"]);
+    assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size", "times_us"]);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
+    assert_eq!(first["times_us"], serde_json::json!({"waiting": 11_000, "matching": 21_500, "port": 300}));
     assert_eq!(first["health"], serde_json::json!({"flags": ["segments_dropped"]}));
     let expected = serde_json::json!({
         "id": 7, "left": [[7.0, 10.25], [10.0, 40.25]], "disparity_px": [20.0, 20.25], "sigma_px": 0.125,
@@ -177,19 +179,18 @@ fn json_has_one_line_per_complete_frame() {
 }
 
 #[test]
-fn garbage_alone_is_counted_and_an_empty_file_is_no_error() {
+fn a_file_of_garbage_alone_or_of_nothing_is_refused() {
     let folder = TempDir::new().unwrap();
     let image: Vec<u8> = (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(folder.path().join("image.png"), &image).unwrap();
     fs::write(folder.path().join("empty"), []).unwrap();
-    let output = monitor(folder.path(), &["image.png"]);
-    assert!(output.status.success());
-    let shown = text(&output.stdout);
-    assert!(shown.contains("frames: 0 complete, 0 incomplete, 0 lost\npackets: 0 good"), "{shown}");
-    assert!(shown.contains("bytes: 50000 received, "), "{shown}");
-    let output = monitor(folder.path(), &["empty"]);
-    assert!(output.status.success());
-    assert!(text(&output.stdout).ends_with("bytes: 0 received, 0 skipped\n"));
+    for (file, bytes) in [("image.png", 50_000), ("empty", 0)] {
+        let output = monitor(folder.path(), &[file]);
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        let says = format!("linestereo: {file} holds nothing that a board sent, in {bytes} bytes");
+        assert!(error.starts_with(&says) && error.lines().count() == 1, "{error}");
+    }
 }
 
 #[test]
@@ -256,9 +257,7 @@ impl<P: Read + Write> Board<P> {
                     Outcome::Accepted
                 }
                 Request::Start | Request::Stop | Request::SetRegions(_) => Outcome::Accepted,
-                Request::Pair(_) | Request::SetRig(_) | Request::RawPair(_) | Request::Photograph => {
-                    Outcome::Refused(linestereo_wire::Refusal::Unsupported)
-                }
+                _ => Outcome::Refused(linestereo_wire::Refusal::Unsupported),
             };
             // An answer to somebody else, then the answer.
             for command in [id.wrapping_add(100), id] {
@@ -418,7 +417,7 @@ fn bad_input_gets_one_line() {
         (&["run.bin", "--tcp", "localhost:1"], "--tcp"),
         (&["run.bin", "--send", "start"], "--send"),
         (&["run.bin", "--baud", "9600"], "--baud"),
-        (&["run.bin", "--record", "run.bin"], "--record run.bin would overwrite"),
+        (&["run.bin", "--record", "run.bin"], "--record run.bin and run.bin are the same"),
         (&["run.bin", "--record", "no/such/folder"], "no/such/folder"),
         (&["--tcp", "nowhere"], "cannot resolve nowhere"),
         (&["--tcp", &unused], "cannot connect"),

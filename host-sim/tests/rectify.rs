@@ -97,7 +97,7 @@ fn what_cannot_be_rectified_is_one_clear_line() {
         (&["rectify", left, left, "--picture", "p.png", "--alpha", "2"], &rig, "correct --alpha"),
         (&["rectify", left, "small/left.png", "--picture", "p.png"], &rig, "give two images of one size"),
         (&["rectify", "small/left.png", "small/right.png", "--picture", "p.png"], &rig, "raw images of 320x240"),
-        (&["rectify", "empty", "--out", "p"], &rig, "holds a left and a right image"),
+        (&["rectify", "empty", "--out", "p"], &rig, "no pair in a layout that is known"),
         (&["run", left, left, "--size", "160x120"], &[], "--rig"),
     ];
     for (args, rig, says) in cases {

@@ -6,14 +6,15 @@ In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM
 watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes.
 
 Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's rig sectors or absent;
-erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `main`.
+erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, sys
-from cortex_m7 import Core
+from cortex_m import execute
+from cortex_m7 import CortexM7
 
 WIDTH, HEIGHT, ROW_US = 320, 240, 27.5
 RAM = [(0x1FF00000, 0x20000), (0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
-RIG_FLASH, RIG_BYTES = 0x081C0000, 0x40000
+FLASH, MHZ = (0x08000000, 0x200000), 400.0
 I2C1, TIM5, DMA1, DCMI, EXTI, FLASH2 = 0x40005400, 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100
 TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
 bit = lambda value, at: value >> at & 1
@@ -26,7 +27,7 @@ def blocks(row, picture):
 
 
 def sensor_row(camera, frame, y):
-    """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine.rs."""
+    """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine."""
     shift = 10 if camera == "right" else 0
     return blocks(y // 8, frame // 2)[shift:shift + WIDTH]
 
@@ -257,9 +258,12 @@ class Capture:
 
 
 class Board:
+    RIG_FLASH, RIG_BYTES = 0x081C0000, 0x40000
+
     def __init__(self, image, scenario):
         uarts = {0x40004828, 0x40004428, I2C1 + 0x28}
-        self.core = Core(image, RAM, self.read, self.write, uarts)
+        self.core = CortexM7(image, FLASH, RAM, MHZ)
+        self.core.serve(self.read, self.write, uarts)
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
         self.erase_us = scenario.get("erase_us", 1e6)
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
@@ -279,6 +283,12 @@ class Board:
         self.host.signal()
         self.autopilot.signal()
         self.timer.signal()
+
+    def edges(self):
+        pass
+
+    def report(self):
+        return {"regions": list(self.core.regions.values()), "dma": sorted(self.capture.targets)}
 
     # Cameras.
 
@@ -407,30 +417,10 @@ class Board:
 def main(image, scenario, result):
     scenario = json.load(open(scenario))
     board = Board(image, scenario)
-    core = board.core
-    if scenario.get("flash"):
-        core.uc.mem_write(RIG_FLASH, bytes.fromhex(scenario["flash"]))
     for time, data in scenario.get("host", []):
         for i, byte in enumerate(bytes.fromhex(data)):
-            core.at(time + board.host.byte_us * i, lambda byte=byte: board.host.receive(byte))
-    if scenario.get("hard_fault_us"):
-        core.at(scenario["hard_fault_us"], core.raise_fault)
-    resets = []
-    while True:
-        core.run(scenario["until_us"], board.levels)
-        if core.ending != "reset" or len(resets) >= scenario.get("resets", 0):
-            break
-        resets.append(round(core.now))
-        board.restart()
-    executed, total, never = core.coverage()
-    json.dump({
-        "ending": core.ending, "at": core.where(core.uc.reg_read(11)), "us": core.now, "resets_us": resets,
-        "host": bytes(board.host.sent).hex(), "host_us": board.host.times,
-        "autopilot": bytes(board.autopilot.sent).hex(), "autopilot_us": board.autopilot.times,
-        "triggers": board.triggers, "erases": board.erases, "longest_unfed_us": board.longest_unfed,
-        "handler_stack": core.longest_handler_stack, "regions": list(core.regions.values()), "dma": sorted(board.capture.targets),
-        "flash": bytes(core.uc.mem_read(RIG_FLASH, RIG_BYTES)).hex(), "executed": executed, "code": total, "never": never,
-    }, open(result, "w"))
+            board.core.at(time + board.host.byte_us * i, lambda byte=byte: board.host.receive(byte))
+    execute(board, scenario, result)
 
 
 if __name__ == "__main__":

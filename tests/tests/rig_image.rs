@@ -350,7 +350,7 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
         self.bytes[start..start + whole].copy_from_slice(&bytes[..whole]);
         self.is_written[words].fill(true);
         if self.is_worn {
-            self.bytes[start + 40] |= 1;
+            self.bytes[start + 11] |= 1; // of the number, which is small
         }
         if done < bytes.len() {
             if done > whole {
@@ -441,7 +441,7 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
 
     let mut both = with(&|flash| {
         flash.bytes[2048 + 100] ^= 4;
-        flash.put(0, &[0xff; 268]);
+        flash.put(0, &[0xff; RigImage::BYTES]);
     });
     let found = both.load();
     assert_eq!(found.rig, None);

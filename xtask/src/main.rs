@@ -5,8 +5,10 @@
 mod bench;
 mod bless;
 mod footprint;
+mod image;
 mod measure;
 mod rival;
+mod silicon;
 mod sizes;
 
 use anyhow::{Context, Result, bail};
@@ -77,7 +79,7 @@ impl Boards {
 enum Command {
     /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of pages.
     Setup,
-    /// Build a program and print where its ELF file is, and what it takes of flash and RAM.
+    /// Build a program and print where its ELF file is, what it takes of flash and RAM, and on hardware how it is flashed without a probe.
     Build {
         #[command(flatten)]
         boards: Boards,
@@ -157,6 +159,8 @@ enum Command {
         #[arg(long, conflicts_with = "bless")]
         check: bool,
     },
+    /// Print the numbers of real boards that their owners sent: docs/silicon.
+    Silicon,
     /// Compute the digests that the boards are compared with.
     Bless {
         /// Compare with those that are there instead of writing them.
@@ -199,6 +203,7 @@ fn execute(command: Command) -> Result<()> {
             Ok(())
         }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
+        Command::Silicon => silicon::run(&top),
         Command::Bless { check } => bless::run(&top, check),
     }
 }
@@ -240,6 +245,10 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
             let found = sizes::read(&elf)?;
             let ram = found.static_ram() + found.stack;
             println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
+            if !board.is_emulated() {
+                let (file, how) = image::write(&board, &elf)?;
+                println!("{}\n  {how}", file.display());
+            }
         }
     }
     Ok(())

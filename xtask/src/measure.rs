@@ -3,7 +3,7 @@
 //! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is for reading.
 
 use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
-use crate::sizes;
+use crate::{silicon, sizes};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, Params};
@@ -24,7 +24,8 @@ const HEAD: &str = "\
 # What a pair costs on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
 # an error, a gain of more than 1 % asks for a new blessing.
 #
-# Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states.
+# Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states. Cycles of
+# real boards are in docs/silicon, a file a board as its owner sent it.
 # All pairs: default parameters, 64 disparities; \"worst_case\" ones: parameters that find and report as much as any can.
 # built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
 # kernels: work of the usual size (firmware/src/programs/kernel_costs.rs) by the kernels that the core uses on this processor, and by the
@@ -103,6 +104,7 @@ impl Instructions {
 pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     let frames = std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
     let frames = frames.filter(|folder| folder.is_dir());
+    silicon::summarize(top)?;
     let path = top.join(FILE);
     let old = match std::fs::read_to_string(&path) {
         Ok(text) => Some(toml::from_str::<Numbers>(&text).with_context(|| format!("{FILE} cannot be read"))?),

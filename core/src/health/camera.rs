@@ -21,6 +21,7 @@ const WHITE: u8 = 253;
 
 /// Statistics of one camera's image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CameraHealth {
     /// Mean grey level, 0 ..= 255.
     pub level: u8,

@@ -170,6 +170,14 @@ impl fmt::Display for HealthFlags {
     }
 }
 
+/// As [`Display`](fmt::Display).
+#[cfg(feature = "defmt")]
+impl defmt::Format for HealthFlags {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{}", defmt::Display2Format(self));
+    }
+}
+
 impl fmt::Debug for HealthFlags {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "HealthFlags({self})")

@@ -5,6 +5,7 @@ use core::fmt;
 /// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14 captured pairs, 6 of a robot's camera
 /// and three sequences of a robot (see `tests/tests/health.rs`), without false flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HealthLimits {
     /// Largest time between the captures of a pair, us; beyond it the pair is refused. Turning at 90 degrees a second, 1 ms is half a pixel of
     /// disparity in QVGA. Default 1000.
@@ -95,6 +96,7 @@ impl Default for HealthLimits {
 
 /// Two images that were captured too far apart to be a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Skewed {
     /// Time between the captures, us.
     pub skew_us: u32,

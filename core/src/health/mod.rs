@@ -56,6 +56,7 @@ const FLAGS: usize = HealthFlags::NAMES.len();
 
 /// Health of one pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairHealth {
     /// Faults of this pair or one shortly before.
     pub flags: HealthFlags,

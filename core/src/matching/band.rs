@@ -173,6 +173,7 @@ impl<'a> Band<'a> {
         ((y.max(0) / ROW_STEP) as usize % BAND_ROWS) * self.stride + PAD
     }
 
+    #[inline(always)]
     fn row(plane: &[u8], stride: usize, y: i32) -> Option<&[u8]> {
         let start = ((y / ROW_STEP) as usize % BAND_ROWS) * stride;
         plane.get(start..start + stride)
@@ -198,6 +199,7 @@ impl<'a> Band<'a> {
     }
 
     /// The census code at `(x, y)` of the left image, and the codes it is compared with from disparity `first` on.
+    #[inline]
     pub(crate) fn census(&self, x: i32, y: i32, first: i32) -> Option<(u8, &[u8])> {
         if !self.holds(y) || x < 0 || x >= self.width as i32 {
             return None;
@@ -240,6 +242,7 @@ impl<'a> Band<'a> {
     }
 
     /// Index of the `length` pixels from column `x` on in the left row, and of those at disparity `first` in the mirrored right one.
+    #[inline(always)]
     fn indices(&self, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
         let mirrored = PAD as i32 + self.width as i32 - length - x;
         Some((usize::try_from(PAD as i32 + x).ok()?, usize::try_from(mirrored + first).ok()?))

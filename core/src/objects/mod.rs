@@ -44,6 +44,7 @@ use surface::Surface;
 
 /// Reason why an object has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoDepth {
     /// Too few credible hypotheses in the region.
     LittleSupport,
@@ -84,6 +85,7 @@ impl fmt::Display for NoDepth {
 
 /// The depth of one region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectDepth {
     /// Label of its region.
     pub label: u16,

@@ -48,6 +48,7 @@ pub struct Region<'a> {
 
 /// Reason why a box or mask is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RegionError {
     /// It has no pixel.
     Empty,

@@ -279,6 +279,12 @@ fn fit(neighbours: &[Neighbour], centre: [i32; 2], belongs: impl Fn(i32, i32, i3
         ud += wu * i64::from(d_q6);
         vd += i64::from(w * v) * i64::from(d_q6);
     });
+    solve(&sums, [uv, ud, vd])
+}
+
+/// The plane of least squares from the sums over hypotheses, and of the products of both positions, and of each with the disparity.
+#[inline(never)] // fits of either kind share it
+fn solve(sums: &Sums, [uv, ud, vd]: [i64; 3]) -> Option<Plane> {
     let [u, v, d_q6] = sums.means()?;
     let [of_u, of_v, of_d] = [[u.into(), sums.u], [v.into(), sums.v], [d_q6.into(), sums.d_q6]];
     let (uu, vv) = (LEVEL + sums.about(sums.uu, of_u, of_u), LEVEL + sums.about(sums.vv, of_v, of_v));

@@ -62,6 +62,7 @@ const CLEAR_PARTS: u32 = 2;
 
 /// State of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sector {
     /// Not in view of the camera.
     Outside,

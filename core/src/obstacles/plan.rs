@@ -243,6 +243,7 @@ impl ObstaclePlan {
 
 /// Reason why parameters of sectors are refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ObstacleError {
     /// Distances need a rig, and there is none.
     NoRig,

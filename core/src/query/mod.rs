@@ -52,6 +52,7 @@ const SECOND_BEST_Q8: i32 = 205;
 
 /// The depth of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PixelDepth {
     /// Disparity of the surface seen at the pixel, px.
     pub disparity: Disparity,
@@ -67,6 +68,7 @@ pub struct PixelDepth {
 
 /// Reason why a pixel has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PixelRejection {
     /// The images or the memory do not have the planned size.
     OtherSize,

@@ -62,6 +62,7 @@ const MIN_RANGE: usize = 8;
 
 /// One point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SupportPoint {
     /// Disparity, 1/64 px.
     pub(crate) disparity_q6: i16,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Why a board was reset, as far as it knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reset {
     /// Why.
     pub cause: ResetCause,
@@ -14,6 +15,7 @@ pub struct Reset {
 
 /// Cause of a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ResetCause {
     /// Power came.
     PowerOn,
@@ -75,6 +77,7 @@ const KINDS: usize = 7;
 
 /// Losses of the cameras since the board was reset. Every number stays at its largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CaptureReport {
     /// Faulty frames of the left and the right camera, in the order of [`CaptureReport::KINDS`].
     pub faults: [[u32; KINDS]; 2],

@@ -18,6 +18,7 @@ pub type Name = String<32>;
 
 /// One record from the host to the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
     /// Chosen by the host; the answer carries it. The same command with the same id may come again, when the answer was lost.
     pub id: u16,
@@ -40,6 +41,7 @@ pub const MAX_COMMAND: usize = {
 
 /// Requests of a host. Each is answered, and doing it twice is the same as doing it once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Request {
     /// Say what you are: a `Hello` and the answer.
     Describe,
@@ -63,6 +65,8 @@ pub enum Request {
     /// Send the next pair as the cameras deliver it, before it is rectified: `Message::Photo` and its pixels, after
     /// the answer. For calibration, and to see what a camera sees.
     Photograph,
+    /// Match the built-in pair of this number: `Message::Case` and the answer. For the program `selftest`; others refuse it.
+    RunCase(u16),
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.
@@ -70,6 +74,7 @@ pub type RigBytes = heapless::Vec<u8, { RigImage::BYTES }>;
 
 /// A pair whose pixels follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairHead {
     /// Width of both images in px.
     pub width: u16,
@@ -83,6 +88,7 @@ pub struct PairHead {
 
 /// Parameters to change; `None` leaves one as it is. Meanings and ranges are those of [`Params`].
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParamUpdate {
     /// [`Params::min_disparity`], px.
     pub min_disparity: Option<i16>,
@@ -110,6 +116,7 @@ pub struct ParamUpdate {
 
 /// A [`Parts`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PartsUpdate {
     /// [`Parts::Both`].
     Both,
@@ -137,6 +144,7 @@ impl From<PartsUpdate> for Parts {
 
 /// A [`Margin`] in plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MarginUpdate {
     /// [`Margin::Pixels`], 1/64 px.
     PixelsQ6(i16),
@@ -151,6 +159,7 @@ pub enum MarginUpdate {
 
 /// Numbers of a [`Rig`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RigUpdate {
     /// Focal length, px.
     pub focal_px: f64,
@@ -215,6 +224,7 @@ impl ParamUpdate {
 
 /// Why a command was not done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// [`ParamError::OutOfRange`].
     OutOfRange {

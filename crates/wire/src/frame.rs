@@ -19,6 +19,7 @@ pub const POINTS_PER_PACKET: usize = 32;
 
 /// Result of a frame, without its segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameHead {
     /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
     pub sequence: u32,
@@ -32,6 +33,8 @@ pub struct FrameHead {
     pub health: Health,
     /// The numbers behind it; `None` when there was no pair to look at.
     pub pair: Option<PairReport>,
+    /// Times of the frame.
+    pub times: FrameTimes,
     /// Numbers of segments found, matched and rejected.
     pub counts: Counts,
     /// Segments that follow.
@@ -45,7 +48,8 @@ impl FrameHead {
     pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
-        Self { sequence, capture_time_us, width, height, health, pair: None, counts: counts.into(), segments: 0 }
+        let (times, counts) = (FrameTimes::default(), counts.into());
+        Self { sequence, capture_time_us, width, height, health, pair: None, times, counts, segments: 0 }
     }
 
     /// The same with the health of the pair.
@@ -55,8 +59,21 @@ impl FrameHead {
     }
 }
 
+/// Times of a frame, us by the board's clock; 0 from programs that are fed by a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FrameTimes {
+    /// Waiting for the pair, its rows being rectified meanwhile.
+    pub waiting_us: u32,
+    /// Matching it, and the depths of the wanted objects.
+    pub matching_us: u32,
+    /// Writing to the host since the frame before: waiting for room where the port is slow.
+    pub port_us: u32,
+}
+
 /// The core's [`Counts`](linestereo::Counts), number for number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
     /// Segments detected in the left image.
     pub segments_left: u16,

@@ -152,6 +152,14 @@ impl fmt::Display for Health {
     }
 }
 
+/// As [`Display`](fmt::Display).
+#[cfg(feature = "defmt")]
+impl defmt::Format for Health {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{}", defmt::Display2Format(self));
+    }
+}
+
 impl fmt::Debug for Health {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Health({self})")
@@ -160,6 +168,7 @@ impl fmt::Debug for Health {
 
 /// The numbers of a [`PairHealth`]; its flags are in the [`Health`] beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairReport {
     /// Left and right camera.
     pub cameras: [CameraReport; 2],
@@ -190,6 +199,7 @@ pub struct RangeReport {
 
 /// The core's [`CameraHealth`], number for number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CameraReport {
     /// Mean grey level.
     pub level: u8,
@@ -205,6 +215,7 @@ pub struct CameraReport {
 
 /// The core's [`Rows`], number for number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RowsReport {
     /// Row in the right image minus row in the left one, 1/256 px.
     pub offset_q8: i16,

@@ -45,6 +45,7 @@
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod board_state;
+mod case;
 mod command;
 mod frame;
 mod health;
@@ -55,11 +56,14 @@ mod rig_fault;
 mod send;
 
 pub use board_state::{CaptureReport, Reset, ResetCause};
+pub use case::{CaseReport, DIGESTS, MachineReport, Silicon};
 pub use command::{
     Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,
     RigUpdate, name,
 };
-pub use frame::{Counts, FrameHead, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments};
+pub use frame::{
+    Counts, FrameHead, FrameTimes, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments,
+};
 pub use health::{CameraReport, Health, PairReport, RangeReport, RowsReport};
 pub use message::{Answer, BoardName, Hello, MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};

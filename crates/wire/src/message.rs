@@ -1,6 +1,7 @@
 //! Records from a board to its host.
 
 use crate::board_state::{CaptureReport, Reset};
+use crate::case::{CaseReport, MachineReport};
 use crate::command::{PairHead, Refusal};
 use crate::frame::{FrameHead, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::object::Objects;
@@ -33,6 +34,10 @@ pub enum Message {
     Photo(PairHead),
     /// Pixels of the photo that began last.
     Pixels(Pixels),
+    /// Machine, sent by `selftest` after each `Hello`.
+    Machine(MachineReport),
+    /// A built-in pair that was matched: by `selftest`, before the answer to `Request::RunCase`.
+    Case(CaseReport),
 }
 
 impl Sealed for Message {}
@@ -65,6 +70,7 @@ pub const PIXELS_PER_PACKET: usize = 512;
 
 /// Description of a board.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hello {
     /// Its name.
     pub board: BoardName,
@@ -82,6 +88,7 @@ pub struct Hello {
 
 /// Outcome of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
     /// The id of the command.
     pub command: u16,
@@ -91,6 +98,7 @@ pub struct Answer {
 
 /// Accepted, or refused for a reason; what is refused has changed nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
     /// Done.
     Accepted,

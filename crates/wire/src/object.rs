@@ -15,6 +15,7 @@ pub const OBJECTS_PER_PACKET: usize = 8;
 
 /// Objects whose depths are wanted, from the next pair on.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regions {
     /// Boxes; none: no object.
     pub boxes: Vec<RegionBox, MAX_REGIONS>,
@@ -24,6 +25,7 @@ pub struct Regions {
 
 /// A box: columns `left .. right` of the rows `top .. bottom`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegionBox {
     /// Label of the detector; comes back with the answer.
     pub label: u16,
@@ -59,6 +61,7 @@ impl From<(u16, Area)> for RegionBox {
 
 /// Depths of some of a frame's objects.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Objects {
     /// The frame they belong to.
     pub sequence: u32,
@@ -68,6 +71,7 @@ pub struct Objects {
 
 /// An [`ObjectDepth`] in plain numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectRecord {
     /// Of its region.
     pub label: u16,

@@ -41,6 +41,7 @@ pub trait Sealed {}
 
 /// Why a record is not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EncodeError {
     /// The buffer is smaller than the packet; `MAX_PACKET` and `MAX_COMMAND` always suffice.
     BufferTooSmall,
@@ -88,6 +89,7 @@ impl Flavor for Payload<'_> {
 
 /// Why the bytes between two delimiters are not a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
     /// Longer than any packet.
     TooLong,
@@ -123,6 +125,7 @@ impl core::error::Error for DecodeError {}
 
 /// Packets received, by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
     /// Records.
     pub good: u32,

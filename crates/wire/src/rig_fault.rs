@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RigFault {
     /// The board has no flash for rigs.
     NoFlash,
@@ -85,6 +86,7 @@ impl fmt::Display for RigFault {
 
 /// The rig that a board uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RigInUse {
     /// Width and height of the raw images.
     pub raw: [u16; 2],
@@ -106,6 +108,7 @@ impl RigInUse {
 
 /// Rig in use and state of its slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RigReport {
     /// The one in use; without one nothing is rectified.
     pub in_use: Option<RigInUse>,

@@ -168,8 +168,8 @@ fn the_layout_of_this_version_is_exactly_this() {
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15,
-        16, 3,
+        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12,
+        13, 14, 15, 16, 3,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
@@ -232,6 +232,36 @@ fn the_layout_of_this_version_is_exactly_this() {
     let objects = Objects { sequence: 4, list: [object, refused].into_iter().collect() };
     let expected = [6, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
     assert_eq!(payload(&Message::Objects(objects)), expected);
+    let silicon = Silicon {
+        processor_id: 1,
+        chip_id: 300,
+        core_hz: 2,
+        flash_wait: 3,
+        instruction_cache: true,
+        data_cache: false,
+    };
+    let machine = MachineReport {
+        firmware: "1.2".try_into().unwrap(),
+        unit: "ns".try_into().unwrap(),
+        cases: 22,
+        expected: 4,
+        silicon: Some(silicon),
+    };
+    let expected = [6, 9, 3, b'1', b'.', b'2', 2, b'n', b's', 22, 4, 1, 1, 0xac, 2, 2, 3, 1, 0];
+    assert_eq!(payload(&Message::Machine(machine)), expected);
+    let case = CaseReport {
+        case: 1,
+        name: "rows".try_into().unwrap(),
+        segments: 2,
+        costs: [3, 4, 5, 6, 7, 8, 9, 10, 300],
+        total: 11,
+        time_us: 12,
+        digests: [13; DIGESTS],
+    };
+    let (head, digests) = ([6, 10, 1, 4, b'r', b'o', b'w', b's', 2], [13; DIGESTS]);
+    let costs = [3, 4, 5, 6, 7, 8, 9, 10, 0xac, 2, 11, 12];
+    assert_eq!(payload(&Message::Case(case)), [&head[..], &costs, &digests].concat());
+    assert_eq!(payload(&Command { id: 9, request: Request::RunCase(300) }), [0x86, 9, 9, 0xac, 2]);
 }
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

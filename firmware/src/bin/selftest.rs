@@ -1,22 +1,46 @@
-//! Does this board compute what the PC computed? Exit code 0 if so.
+//! Does this board compute what the PC computed, and in how many cycles? A host asks by its port (`linestereo bench-board`).
+//!
+//! An emulated board without an argument runs every pair, says so by log and ends: exit code 0 if all are equal. With one it serves a host.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 fn selftest() -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
     use linestereo_firmware::boards::{self, selected};
+    use linestereo_firmware::ports::Watchdog as _;
+    use linestereo_firmware::programs::case_server::CaseServer;
+    use linestereo_firmware::programs::expected;
+
+    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
+    #[cfg(feature = "emulated")]
+    if linestereo_firmware::semihosting::Arguments::read().get(0).is_none() {
+        return by_log(memory);
+    }
+    let Some(parts) = selected::bare() else { return Exit::Usage };
+    let rest = parts.rest;
+    let expected = expected::of(&selected::BOARD);
+    let (mut server, mut watchdog) = CaseServer::start(selected::BOARD, expected, parts);
+    loop {
+        if !server.turn(memory) {
+            rest();
+        }
+        watchdog.feed();
+    }
+}
+
+#[cfg(all(target_os = "none", feature = "emulated"))]
+fn by_log(memory: &mut impl linestereo_firmware::memory::Memory) -> linestereo_boards::Exit {
+    use linestereo_boards::Exit;
+    use linestereo_firmware::boards::selected::BOARD;
     use linestereo_firmware::programs::{expected, selftest};
     use linestereo_firmware::{error, info};
 
-    let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let all_equal = selftest::run(memory, &selected::BOARD, expected::of(&selected::BOARD), |outcome| {
-        let (scene, width, height) = (outcome.case.scene.name(), outcome.case.dims.width, outcome.case.dims.height);
+    let all_equal = selftest::run(memory, &BOARD, expected::of(&BOARD), |outcome| {
+        let (scene, dims) = (outcome.case.scene.name(), outcome.case.dims);
         let kind = if outcome.case.worst_case { ", worst case" } else { "" };
         match outcome.differs_in() {
-            None => info!("{=str} {=u16}x{=u16}{=str}: equal", scene, width, height, kind),
-            Some(stage) => {
-                error!("{=str} {=u16}x{=u16}{=str}: {=str} differs", scene, width, height, kind, stage)
-            }
+            None => info!("{=str} {}{=str}: equal", scene, dims, kind),
+            Some(stage) => error!("{=str} {}{=str}: {=str} differs", scene, dims, kind, stage),
         }
     });
     if all_equal { Exit::Success } else { Exit::Difference }

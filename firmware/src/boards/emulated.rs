@@ -2,7 +2,7 @@
 
 use super::flash_file::FlashFile;
 use crate::painter::Painter;
-use crate::ports::{self, ByteSink, ByteSource, NoWatchdog};
+use crate::ports::{self, BarePeripherals, ByteSink, ByteSource, NoWatchdog};
 use crate::rig_store::RigStore;
 use crate::semihosting::Arguments;
 
@@ -21,6 +21,11 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         rest: || {}, // no interrupt is enabled that would end it
         reset: None,
     })
+}
+
+/// Without cameras and flash: two handles of the clock, and the host's port.
+pub fn bare<C, H>([counter, clock]: [C; 2], host: H) -> BarePeripherals<C, C, H, NoWatchdog> {
+    BarePeripherals { counter, clock, host, watchdog: NoWatchdog, rest: || {}, reset: None, silicon: None }
 }
 
 /// A serial port that is polled for bytes and room.

@@ -37,6 +37,8 @@ pub mod mps2;
 pub mod stm32h7;
 
 #[cfg(all(target_os = "none", feature = "hardware"))]
+pub mod cycles;
+#[cfg(all(target_os = "none", feature = "hardware"))]
 pub mod pipes;
 #[cfg(any(not(target_os = "none"), feature = "rp235x"))]
 pub mod rp235x;

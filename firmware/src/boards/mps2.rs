@@ -2,7 +2,7 @@
 //! autopilot's. Where they lie and how fast they tick differs between machines.
 
 use super::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-use crate::ports::Clock;
+use crate::ports::{BarePeripherals, Clock, NoWatchdog};
 use core::ptr;
 
 /// CMSDK APB timer (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD; counts down.
@@ -116,8 +116,16 @@ impl Polled for Uart {
 /// The clock of mps2-an386 and mps2-an500, which have the same map of peripherals: timer 0.
 pub type InstructionClock = Timer<0x4000_0000, 25>;
 
+const UARTS: [usize; 2] = [0x4000_4000, 0x4000_5000];
+
 /// What they give to `live`.
 pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
-    let [host, autopilot] = Uart::start([0x4000_4000, 0x4000_5000], 25);
+    let [host, autopilot] = Uart::start(UARTS, 25);
     emulated::peripherals(InstructionClock::start(), host, autopilot)
+}
+
+/// Peripherals of `selftest`.
+pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+    let [host, _] = Uart::start(UARTS, 25);
+    Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
 }

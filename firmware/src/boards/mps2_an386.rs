@@ -9,4 +9,4 @@ pub const BOARD: Board = Board::MPS2_AN386;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an386"))]
-pub use super::mps2::{InstructionClock, peripherals};
+pub use super::mps2::{InstructionClock, bare, peripherals};

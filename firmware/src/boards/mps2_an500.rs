@@ -9,4 +9,4 @@ pub const BOARD: Board = Board::MPS2_AN500;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an500"))]
-pub use super::mps2::{InstructionClock, peripherals};
+pub use super::mps2::{InstructionClock, bare, peripherals};

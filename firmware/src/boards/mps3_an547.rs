@@ -12,14 +12,15 @@ pub const BOARD: Board = Board::MPS3_AN547;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
-pub use on_board::{InstructionClock, peripherals};
+pub use on_board::{InstructionClock, bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
 mod on_board {
     use crate::boards::emulated::{self, Port};
     use crate::boards::mps2::{self, Uart};
-    use crate::ports::Clock;
+    use crate::ports::{BarePeripherals, Clock, NoWatchdog};
 
+    const UARTS: [usize; 2] = [0x5930_3000, 0x5930_4000];
     const MHZ: u32 = 32;
     /// The system counter's control frame: CNTCR, and the low word of CNTCV (Arm SSE-123 technical reference manual, 101370).
     const COUNTER: *mut u32 = core::ptr::without_provenance_mut(0x5810_0000);
@@ -59,7 +60,13 @@ mod on_board {
 
     /// What it gives to `live`.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
-        let [host, autopilot] = Uart::start([0x5930_3000, 0x5930_4000], MHZ);
+        let [host, autopilot] = Uart::start(UARTS, MHZ);
         emulated::peripherals(InstructionClock::start(), host, autopilot)
+    }
+
+    /// Peripherals of `selftest`.
+    pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+        let [host, _] = Uart::start(UARTS, MHZ);
+        Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
     }
 }

@@ -19,21 +19,23 @@ pub type Workspace = workspace!(BOARD);
 #[cfg(all(target_os = "none", feature = "pico2"))]
 mod wired {
     use super::BOARD;
+    use crate::boards::cycles::CycleCounter;
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
     use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, KeptRig, Micros, Pause, i2c, keeper, reset_cause, start_host,
+        Autopilot, FrameWatchdog, KeptRig, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
         Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
-    use crate::ports::{FrameStart, PairSource, Peripherals};
+    use crate::ports::{BarePeripherals, FrameStart, PairSource, Peripherals};
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
     use linestereo::Dims;
+    use linestereo_wire::Reset;
 
     /// Bytes of the board's flash.
     const FLASH: usize = 4 << 20;
@@ -62,11 +64,32 @@ mod wired {
         readout_us: RAW.height as u32 * (ROW_NS / 1000),
     };
 
+    /// Clocks, for every program; and why the board was reset.
+    fn start() -> (embassy_rp::Peripherals, Reset) {
+        let board = embassy_rp::init(embassy_rp::config::Config::default()); // 150 MHz
+        (board, reset_cause())
+    }
+
+    /// Peripherals of `selftest`, once.
+    pub fn bare() -> Option<BarePeripherals<CycleCounter, Micros, UsbPort, FrameWatchdog>> {
+        let (board, reset) = start();
+        let watchdog = FrameWatchdog::start(board.WATCHDOG);
+        let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
+        Some(BarePeripherals {
+            counter: CycleCounter::start(clk_sys_freq()),
+            clock,
+            host: start_host(board.USB, BOARD.name),
+            watchdog,
+            rest: cortex_m::asm::wfe,
+            reset: Some(reset),
+            silicon: Some(silicon()),
+        })
+    }
+
     /// What the board gives to `live`. Once.
     pub fn peripherals()
     -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, KeptRig<FLASH>, FrameWatchdog>> {
-        let board = embassy_rp::init(embassy_rp::config::Config::default()); // 150 MHz
-        let reset = reset_cause();
+        let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
 
@@ -109,4 +132,4 @@ mod wired {
 }
 
 #[cfg(all(target_os = "none", feature = "pico2"))]
-pub use wired::peripherals;
+pub use wired::{bare, peripherals};

@@ -9,7 +9,7 @@ pub const BOARD: Board = Board::PORTENTA_H7;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
-pub use on_board::peripherals;
+pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
 mod on_board {
@@ -17,25 +17,29 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports;
+    use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
+    use crate::boards::stm32h7::silicon;
     use crate::boards::{stm32h7, usb_port};
     use crate::camera::{NoReset, ResetPin, Trigger};
     use crate::capture::{CameraSource, Capture, SideBySide};
-    use crate::ports::{FrameStart, PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource};
     use core::mem::MaybeUninit;
+    use embassy_executor::SendSpawner;
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
     use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{
-        PA3, PA5, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11, PJ4, USART1, USART6, USB_OTG_HS,
+        IWDG1, PA3, PA5, PA9, PA10, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11, PJ4, USART1, USART6,
+        USB_OTG_HS,
     };
     use embassy_stm32::time::Hertz;
     use embassy_stm32::timer::low_level::CountingMode;
     use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
     use embassy_stm32::usart;
-    use embassy_stm32::{Peri, SharedData, bind_interrupts, usb};
+    use embassy_stm32::{Peri, Peripherals, SharedData, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
+    use linestereo_wire::Reset;
     use static_cell::StaticCell;
 
     bind_interrupts!(struct Interrupts {
@@ -98,23 +102,58 @@ mod on_board {
         Output::new(pin, Level::Low, Speed::Low)
     }
 
-    /// What the board gives to `live`.
-    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
-        static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
+    /// USB with its PHY.
+    struct Usb {
+        port: Peri<'static, USB_OTG_HS>,
+        pins: Ulpi,
+        oscillator: Peri<'static, PH1>,
+        reset: Peri<'static, PJ4>,
+    }
 
+    /// Caches and clocks, for every program; and why the chip was reset.
+    fn start() -> (Peripherals, Option<Reset>) {
         memory::prepare();
         let reset = reset::cause();
         clocks::take_over();
         let p = embassy_stm32::init_primary(clocks::config(), &SHARED);
         clocks::follow_usb_frames(FrameClock::Usb1);
+        (p, reset)
+    }
+
+    /// The watchdog, the host's port, and what runs the tasks of ports, for every program.
+    fn start_host(
+        watchdog: Peri<'static, IWDG1>,
+        usb: Usb,
+        (uart, receive, transmit): (Peri<'static, USART1>, Peri<'static, PA10>, Peri<'static, PA9>),
+    ) -> Option<(IndependentDog, HostPort, SendSpawner)> {
         // Before the ports: a USB that does not answer would keep them waiting for ever.
-        let watchdog = IndependentDog::start(p.IWDG1);
+        let watchdog = IndependentDog::start(watchdog);
         let spawner = ports::executor([interrupt::USART1, interrupt::USART6], interrupt::OTG_HS)?;
-        start_phy(p.PH1, p.PJ4);
+        start_phy(usb.oscillator, usb.reset);
+        spawner.spawn(serve_usb(usb.port, usb.pins).ok()?);
+        let host = ports::host_port(spawner, uart, (receive, transmit), Interrupts)?;
+        Some((watchdog, host, spawner))
+    }
+
+    /// Peripherals of `selftest`.
+    pub fn bare() -> Option<silicon::Bare> {
+        let (p, reset) = start();
         let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
         let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };
-        spawner.spawn(serve_usb(p.USB_OTG_HS, pins).ok()?);
-        let host = ports::host_port(spawner, p.USART1, (p.PA10, p.PA9), Interrupts)?;
+        let usb = Usb { port: p.USB_OTG_HS, pins, oscillator: p.PH1, reset: p.PJ4 };
+        let (watchdog, host, _) = start_host(p.IWDG1, usb, (p.USART1, p.PA10, p.PA9))?;
+        Some(silicon::bare(p.RCC, host, watchdog, reset))
+    }
+
+    /// Peripherals of `live`.
+    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
+        static EYES: StaticCell<SideBySide<DcmiStream>> = StaticCell::new();
+
+        let (p, reset) = start();
+        let data = (p.PA3, p.PB0, p.PB1, p.PB10, p.PB11, p.PB12, p.PB13, p.PB5);
+        let pins = Ulpi { clock: p.PA5, direction: p.PI11, next: p.PH4, stop: p.PC0, data };
+        let usb = Usb { port: p.USB_OTG_HS, pins, oscillator: p.PH1, reset: p.PJ4 };
+        let (watchdog, host, spawner) = start_host(p.IWDG1, usb, (p.USART1, p.PA10, p.PA9))?;
         let autopilot = ports::autopilot_port(spawner, p.USART6, (p.PC7, p.PC6), Interrupts)?;
 
         let clock = PwmPin::new(p.PK1, OutputType::PushPull);
@@ -136,6 +175,6 @@ mod on_board {
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
         let flash = RigFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
-        Some(Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
+        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
     }
 }

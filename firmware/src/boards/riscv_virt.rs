@@ -12,12 +12,12 @@ pub const BOARD: Board = Board::RISCV_VIRT;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
-pub use on_board::{InstructionClock, peripherals};
+pub use on_board::{InstructionClock, bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 mod on_board {
     use crate::boards::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-    use crate::ports::{ByteSink, Clock};
+    use crate::ports::{BarePeripherals, ByteSink, Clock, NoWatchdog};
     use riscv::register::mcycle;
 
     /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its counter of retired instructions counts the same
@@ -95,5 +95,10 @@ mod on_board {
     /// What it gives to `live`.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, NoPort>> {
         emulated::peripherals(InstructionClock::start(), Port(Uart(())), NoPort)
+    }
+
+    /// Peripherals of `selftest`.
+    pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+        Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], Port(Uart(()))))
     }
 }

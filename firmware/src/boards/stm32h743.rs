@@ -11,7 +11,7 @@ pub const BOARD: Board = Board::STM32H743;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
-pub use on_board::peripherals;
+pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 mod on_board {
@@ -19,21 +19,24 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::memory;
-    use crate::boards::stm32h7::ports;
+    use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::rig::RigFlash;
+    use crate::boards::stm32h7::silicon;
     use crate::boards::{stm32h7, usb_port};
     use crate::camera::ResetPin;
     use crate::capture::{CameraSource, Capture, InTurn, Switch};
-    use crate::ports::{FrameStart, PairSource, Peripherals};
+    use crate::ports::{FrameStart, PairSource};
+    use embassy_executor::SendSpawner;
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
     use embassy_stm32::pac::interrupt;
-    use embassy_stm32::peripherals::{PA11, PA12, USART2, USART3, USB_OTG_FS};
+    use embassy_stm32::peripherals::{IWDG1, PA11, PA12, PD8, PD9, USART2, USART3, USB_OTG_FS};
     use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig};
     use embassy_stm32::usart;
-    use embassy_stm32::{Peri, bind_interrupts, usb};
+    use embassy_stm32::{Peri, Peripherals, bind_interrupts, usb};
     use embassy_time::{Duration, block_for};
     use linestereo_rig::CameraSide;
+    use linestereo_wire::Reset;
     use static_cell::StaticCell;
 
     bind_interrupts!(struct Interrupts {
@@ -80,20 +83,43 @@ mod on_board {
         Output::new(pin, Level::Low, Speed::Low)
     }
 
-    /// What the board gives to `live`.
-    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
-        static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
-
+    /// Caches and clocks, for every program; and why the chip was reset.
+    fn start() -> (Peripherals, Option<Reset>) {
         memory::prepare();
         let reset = reset::cause();
         clocks::take_over();
         let p = embassy_stm32::init(clocks::config());
         clocks::follow_usb_frames(FrameClock::Usb2);
+        (p, reset)
+    }
+
+    /// The watchdog, the host's port, and what runs the tasks of ports, for every program.
+    fn start_host(
+        watchdog: Peri<'static, IWDG1>,
+        (usb, plus, minus): (Peri<'static, USB_OTG_FS>, Peri<'static, PA12>, Peri<'static, PA11>),
+        (uart, receive, transmit): (Peri<'static, USART3>, Peri<'static, PD9>, Peri<'static, PD8>),
+    ) -> Option<(IndependentDog, HostPort, SendSpawner)> {
         // Before the ports: a USB that does not answer would keep them waiting for ever.
-        let watchdog = IndependentDog::start(p.IWDG1);
+        let watchdog = IndependentDog::start(watchdog);
         let spawner = ports::executor([interrupt::USART2, interrupt::USART3], interrupt::OTG_FS)?;
-        spawner.spawn(serve_usb(p.USB_OTG_FS, p.PA12, p.PA11).ok()?);
-        let host = ports::host_port(spawner, p.USART3, (p.PD9, p.PD8), Interrupts)?;
+        spawner.spawn(serve_usb(usb, plus, minus).ok()?);
+        let host = ports::host_port(spawner, uart, (receive, transmit), Interrupts)?;
+        Some((watchdog, host, spawner))
+    }
+
+    /// Peripherals of `selftest`.
+    pub fn bare() -> Option<silicon::Bare> {
+        let (p, reset) = start();
+        let (watchdog, host, _) = start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
+        Some(silicon::bare(p.RCC, host, watchdog, reset))
+    }
+
+    /// Peripherals of `live`.
+    pub fn peripherals() -> Option<stm32h7::Board<impl PairSource>> {
+        static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
+
+        let (p, reset) = start();
+        let (watchdog, host, spawner) = start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
         let autopilot = ports::autopilot_port(spawner, p.USART2, (p.PD6, p.PD5), Interrupts)?;
 
         let _runs_on = Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default());
@@ -110,6 +136,6 @@ mod on_board {
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = RigFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
-        Some(Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
+        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
     }
 }

@@ -6,8 +6,9 @@ use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSo
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_wire::{
-    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, Health, MAX_COMMAND, MAX_PACKET, Message, Outcome,
-    PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, send, send_frame, send_objects,
+    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND, MAX_PACKET,
+    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, send, send_frame,
+    send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
@@ -28,6 +29,8 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     photo: Option<Photo>,
     /// The last frame was not sent: the port had no room for it.
     has_skipped: bool,
+    /// Of the frame that is worked on.
+    times: FrameTimes,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -88,6 +91,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             reported_us: None,
             photo: None,
             has_skipped: false,
+            times: FrameTimes::default(),
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -109,6 +113,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             reported_us,
             photo,
             has_skipped,
+            times,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -125,6 +130,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             reported_us,
             photo,
             has_skipped,
+            times,
         }
     }
 }
@@ -236,9 +242,11 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             None => Ok(None),
             Some(raw) => self.session.rectified(raw).map(Some),
         };
+        let asked_us = self.time();
         // With a rig of other cameras it comes as it is, to be refused at the cameras' pace.
         let captured = camera.next_pair(memory, rectified.as_ref().map_or(None, |&dims| dims));
         let now_us = self.time();
+        (self.times.waiting_us, self.times.matching_us) = (saturated(now_us - asked_us), 0);
         self.autopilot.miss(); // until its matches say otherwise
         if let (false, Some(dims)) = (self.autopilot.has_view(), self.session.rig_dims()) {
             self.autopilot.set_view(self.session.directions(dims)); // a camera that never delivers is reported as well
@@ -267,10 +275,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let mut matched = memory.run(matcher, areas.as_deref(), pair.times_us, &mut ()).ok()?;
         let health = *matched.health();
         if health.is_refused() {
+            self.times.matching_us = saturated(self.time() - now_us);
             self.write_frame(failed_frame(0, time_us, pair.dims, captured).with_pair(&health), None);
             return Some(());
         }
         let objects = self.session.objects(&mut matched);
+        self.times.matching_us = saturated(self.time() - now_us);
         self.autopilot.set_view(self.session.directions(pair.dims));
         self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
         let head = FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
@@ -286,14 +296,17 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let sequence = self.session.next_sequence();
         let (matches, objects) = found.unwrap_or_default();
         let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
-        let head = FrameHead { sequence, health: head.health | skipped, ..head };
+        let times = core::mem::take(&mut self.times);
+        let head = FrameHead { sequence, health: head.health | skipped, times, ..head };
         self.has_skipped = !self.has_room(&head, matches, objects);
         if self.has_skipped {
             return;
         }
-        let mut write = packets(&mut self.port);
-        let _ = send_frame(&head, matches, &mut write);
-        let _ = send_objects(head.sequence, objects, &mut write);
+        self.write_by(|port| {
+            let mut write = packets(port);
+            let _ = send_frame(&head, matches, &mut write);
+            let _ = send_objects(head.sequence, objects, &mut write);
+        });
     }
 
     /// Time of the clock of captured pairs, microseconds.
@@ -326,8 +339,22 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     }
 
     fn write(&mut self, message: &Message) {
-        let _ = send(message, &mut packets(&mut self.port));
+        self.write_by(|port| {
+            let _ = send(message, &mut packets(port));
+        });
     }
+
+    /// Writes, and counts the time that it takes.
+    fn write_by(&mut self, write: impl FnOnce(&mut P)) {
+        let before_us = self.time();
+        write(&mut self.port);
+        let took_us = saturated(self.time() - before_us);
+        self.times.port_us = self.times.port_us.saturating_add(took_us);
+    }
+}
+
+fn saturated(us: u64) -> u32 {
+    u32::try_from(us).unwrap_or(u32::MAX)
 }
 
 /// When a pair was captured, or else when it came.

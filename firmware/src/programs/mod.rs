@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod block_kernels;
 pub mod blocks;
+pub mod case_server;
 pub mod expected;
 pub mod kernel_costs;
 pub mod kernels;

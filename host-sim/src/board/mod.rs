@@ -5,10 +5,12 @@
 //! firmware    a program of the firmware package as an ELF file
 //! qemu        a run of it: files in a folder, log, exit code
 //! pairs       pairs to the program replay, results back
+//! numbers     what built-in pairs cost on a board, as the program selftest says: a table, and a file to send
 //! ```
 
 mod debian;
 pub mod firmware;
+pub mod numbers;
 mod pairs;
 pub mod qemu;
 pub mod toolchain;

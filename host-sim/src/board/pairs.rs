@@ -248,6 +248,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Hello(hello) => replayed.rig = Some(hello.rig),
             Message::Photo(_) | Message::Pixels(_) => bail!("a board that is fed by a file sent a photo"),
             Message::Capture(lost) => bail!("a board that is fed by a file lost {lost}"),
+            Message::Machine(_) | Message::Case(_) => bail!("a board that is fed by a file ran a built-in pair"),
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };

@@ -1,18 +1,20 @@
 //! A folder of photos -> pairs of files.
 //!
 //! Left and right photos stand in one folder (`left01.jpg`, `right01.jpg`; `3_cam0.png`, `3_cam1.png`) or in two inside it (`left/`,
-//! `right/`, or `cam0/`, `cam1/`, with or without `data/` below). A pair has the same number; without one, the same rest of the name.
+//! `right/`, or `cam0/`, `cam1/`, with or without `data/` below), by every name of a side that recordings have. A pair has the same number;
+//! without one, the same rest of the name.
 
+use crate::input::{SIDES, without_side};
 use core::fmt;
 use linestereo_rig::CameraSide;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Words for the left and the right camera, in names of files and folders.
+/// Words for the left and the right camera that may stand anywhere in a name, without a mark around them.
 const WORDS: [[&str; 2]; 2] = [["left", "cam0"], ["right", "cam1"]];
 /// What counts as a photo.
-const EXTENSIONS: [&str; 6] = ["jpg", "jpeg", "png", "pgm", "ppm", "pnm"];
+const EXTENSIONS: [&str; 10] = ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
 /// File names listed in a message.
 const LISTED: usize = 4;
 
@@ -139,7 +141,7 @@ fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoErro
     for path in listed(folder)? {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
         if path.is_dir() {
-            if WORDS[side].contains(&stem.as_str()) {
+            if SIDES.iter().any(|names| names[side] == stem) {
                 let below = path.join("data");
                 let inside = listed(if below.is_dir() { &below } else { &path })?;
                 let photos = inside.into_iter().filter(|path| is_photo(path));
@@ -163,6 +165,9 @@ fn stem_of(path: &Path) -> String {
 /// The name without the word for the camera; `None` without such a word.
 fn rest_of(path: &Path, side: usize) -> Option<String> {
     let stem = stem_of(path);
+    if let Some(rest) = SIDES.iter().find_map(|names| without_side(&stem, names[side])) {
+        return Some(rest);
+    }
     let word = WORDS[side].iter().find(|word| stem.contains(*word))?;
     Some(stem.replacen(word, "", 1))
 }

@@ -1,13 +1,12 @@
 //! Evaluations over many pairs, the same for every command that scores: which pairs, on how many threads, in how many parts.
 
-use super::print;
 use crate::evaluate::{Shard, ShardFile};
 use crate::input::{Dataset, StoredPair};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;
 use serde::{Serialize, de::DeserializeOwned};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// On how many threads, and which part of the pairs.
 #[derive(Debug, Default, clap::Args)]
@@ -78,17 +77,16 @@ pub(super) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collecte
 /// Writes the results of a part.
 pub(super) fn write_part<R: Serialize + DeserializeOwned>(
     file: &ShardFile<R>,
-    path: Option<&Path>,
+    path: Option<&OutputPath>,
     shard: Shard,
     count: usize,
 ) -> Result<()> {
     let path = path.context("a part needs a file; give --json FILE")?;
     let json = file.to_json()?;
-    if path == Path::new("-") {
-        return print(&json);
-    }
     let mut output = OutputFiles::new();
     output.add(path, json.as_bytes())?;
-    output.commit()?;
-    print(&format!("part {shard}: {count} pairs in {}; put all parts together with --merge\n", path.display()))
+    output.commit_and_say(&format!(
+        "part {shard}: {count} pairs in {}; put all parts together with --merge\n",
+        path.display()
+    ))
 }

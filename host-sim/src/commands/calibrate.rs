@@ -1,7 +1,7 @@
 //! `linestereo calibrate`: photos of a chessboard to a calibrated rig.
 
+use super::asked_for;
 use super::pairs::bar;
-use super::print;
 use crate::calibration::{
     Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
     PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
@@ -9,7 +9,7 @@ use crate::calibration::{
 use crate::draw;
 use crate::input::load_gray;
 use crate::input::rig_file::{Quality, RigFile};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -51,13 +51,13 @@ pub struct Args {
     square_mm: f64,
     /// Write the rig to this file.
     #[arg(long, value_name = "rig.toml")]
-    out: Option<PathBuf>,
+    out: Option<OutputPath>,
     /// Write everything that was estimated as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<OutputPath>,
     /// Draw coverage, errors, views and a rectified pair as PNG.
     #[arg(long, value_name = "FILE.png")]
-    report: Option<PathBuf>,
+    report: Option<OutputPath>,
     /// Family of the lenses.
     #[arg(long, value_enum, default_value_t = LensName::BrownConrady)]
     lens: LensName,
@@ -101,6 +101,8 @@ pub fn run(args: &Args) -> Result<()> {
     let board = Board::new(cols, rows, args.square_mm / 1e3)
         .map_err(|error| anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"))?;
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
+    let photos = pairs.iter().flat_map(|pair| &pair.files).map(PathBuf::as_path);
+    spare(asked_for([&args.out, &args.json, &args.report]), photos)?;
     let (dims, found) = find_boards(&board, &pairs)?;
     let (views, missing) = seen_by_both(&pairs, &found);
     if views.len() < LEAST_VIEWS {
@@ -135,14 +137,10 @@ pub fn run(args: &Args) -> Result<()> {
         let file = RigFile { calibration: estimate.calibration, quality: Some(quality) };
         output.add(path, file.text().as_bytes())?;
     }
-    let json = output.add_json(args.json.as_deref(), &json(&estimate, &assessment))?;
+    output.add_json(args.json.as_ref(), &json(&estimate, &assessment))?;
     if let Some(path) = &args.report {
         let photos = clearest_pair(&estimate, &pairs)?;
         output.add(path, &draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)?;
-    }
-    output.commit()?;
-    if let Some(json) = json {
-        return print(&json);
     }
     let mut text =
         format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
@@ -151,10 +149,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     text.push_str(&missing);
     text.push_str(&summary(&estimate, &assessment, args.max_disparity));
-    for path in [&args.out, &args.json, &args.report].into_iter().flatten() {
-        let _ = writeln!(text, "wrote {}", path.display());
-    }
-    print(&text)
+    text.push_str(&super::written([&args.out, &args.json, &args.report]));
+    output.commit_and_say(&text)
 }
 
 /// The photos of the view with the least error.

@@ -3,12 +3,14 @@
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
 use super::pairs::{for_each_pair, timed_bar};
-use super::{engine_with, print};
+use super::{asked_for, engine_with};
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{ShardFile, ShardHead};
-use crate::input::{Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_gray};
-use crate::output::OutputFiles;
+use crate::input::{
+    PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
+};
+use crate::output::{OutputFiles, OutputPath, spare};
 use crate::rivals::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
@@ -94,10 +96,10 @@ pub struct Args {
     pushbroom: Option<u16>,
     /// Draw all maps side by side; scenes beyond the first 16 are not drawn.
     #[arg(long, value_name = "FILE.png", conflicts_with_all = ["shard", "merge"])]
-    picture: Option<PathBuf>,
+    picture: Option<OutputPath>,
     /// Write the scores as JSON to FILE, or to stdout in place of the tables with "-".
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<OutputPath>,
     /// Reduce images to this width by area averaging; truth, range and rig follow.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
@@ -160,6 +162,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     // Without any truth there are still yields, times and pictures.
     let found = collect(&args.inputs, false)?;
+    spare(asked_for([&args.json, &args.picture]), found.pairs.iter().flat_map(StoredPair::files))?;
     notes.splice(..0, found.notes);
     let head = ShardHead::new("compare", args.words(), found.pairs.iter().map(|pair| pair.name.as_str()), notes);
     let (places, pairs) = args.batch.part(found.pairs);
@@ -182,7 +185,7 @@ pub fn run(args: &Args) -> Result<()> {
             let count = compared.len();
             write_part(
                 &ShardFile::new(head, shard, places.into_iter().zip(compared).collect()),
-                args.json.as_deref(),
+                args.json.as_ref(),
                 shard,
                 count,
             )
@@ -325,7 +328,8 @@ impl Args {
     }
 
     fn load_pair(&self, left_path: &Path, right_path: &Path) -> Result<Scene> {
-        let (left, right) = (load_gray(left_path)?, load_gray(right_path)?);
+        let files = PairFiles::Two([left_path, right_path].map(Path::to_path_buf));
+        let [left, right] = load_images(&files, None)?;
         check_same_size((left_path, left.dims), (right_path, right.dims))?;
         let reduced = |image| self.width.map_or_else(|| Ok(Clone::clone(&image)), |width| area_average(&image, width));
         let (left, right) = (reduced(left)?, reduced(right)?);
@@ -370,9 +374,8 @@ impl Args {
             methods: summarise([methods.as_slice()]),
         };
         let report = JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
-        let json = output.add_json(self.json.as_deref(), &report)?;
-        output.commit()?;
-        print(&json.unwrap_or(text))
+        output.add_json(self.json.as_ref(), &report)?;
+        output.commit_and_say(&text)
     }
 }
 

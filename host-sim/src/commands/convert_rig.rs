@@ -1,9 +1,8 @@
 //! `linestereo convert-rig`: calibrations of other programs to `rig.toml` and back.
 
-use super::print;
 use crate::input::interchange::{Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig};
 use crate::input::rig_file::rotation_vector;
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::Dims;
@@ -34,7 +33,7 @@ pub struct Args {
     inputs: Vec<PathBuf>,
     /// File to write; twice, left first, for ros and euroc.
     #[arg(long, value_name = "FILE")]
-    out: Vec<PathBuf>,
+    out: Vec<OutputPath>,
     /// Format to write.
     #[arg(long, value_name = "FORMAT", default_value = "rig-toml")]
     to: Format,
@@ -72,7 +71,7 @@ impl ImportArgs {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let imported = load_rig(&args.inputs, &args.import.options())?;
-    let mut text = summary(&imported);
+    let (mut text, mut output) = (summary(&imported), OutputFiles::new());
     if !args.out.is_empty() {
         if args.out.len() != args.to.files() {
             let (format, count) = (args.to, args.to.files());
@@ -81,11 +80,9 @@ pub fn run(args: &Args) -> Result<()> {
             bail!("{format} is {files}");
         }
         let Exported { texts, notes } = export(&imported.rig, args.to).map_err(|problem| anyhow!("{problem}"))?;
-        let mut output = OutputFiles::new();
         for (path, text) in args.out.iter().zip(&texts) {
             output.add(path, text.as_bytes())?;
         }
-        output.commit()?;
         for note in notes {
             let _ = writeln!(text, "note: {note}");
         }
@@ -93,7 +90,7 @@ pub fn run(args: &Args) -> Result<()> {
             let _ = writeln!(text, "{}: {}", args.to, path.display());
         }
     }
-    print(&text)
+    output.commit_and_say(&text)
 }
 
 fn summary(imported: &Imported) -> String {

@@ -1,17 +1,17 @@
 //! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does without arguments.
 
+use super::engine_for;
 use super::scene::parse_noise;
-use super::{engine_for, print};
 use crate::draw;
 use crate::engine::FrameResult;
 use crate::evaluate::{FrameScore, OwnedMiddle, Summary};
 use crate::input::Truth;
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath};
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
 use linestereo::{Depth, Dims, INFINITE_DEPTH, Match, Rejection};
-use std::path::PathBuf;
+use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const PICTURE: &str = "linestereo-demo.png";
@@ -24,7 +24,7 @@ const NOISE: f64 = 1.0;
 pub struct Args {
     /// Where to write the picture of the segments.
     #[arg(long, value_name = "FILE.png", default_value = PICTURE)]
-    out: PathBuf,
+    out: OutputPath,
     /// Seed of textures and noise.
     #[arg(long, value_name = "N", default_value_t = SEED)]
     seed: u64,
@@ -35,7 +35,7 @@ pub struct Args {
 
 impl Default for Args {
     fn default() -> Self {
-        Self { out: PICTURE.into(), seed: SEED, noise: NOISE }
+        Self { out: OsString::from(PICTURE).into(), seed: SEED, noise: NOISE }
     }
 }
 
@@ -52,7 +52,6 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = draw::png(&draw::overlay(&rendering.left, &result, Some(&rig), max_disparity))?;
     let mut output = OutputFiles::new();
     output.add(&args.out, &picture)?;
-    output.commit()?;
 
     let mut text = format!(
         "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
@@ -68,7 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
     text.push_str(
         "Your own rectified pair: linestereo run LEFT RIGHT --overlay depth.png; everything else: linestereo --help\n",
     );
-    print(&text)
+    output.commit_and_say(&text)
 }
 
 /// The truth of a rendering.

@@ -3,12 +3,12 @@
 use super::batch::{BatchArgs, Collected, collect};
 use super::method::MethodArgs;
 use super::pairs::{for_each_pair, timed_bar};
-use super::{does_not_fit, engine_with, print};
+use super::{asked_for, does_not_fit, engine_with};
 use crate::board::{self, Machine};
 use crate::engine::Engine;
 use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, cell_table, report, scene_table};
 use crate::input::{Perturbation, Scene, StoredPair, Truth, check_usable};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
@@ -67,7 +67,7 @@ pub struct Args {
     folders: Vec<PathBuf>,
     /// Write the scores as JSON to FILE, or to stdout in place of the tables with "-".
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<OutputPath>,
     /// Reduce images to this width by area averaging; truth, range and rig follow.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
@@ -186,9 +186,10 @@ pub fn run(args: &Args) -> Result<()> {
         return write_results(args, &head, outcomes);
     }
     let found = collect(&args.folders, true)?;
+    spare(asked_for([&args.json]), found.pairs.iter().flat_map(StoredPair::files))?;
     if args.objects {
         let load = |pair: &StoredPair| load(pair, args);
-        let (method, json) = (&args.method, args.json.as_deref());
+        let (method, json) = (&args.method, args.json.as_ref());
         return super::eval_objects::run(&found.pairs, args.batch.threads(), load, method, &perturbation, json);
     }
     let head = head(args, &found);
@@ -205,7 +206,7 @@ pub fn run(args: &Args) -> Result<()> {
         Some(shard) => {
             let count = outcomes.len();
             let file = ShardFile::new(head, shard, places.into_iter().zip(outcomes).collect());
-            super::batch::write_part(&file, args.json.as_deref(), shard, count)
+            super::batch::write_part(&file, args.json.as_ref(), shard, count)
         }
         None => write_results(args, &head, outcomes),
     }
@@ -354,7 +355,6 @@ fn write_results(args: &Args, head: &ShardHead, outcomes: Vec<PairOutcome>) -> R
     let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
     let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };
     let mut output = OutputFiles::new();
-    let json = output.add_json(args.json.as_deref(), &report)?;
-    output.commit()?;
-    print(&json.unwrap_or(text))
+    output.add_json(args.json.as_ref(), &report)?;
+    output.commit_and_say(&text)
 }

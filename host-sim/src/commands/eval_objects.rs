@@ -1,16 +1,15 @@
 //! `linestereo eval --objects`: depth per object against ground truth.
 
+use super::engine_with;
 use super::method::MethodArgs;
 use super::pairs::for_each_pair;
-use super::{engine_with, print};
 use crate::engine::Engine;
 use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
 use crate::input::{Perturbation, Scene, StoredPair, check_usable};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use std::path::Path;
 
 #[derive(Serialize)]
 struct JsonReport {
@@ -27,7 +26,7 @@ pub(super) fn run(
     load: impl Fn(&StoredPair) -> Result<Scene> + Sync,
     method: &MethodArgs,
     perturbation: &Perturbation,
-    json: Option<&Path>,
+    json: Option<&OutputPath>,
 ) -> Result<()> {
     let name = |pair: &StoredPair| pair.name.clone();
     let watched = for_each_pair(pairs, threads, name, |pair| {
@@ -89,7 +88,7 @@ fn run_pair(engine: &mut Engine, scene: &Scene, perturbation: &Perturbation, log
     Ok(())
 }
 
-fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: Option<&Path>) -> Result<()> {
+fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: Option<&OutputPath>) -> Result<()> {
     let mut text = format!("Objects, by the models of the core\n\n{}", object_table(fitted));
     if let Some(unseen) = unseen {
         text.push_str("\nLeave one scene out: each scene by models fitted on the others\n\n");
@@ -101,7 +100,6 @@ fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: O
     };
     let report = JsonReport { fitted: pool(fitted), leave_one_out: unseen.map(pool) };
     let mut output = OutputFiles::new();
-    let json = output.add_json(json, &report)?;
-    output.commit()?;
-    print(&json.unwrap_or(text))
+    output.add_json(json, &report)?;
+    output.commit_and_say(&text)
 }

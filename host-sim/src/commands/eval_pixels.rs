@@ -3,12 +3,12 @@
 use super::batch::collect;
 use super::method::MethodArgs;
 use super::pairs::{bar, named_bar};
-use super::{engine_with, print};
+use super::{asked_for, engine_with};
 use crate::engine::{Engine, FittedModels};
 use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::input::Scene;
-use crate::output::OutputFiles;
+use crate::input::{Scene, StoredPair};
+use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
@@ -50,7 +50,7 @@ pub struct Args {
     leave_one_out: bool,
     /// Fit the model on these pixels and write its constants as Rust source.
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out: Option<OutputPath>,
     /// Compare the constants with this file and fail when they differ.
     #[arg(long, value_name = "FILE", conflicts_with = "out")]
     check: Option<PathBuf>,
@@ -76,12 +76,16 @@ pub fn run(args: &Args) -> Result<()> {
         rated.map(|(scene, asked)| PixelScore::new(&scene.name, asked, &FITTED_PIXEL)).collect()
     };
     let least = args.method.params(scenes[0].max_disparity, None)?.min_confidence;
-    print(&pixel_report(&scores, least))?;
-    write_constants(args, &scenes, &asked)
+    let mut text = pixel_report(&scores, least);
+    if args.leave_one_out {
+        text.insert_str(0, "Leave one scene out: each scene by models fitted on the others\n\n");
+    }
+    write_constants(args, &scenes, &asked, text)
 }
 
 fn load(args: &Args) -> Result<Vec<Scene>> {
     let pairs = collect(&args.folders, true)?.pairs;
+    spare(asked_for([&args.out]), pairs.iter().flat_map(StoredPair::files))?;
     if args.leave_one_out && pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }
@@ -121,7 +125,6 @@ fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> 
         bar.inc(1);
     }
     bar.finish_and_clear();
-    print("Leave one scene out: each scene by models fitted on the others\n\n")?;
     Ok(scores)
 }
 
@@ -134,21 +137,25 @@ fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
     Ok(scene_samples(&scene.name, &mut engine, &log, truth))
 }
 
-fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> Result<()> {
-    let Some(path) = args.out.as_ref().or(args.check.as_ref()) else { return Ok(()) };
+/// Prints the scores; the constants are written, or compared.
+fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>], mut scores: String) -> Result<()> {
+    if args.out.is_none() && args.check.is_none() {
+        return say(&scores);
+    }
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     let origin = format!("{} pixels each of {} scenes ({})", args.queries, names.len(), names.join(", "));
     let pixels: Vec<&[QueriedPixel]> = asked.iter().map(Vec::as_slice).collect();
     let text = pixel_source_text(&fit_pixels(&pixels), &origin);
-    if args.check.is_some() {
+    if let Some(path) = &args.check {
+        say(&scores)?;
         let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         if there != text {
             bail!("{} is not what these frames give; write it again with --out", path.display());
         }
-        return print(&format!("{} is what these frames give\n", path.display()));
+        return say(&format!("{} is what these frames give\n", path.display()));
     }
     let mut files = OutputFiles::default();
-    files.add(path, text.as_bytes())?;
-    files.commit()?;
-    print(&format!("wrote {}\n", path.display()))
+    files.add_text(args.out.as_ref(), || Ok(text))?;
+    scores.push_str(&super::written([&args.out]));
+    files.commit_and_say(&scores)
 }

@@ -1,14 +1,14 @@
 //! `linestereo fit-confidence`: the confidence model's constants from frames with truth.
 
 use super::batch::collect;
+use super::engine_with;
 use super::method::MethodArgs;
 use super::pairs::for_each_pair;
-use super::{engine_with, print};
 use crate::engine::FittedModels;
 use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
 use crate::input::{Perturbation, Scene};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, print, say};
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -96,7 +96,7 @@ fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[Sc
         files.add(path, text.as_bytes())?;
     }
     files.commit()?;
-    texts.iter().try_for_each(|(path, _)| print(&format!("wrote {}\n", path.display())))
+    texts.iter().try_for_each(|(path, _)| say(&format!("wrote {}\n", path.display())))
 }
 
 fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {

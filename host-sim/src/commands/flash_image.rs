@@ -1,8 +1,7 @@
 //! `linestereo flash-image`: the rig as bytes for a board, and what such bytes say.
 
-use super::print;
 use super::view::ViewArgs;
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath, print};
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
 use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
@@ -36,7 +35,7 @@ pub struct Args {
     rig: Option<PathBuf>,
     /// The image to write.
     #[arg(value_name = "OUT.bin")]
-    out: Option<PathBuf>,
+    out: Option<OutputPath>,
     /// Explain an image instead: what is in it, or which of its numbers is refused and why.
     #[arg(long, value_name = "FILE.bin", conflicts_with_all = ["rig", "size", "alpha", "raw_width", "focal_px", "max_disparity"])]
     check: Option<PathBuf>,
@@ -61,9 +60,8 @@ pub fn run(args: &Args) -> Result<()> {
     let bytes = image.encode(0);
     let mut output = OutputFiles::new();
     output.add(out, &bytes)?;
-    output.commit()?;
-    print(&description(&image, &RigImageHead::check(&bytes)?))?;
-    print(&format!("wrote {}\n", out.display()))
+    let text = description(&image, &RigImageHead::check(&bytes)?) + &super::written([&args.out]);
+    output.commit_and_say(&text)
 }
 
 /// What is in a file, or why it is no image.

@@ -1,8 +1,8 @@
 //! `linestereo frames`: real pairs for a machine that has none.
 
 use super::pairs::timed_bar;
-use super::print;
 use crate::input::registry::{Package, packages};
+use crate::output::{print, say};
 use anyhow::{Result, bail};
 use clap::Subcommand;
 use std::fs;
@@ -24,6 +24,7 @@ What is in it: the Motorcycle pair with truth (Middlebury 2014), twelve OAK-D pa
 
 /// Real pairs that package registries carry.
 #[derive(Debug, clap::Args)]
+#[command(arg_required_else_help = true)]
 pub struct Args {
     #[command(subcommand)]
     action: Action,
@@ -86,7 +87,7 @@ fn download(out: &Path) -> Result<()> {
     }
     progress.finish_and_clear();
     if failed.is_empty() {
-        return print(&format!("next: linestereo eval {} --width 320\n", out.display()));
+        return say(&format!("next: linestereo eval {} --width 320\n", out.display()));
     }
     let reasons: Vec<String> = failed.iter().map(|(package, why)| format!("{} ({why})", package.name)).collect();
     let commands: Vec<String> = failed.iter().map(|(package, _)| package.command()).collect();

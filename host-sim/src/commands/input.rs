@@ -1,7 +1,8 @@
 //! From the options of a pair to its result: the same for every command that matches pairs.
 //!
 //! ```text
-//! load     two image files, checked, reduced by --width
+//! load     the images of a pair, checked, reduced by --width
+//! Known    what options, or the files beside a pair, say of its rig and range
 //! setup    disparity range, rig, parameters: once for all pairs of one size
 //! Matcher  the core and, for raw pairs, the rectifier, with their memory: once; then pair by pair
 //! ```
@@ -12,9 +13,11 @@ use super::view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
 use crate::input::rectify::PairRectifier;
 use crate::input::{
-    SceneInfo, area_average, check_same_size, check_size, check_usable, load_gray, scaled_max_disparity,
+    PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size, check_usable,
+    load_images, scaled_max_disparity,
 };
-use crate::results::listing::Query;
+use crate::output::detail;
+use crate::results::listing::{Query, finite_metres};
 use anyhow::{Context, Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
@@ -23,7 +26,7 @@ use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Disparity range where neither an option nor a scene file gives one.
@@ -49,7 +52,7 @@ pub(super) struct InputArgs {
     #[arg(long, value_name = "PX", requires = "baseline_m")]
     focal_px: Option<f64>,
     /// Distance between the cameras.
-    #[arg(long, value_name = "M", requires = "focal_px")]
+    #[arg(long, value_name = "M", requires = "focal_px", value_parser = baseline)]
     baseline_m: Option<f64>,
     /// Focal length times baseline, where only their product is known: depths, but no directions.
     #[arg(long, value_name = "PX*M", conflicts_with = "focal_px")]
@@ -58,12 +61,21 @@ pub(super) struct InputArgs {
     /// [default: minus the scene file's disparity_zero_px].
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     disparity_offset_px: Option<f64>,
+    /// Principal point of the left image as given (before --width) [default: the scene file's, else the middle].
+    #[arg(long, value_name = "X,Y", value_parser = position, allow_hyphen_values = true, conflicts_with_all = ["fb", "rig"])]
+    principal_point: Option<[f64; 2]>,
     /// Take disparity range and rig from a scene.json; options given here come first.
     #[arg(long, value_name = "scene.json")]
     scene: Option<PathBuf>,
     /// Reduce both images to this width by area averaging; the rig follows.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
+    /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 10 or 12 where no value of the pair is larger, else 16].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=16))]
+    bits: Option<u32>,
+    /// Match the pairs of a recording whose times differ by up to so much: right for what stands still [default: 1].
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    max_skew_ms: Option<u32>,
     /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene", "width"])]
     rig: Vec<PathBuf>,
@@ -71,6 +83,30 @@ pub(super) struct InputArgs {
     view: ViewArgs,
     #[command(flatten)]
     method: MethodArgs,
+}
+
+/// Knowledge of a pair besides its images.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Known {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// It is rectified; the file that says what else is known.
+    Scene(PathBuf, SceneInfo),
+    /// It is raw; the files with its rig.
+    Raw(Vec<PathBuf>),
+}
+
+impl Known {
+    /// Pairs of both are matched with the same.
+    pub(super) fn matches_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Nothing, Self::Nothing) => true,
+            (Self::Scene(_, info), Self::Scene(_, other)) => info.matches_like(other),
+            (Self::Raw(files), Self::Raw(others)) => files == others,
+            _ => false,
+        }
+    }
 }
 
 /// Two images of one size: rectified and reduced, or raw.
@@ -107,18 +143,30 @@ pub(super) struct Matched {
 }
 
 impl InputArgs {
-    /// Reads and checks both images.
-    pub(super) fn load(&self, left_path: &Path, right_path: &Path) -> Result<Pair> {
-        let (left, right) = (load_gray(left_path)?, load_gray(right_path)?);
-        self.checked((left_path, left), (right_path, right))
+    /// Knowledge of a pair: by the options, else by the files beside it.
+    pub(super) fn known_of(&self, pair: &StoredPair) -> Result<Known> {
+        if !self.rig.is_empty() {
+            return Ok(Known::Raw(self.rig.clone()));
+        }
+        if let Some(path) = &self.scene {
+            return Ok(Known::Scene(path.clone(), SceneInfo::load(path)?));
+        }
+        match pair.raw_rig().filter(|_| self.focal_px.is_none() && self.fb.is_none()) {
+            Some(files) => Ok(Known::Raw(files.to_vec())),
+            None => Ok(pair.info()?.map_or(Known::Nothing, |(path, info)| Known::Scene(path, info))),
+        }
     }
 
-    /// Checks both images; with --width they are reduced.
-    pub(super) fn checked(
-        &self,
-        (left_path, left): (&Path, GrayImage),
-        (right_path, right): (&Path, GrayImage),
-    ) -> Result<Pair> {
+    /// Reads and checks both images; with --width they are reduced.
+    pub(super) fn load_as(&self, files: &PairFiles, known: &Known) -> Result<Pair> {
+        let ([left_path, right_path], [left, right]) = (files.paths(), load_images(files, self.bits)?);
+        let is_raw = matches!(known, Known::Raw(_));
+        if is_raw && self.width.is_some() {
+            bail!(
+                "{} is raw, as its data set has it; give --rig and --raw-width in place of --width",
+                left_path.display()
+            );
+        }
         let given = left.dims;
         check_same_size((left_path, given), (right_path, right.dims))?;
         let reduced = |image: GrayImage| match self.width {
@@ -127,7 +175,7 @@ impl InputArgs {
         };
         let (left, right) = (reduced(left)?, reduced(right)?);
         for (path, image) in [(left_path, &left), (right_path, &right)] {
-            if self.rig.is_empty() {
+            if !is_raw {
                 check_size(path, image)?;
             }
             check_usable(path, image)?;
@@ -135,30 +183,22 @@ impl InputArgs {
         Ok(Pair { images: [left, right], given })
     }
 
-    /// A scene file is given.
-    pub(super) fn has_scene(&self) -> bool {
-        self.scene.is_some()
-    }
-
-    /// Pairs are rectified first.
-    pub(super) fn is_raw(&self) -> bool {
-        !self.rig.is_empty()
-    }
-
     /// What pairs like this one are matched with.
-    pub(super) fn setup(&self, pair: &Pair) -> Result<Setup<'_>> {
-        self.setup_with(pair, self.scene.as_deref())
-    }
-
-    /// The same with another scene file.
-    pub(super) fn setup_with(&self, pair: &Pair, scene: Option<&Path>) -> Result<Setup<'_>> {
+    pub(super) fn setup_as(&self, pair: &Pair, known: &Known) -> Result<Setup<'_>> {
         let (loaded, given) = (pair.images[0].dims, pair.given);
-        if self.rig.is_empty() { self.rectified(loaded, given, scene) } else { self.raw(loaded) }
+        let (setup, source) = match known {
+            Known::Nothing => (self.rectified(loaded, given, None)?, "options".to_owned()),
+            Known::Scene(path, info) => {
+                (self.rectified(loaded, given, Some((path, info)))?, path.display().to_string())
+            }
+            Known::Raw(files) => (self.raw(loaded, files)?, files[0].display().to_string()),
+        };
+        detail(|| format!("images of {given}, matched as {}; {} by {source}", setup.dims(), setup.described()));
+        Ok(setup)
     }
 
-    fn rectified(&self, loaded: Dims, given: Dims, scene: Option<&Path>) -> Result<Setup<'_>> {
+    fn rectified(&self, loaded: Dims, given: Dims, scene: Option<(&PathBuf, &SceneInfo)>) -> Result<Setup<'_>> {
         let scale = f64::from(loaded.width) / f64::from(given.width);
-        let scene = scene.map(|path| Ok::<_, anyhow::Error>((path, SceneInfo::load(path)?))).transpose()?;
         let (mut range, mut rig, mut rig_numbers) = (None, None, None);
         let zero = scene.as_ref().map_or(0.0, |(_, info)| info.disparity_zero_px);
         if let Some((path, info)) = &scene {
@@ -180,7 +220,11 @@ impl InputArgs {
         let nearest = self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
         let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
         if self.fb.is_none() {
-            let centre = scene.as_ref().and_then(|(_, info)| info.principal_point(scale));
+            let given = self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
+            let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
+            if given.is_some() && rig.is_none() {
+                bail!("--principal-point makes no depths alone; give --focal-px and --baseline-m, or --scene");
+            }
             rig = rig
                 .map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre.map(|v| v as f32))))
                 .transpose()?;
@@ -210,17 +254,18 @@ impl InputArgs {
             RigError::Focal(_) => "--focal-px",
             RigError::Baseline(_) => "--baseline-m",
             RigError::Offset(_) => "--disparity-offset-px",
+            RigError::PrincipalPoint(_) if self.principal_point.is_some() => "--principal-point",
             RigError::PrincipalPoint(_) => "--scene",
         }
     }
 
-    fn raw(&self, loaded: Dims) -> Result<Setup<'_>> {
+    fn raw(&self, loaded: Dims, rig: &[PathBuf]) -> Result<Setup<'_>> {
         let mut params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
-        let mut image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
+        let mut image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
         if let Some(nearest) = self.nearest {
-            let rig = image.params(params)?.rig;
-            params.max_disparity = range_to(nearest, rig.as_ref(), image.remap().dims())?;
-            image = self.view.image(&self.rig, None, (params.min_disparity, params.max_disparity))?;
+            let rig_of = image.params(params)?.rig;
+            params.max_disparity = range_to(nearest, rig_of.as_ref(), image.remap().dims())?;
+            image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
         }
         Ok(Setup {
             args: self,
@@ -259,6 +304,14 @@ impl Setup<'_> {
         self.rig.as_ref().map_or(self.loaded, |rig| rig.remap().dims())
     }
 
+    /// Disparity range and rig, in words.
+    fn described(&self) -> String {
+        let Params { min_disparity, max_disparity, rig, .. } = &self.params;
+        let nearest = rig.map(|rig| rig.depth(Disparity::saturating_from_num(*max_disparity)));
+        let nearest = nearest.and_then(finite_metres).map(|metres| format!(", depths from {metres:.3} m"));
+        format!("disparities {min_disparity} to {max_disparity} px{}", nearest.unwrap_or(", no depths".to_owned()))
+    }
+
     /// The rig where directions are known too, not the product of focal length and baseline alone.
     pub(super) fn geometry(&self) -> Option<&Rig> {
         self.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some())
@@ -290,7 +343,10 @@ impl Matcher {
             usable[0].clone_from(&setup.left_content);
             shrink_to_valid(&mut usable[0], setup.dims().width);
         }
-        let engine = engine_with(&setup.params, setup.dims())?;
+        let mut engine = engine_with(&setup.params, setup.dims())?;
+        if let Some(milliseconds) = setup.args.max_skew_ms {
+            engine.allow_skew(1000 * milliseconds);
+        }
         Ok(Self { rectifier, usable, engine })
     }
 
@@ -322,9 +378,32 @@ impl Matcher {
         Ok(Matched { images, result, seconds: start.elapsed().as_secs_f64() })
     }
 
-    /// The depth of pixels of the pair that was matched last.
-    pub(super) fn ask(&mut self, pixels: &[(u16, u16)]) -> Vec<Query> {
-        pixels.iter().map(|&pixel| Query::new(pixel, self.engine.depth_at(pixel, None))).collect()
+    /// The depth of pixels of the pair that was matched last, which are counted before --width.
+    pub(super) fn ask(&mut self, setup: &Setup<'_>, pixels: &[(u16, u16)]) -> Vec<Query> {
+        let (given, matched) = (setup.given, setup.dims());
+        let reduced = |at: u16, given: u16, matched: u16| {
+            let at = (2 * u64::from(at) + 1) * u64::from(matched) / (2 * u64::from(given));
+            u16::try_from(at).unwrap_or(u16::MAX)
+        };
+        let mut ask = |&(x, y): &(u16, u16)| {
+            let pixel = (reduced(x, given.width, matched.width), reduced(y, given.height, matched.height));
+            Query::new((x, y), self.engine.depth_at(pixel, None))
+        };
+        pixels.iter().map(&mut ask).collect()
+    }
+}
+
+/// A distance between cameras in metres.
+pub(super) fn baseline(text: &str) -> Result<f64, String> {
+    let metres = text.parse().map_err(|_| "give metres, such as 0.075")?;
+    check_baseline(metres).map(|()| metres)
+}
+
+fn position(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
+    match numbers {
+        Some((Ok(x), Ok(y))) => Ok([x, y]),
+        _ => Err("give a column and a row, such as 319.5,239.5".to_owned()),
     }
 }
 

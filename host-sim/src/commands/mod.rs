@@ -2,9 +2,11 @@
 //!
 //! Convention: every command is a `pub struct Args` (`clap::Args`) and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
 //! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
-//! [`print()`], files through [`crate::output`], so that a failed command leaves no partial file and a closed pipe is no failure.
+//! [`crate::output`] as files do, so that a failed command leaves no partial file, and a closed pipe ends it without failure.
 
+mod arguments;
 mod batch;
+pub mod bench_board;
 pub mod calibrate;
 pub mod compare;
 pub mod convert_rig;
@@ -28,27 +30,46 @@ pub mod run;
 pub mod scene;
 mod sector_options;
 pub mod sequence;
+mod shell;
 mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
 use crate::input::resampled_height;
+use crate::interruption::{self, Interrupted};
+use crate::output::{self, ClosedPipe, OutputPath, print};
 use anyhow::{Result, bail};
-use clap::{Parser, Subcommand, error::ErrorKind};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
 use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
 
+const AFTER_HELP: &str = "\
+Exit codes:
+  0    done; also where a reader of stdout closed it, and where some frames of many failed and the summary says so
+  2    a file, an option or a pair is wrong, nothing could be matched, or not everything asked for could be given:
+       one line on stderr says what and what to do
+  130  interrupted; what was finished is kept
+
+Files: \"-\" is stdout for every output; what is printed for people is then left out. No output may be an input.";
+
 /// Sparse stereo depth from line segments: credible depths, each with a probability, from a rectified stereo pair.
 #[derive(Debug, Parser)]
-#[command(name = "linestereo", version, max_term_width = 104)]
+#[command(name = "linestereo", version = env!("LINESTEREO_VERSION"), max_term_width = 104, after_help = AFTER_HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Print what was asked for alone: no summary, no notes, no progress.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Tell on stderr what is taken: sizes, rig and range and where they are from, files.
+    #[arg(long, short, global = true)]
+    verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -67,19 +88,36 @@ enum Command {
     Sequence(Box<sequence::Args>),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
+    BenchBoard(bench_board::Args),
     Photograph(photograph::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let command = arguments::prepared(Cli::command());
+    let parsed = command.clone().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return report_usage(&error),
     };
-    let outcome = match &cli.command {
+    output::set_verbosity(cli.quiet, cli.verbose);
+    match arguments::check(&command, &matches).and_then(|()| run_command(&cli)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<ClosedPipe>() => ExitCode::SUCCESS,
+        Err(error) => {
+            report(&format!("{error:#}"));
+            ExitCode::from(if error.is::<Interrupted>() { interruption::EXIT_CODE } else { FAILURE })
+        }
+    }
+}
+
+fn run_command(cli: &Cli) -> Result<()> {
+    match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
@@ -94,29 +132,34 @@ pub fn main() -> ExitCode {
         Some(Command::Sequence(args)) => sequence::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
+        Some(Command::BenchBoard(args)) => bench_board::run(args),
         Some(Command::Photograph(args)) => photograph::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),
+        Some(Command::Completions(args)) => shell::completions(args, arguments::prepared(Cli::command())),
+        Some(Command::Man(args)) => shell::man(args, arguments::prepared(Cli::command())),
         None => demo::run(&demo::Args::default()),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            report(&format!("{error:#}"));
-            ExitCode::from(FAILURE)
-        }
     }
 }
 
 /// Help and version are answers, not failures; of a usage error its first line says what is wrong.
 fn report_usage(error: &clap::Error) -> ExitCode {
-    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        let _ = error.print(); // a closed pipe is no failure
-        return ExitCode::SUCCESS;
+    // A closed pipe is no failure.
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = print(&error.to_string());
+            return ExitCode::SUCCESS;
+        }
+        _ => {}
     }
     let text = error.to_string();
-    let what: Vec<&str> =
-        text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).collect();
+    let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    // No argument here is of the kind that "--" is for.
+    let what: Vec<&str> = lines.filter(|line| !line.trim_start().starts_with("tip: to pass")).collect();
     report(&format!("{}; see --help", what.join(" ").trim_start_matches("error: ").trim()));
     ExitCode::from(FAILURE)
 }
@@ -162,10 +205,12 @@ fn does_not_fit(board: &Board, dims: Dims) -> String {
     format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
 }
 
-/// Writes text to stdout; a reader that closed the pipe (`| head`) has seen enough and is no error.
-pub fn print(text: &str) -> anyhow::Result<()> {
-    match io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
+/// The outputs that are asked for.
+fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
+    paths.into_iter().flatten().map(|path| &**path)
+}
+
+/// A line for each file that was written.
+fn written<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> String {
+    paths.into_iter().flatten().map(|path| format!("wrote {}\n", path.display())).collect()
 }

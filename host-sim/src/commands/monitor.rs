@@ -1,12 +1,13 @@
 //! `linestereo monitor`: a board's results as they arrive, and commands to it.
 
+use crate::interruption;
 use crate::monitor::frames::{Assembler, Frame};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
+use crate::output::OutputPath;
 use crate::results::health;
 use anyhow::{Result, anyhow, bail};
-use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_wire::{
@@ -47,6 +48,8 @@ min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px wi
 
 Columns:
   frame, time    number and capture time of the pair, since ms after the one before
+  wait, match    ms that the board waited for the pair (its rows are rectified meanwhile), and matched it
+  port           ms that it wrote to this port since the frame before
   segments       matched; 12/20 when 8 of 20 were lost on the way
   nearest, farthest   - without a rig
   health         what the frame suffered: full lists, a covered or frozen camera, rows that are off, ...
@@ -55,7 +58,7 @@ Columns:
 At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
 With --json that summary goes to stderr, and each complete frame is one line on stdout:
   {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":{...},
-   \"segments\":[...], \"counts\":{...}}
+   \"times_us\":{\"waiting\":t, \"matching\":t, \"port\":t}, \"segments\":[...], \"counts\":{...}}
 health, segments and counts as in linestereo run --json.";
 
 /// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
@@ -70,9 +73,9 @@ pub struct Args {
     file: Option<PathBuf>,
     #[command(flatten)]
     port: PortArgs,
-    /// Save the bytes as they come.
+    /// Save the bytes as they come; "-" is stdout, in place of the table.
     #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
+    record: Option<OutputPath>,
     /// Print each complete frame as one line of JSON in place of the table.
     #[arg(long)]
     json: bool,
@@ -89,7 +92,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let wanted = described(requests::parse(&args.send)?);
     let mut record = match &args.record {
-        Some(path) => Some(create_record(path, args.file.as_deref())?),
+        Some(path) => Some(Record::create(path)?),
         None => None,
     };
     let mut port = match &args.file {
@@ -98,6 +101,13 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let mut monitor = Monitor::new(args, wanted);
     let outcome = monitor.follow(&mut port, &mut record);
+    if let (Ok(()), Some(path)) = (&outcome, args.file.as_ref().filter(|_| monitor.has_nothing())) {
+        bail!(
+            "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor --record",
+            path.display(),
+            monitor.bytes
+        );
+    }
     let summary = monitor.end();
     match outcome.and_then(|()| summary.map_err(Stop::from)) {
         Err(Stop::ClosedPipe) | Ok(()) => Ok(()), // who closed it has seen enough
@@ -133,14 +143,21 @@ fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
     wanted
 }
 
-fn create_record(path: &Path, source: Option<&Path>) -> Result<(PathBuf, File)> {
-    let same =
-        source.is_some_and(|source| source.canonicalize().is_ok_and(|it| path.canonicalize().is_ok_and(|to| it == to)));
-    if same {
-        bail!("--record {} would overwrite what is read; choose another file", path.display());
+/// The bytes as they come, for another time.
+struct Record {
+    path: PathBuf,
+    file: Box<dyn Write>,
+}
+
+impl Record {
+    fn create(path: &OutputPath) -> Result<Self> {
+        let file: Box<dyn Write> = if path.is_stdout() {
+            Box::new(io::stdout())
+        } else {
+            Box::new(File::create(&**path).map_err(|error| cannot_record(path, &error))?)
+        };
+        Ok(Self { path: path.to_path_buf(), file })
     }
-    let file = File::create(path).map_err(|error| cannot_record(path, &error))?;
-    Ok((path.to_path_buf(), file))
 }
 
 fn cannot_record(path: &Path, error: &io::Error) -> anyhow::Error {
@@ -189,17 +206,17 @@ impl Monitor {
             last_hello: None,
             health: Health::GOOD,
             has_summary: args.count != Some(0),
-            screen: Screen::new(args.json, args.count != Some(0)),
+            screen: Screen::new(args, args.count != Some(0)),
         }
     }
 
     /// Until the file ends, all frames are there, the user interrupts or the port fails.
-    fn follow(&mut self, port: &mut Port, record: &mut Option<(PathBuf, File)>) -> Result<(), Stop> {
-        let interrupted = interruption();
+    fn follow(&mut self, port: &mut Port, record: &mut Option<Record>) -> Result<(), Stop> {
+        interruption::watch();
         let mut buffer = [0; 4096];
         loop {
             self.command(port)?;
-            if self.is_done() || interrupted.load(Ordering::Relaxed) {
+            if self.is_done() || interruption::requested() {
                 return Ok(());
             }
             match port.read(&mut buffer)? {
@@ -207,8 +224,11 @@ impl Monitor {
                 Received::End => return Ok(()),
                 Received::Bytes(length) => {
                     let received = &buffer[..length];
-                    if let Some((path, file)) = record {
-                        file.write_all(received).map_err(|error| cannot_record(path, &error))?;
+                    if let Some(Record { path, file }) = record {
+                        file.write_all(received).map_err(|error| match error.kind() {
+                            ErrorKind::BrokenPipe => Stop::ClosedPipe,
+                            _ => cannot_record(path, &error).into(),
+                        })?;
                     }
                     for &byte in received {
                         self.push(byte)?;
@@ -219,6 +239,12 @@ impl Monitor {
                 }
             }
         }
+    }
+
+    /// Whatever it was, it came from no board, of this version or another one.
+    fn has_nothing(&self) -> bool {
+        let packets = self.decoder.counters();
+        packets.good == 0 && packets.other_version == 0 && self.left != Some(0) && !interruption::requested()
     }
 
     fn is_done(&self) -> bool {
@@ -262,8 +288,10 @@ impl Monitor {
                 let mut lines = objects.list.iter().map(|record| text::object(&record.into()));
                 lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
             }
-            // Points come only from programs that are fed by a file; photos are for `linestereo photograph`.
-            Some(Ok(Message::Points(_) | Message::Photo(_) | Message::Pixels(_))) => Ok(()),
+            // Points come only from programs that are fed by a file; the others are for `photograph` and `bench-board`.
+            Some(Ok(
+                Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
+            )) => Ok(()),
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => {
                 let is_news = self.last_hello.as_ref() != Some(&hello);
@@ -328,31 +356,24 @@ fn introduction(hello: &Hello) -> String {
     format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}{reset}")
 }
 
-/// Set by the first Ctrl-C, so that the summary is still printed; the second one ends the program at once.
-fn interruption() -> &'static AtomicBool {
-    static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-    // Where no handler can be set, Ctrl-C ends the program, which is all that is lost.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    &INTERRUPTED
-}
-
 /// Where the frames are shown.
 enum Screen {
     /// One line that changes, on a terminal.
     Live(ProgressBar),
     /// A line per frame.
     Lines,
-    /// A line of JSON per frame.
+    /// A line of JSON per frame; notes on stderr.
     Json,
+    /// Notes on stderr alone: stdout has the bytes.
+    Notes,
 }
 
 impl Screen {
-    fn new(json: bool, has_table: bool) -> Self {
-        if json {
+    fn new(args: &Args, has_table: bool) -> Self {
+        if args.record.as_ref().is_some_and(OutputPath::is_stdout) {
+            return Self::Notes;
+        }
+        if args.json {
             return Self::Json;
         }
         let screen = if io::stdout().is_terminal() {
@@ -374,6 +395,7 @@ impl Screen {
                 Ok(())
             }
             Self::Lines => writeln!(io::stdout(), "{}", text::line(frame, last)),
+            Self::Notes => Ok(()),
             Self::Json if frame.missing() > 0 => Ok(()),
             Self::Json => writeln!(io::stdout(), "{}", text::json(frame)?),
         }
@@ -388,7 +410,7 @@ impl Screen {
         match self {
             Self::Live(bar) => bar.suspend(|| writeln!(io::stdout(), "{note}")),
             Self::Lines => writeln!(io::stdout(), "{note}"),
-            Self::Json => writeln!(io::stderr(), "{note}"),
+            Self::Json | Self::Notes => writeln!(io::stderr(), "{note}"),
         }
     }
 
@@ -401,7 +423,7 @@ impl Screen {
                 write!(io::stdout(), "{last}{end}{summary}")
             }
             Self::Lines => write!(io::stdout(), "{summary}"),
-            Self::Json => write!(io::stderr(), "{summary}"),
+            Self::Json | Self::Notes => write!(io::stderr(), "{summary}"),
         }
     }
 }

@@ -21,7 +21,7 @@ const MOST_LISTED: usize = 20;
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Objects")]
 pub(super) struct ObjectArgs {
-    /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV (x0,y0,x1,y1[,label][,name]) or a label image .png, in pixels of the
+    /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV (x0,y0,x1,y1[,label[,name]], or in any order below a line of names) or a label image .png, in pixels of the
     /// rectified left image before --width. For a sequence also a folder with a file per frame.
     #[arg(long, value_name = "FILE")]
     objects: Option<PathBuf>,
@@ -44,6 +44,8 @@ pub(super) struct Asked {
     /// Size of the image that they lie in.
     dims: Option<Dims>,
     pub(super) skipped: Skipped,
+    /// The folder holds no file of this frame.
+    pub(super) no_file: bool,
     /// Why there is no list.
     pub(super) error: Option<String>,
 }
@@ -52,6 +54,20 @@ impl ObjectArgs {
     /// Is a depth per object asked for?
     pub(super) fn is_given(&self) -> bool {
         self.objects.is_some()
+    }
+
+    /// Refuses what holds no objects of any of these images, by names alone: before the first of them is matched.
+    pub(super) fn check<'a>(&self, mut images: impl Iterator<Item = &'a Path>) -> Result<()> {
+        let Some(path) = &self.objects else { return Ok(()) };
+        let folder = path.display();
+        if !path.is_dir() {
+            std::fs::metadata(path).map_err(|error| ObjectsError::Read(path.clone(), error))?;
+        } else if !images.any(|image| file_of(path, image).is_some()) {
+            bail!(
+                "{folder} holds no file that is called like a left image, such as left.json beside left.png; add or rename them"
+            );
+        }
+        Ok(())
     }
 
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
@@ -63,6 +79,7 @@ impl ObjectArgs {
         result: &FrameResult,
     ) -> Option<Asked> {
         let path = self.objects.as_deref()?;
+        let no_file = path.is_dir() && file_of(path, image).is_none();
         let objects = match self.read(path, setup, image) {
             Ok(objects) => objects,
             Err(error) => return Some(Asked { error: Some(error.to_string()), ..Asked::default() }),
@@ -77,7 +94,7 @@ impl ObjectArgs {
         let refined =
             regions.iter().zip(&depths).map(|(region, depth)| refine(region, depth, matched.candidates(), dims));
         let refined = refined.collect();
-        Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, error: None })
+        Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, no_file, error: None })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -110,12 +127,17 @@ impl ObjectArgs {
         if !path.is_dir() {
             return regions::load(path, self.classes.as_deref(), frame);
         }
-        let stem = path.join(image.file_stem().unwrap_or_default());
-        match EXTENSIONS.map(|extension| stem.with_extension(extension)).into_iter().find(|file| file.is_file()) {
+        match file_of(path, image) {
             Some(file) => regions::load(&file, self.classes.as_deref(), frame),
             None => Ok(regions::Objects::default()),
         }
     }
+}
+
+/// The file of a frame in a folder: called like its left image. A dot in that name ends nothing.
+fn file_of(folder: &Path, image: &Path) -> Option<PathBuf> {
+    let stem = folder.join(image.file_stem().unwrap_or_default());
+    EXTENSIONS.map(|extension| stem.with_added_extension(extension)).into_iter().find(|file| file.is_file())
 }
 
 impl Asked {

@@ -2,6 +2,7 @@
 //!
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
+use crate::output::is_quiet;
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
@@ -48,6 +49,9 @@ pub(super) fn named_bar(length: usize) -> ProgressBar {
 
 /// On stderr, and only when that is a terminal.
 pub(super) fn bar(length: usize, template: &str) -> ProgressBar {
+    if is_quiet() {
+        return ProgressBar::hidden();
+    }
     let style = ProgressStyle::with_template(template);
     ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

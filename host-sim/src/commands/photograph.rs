@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
             files.add(&args.folder.join(format!("{side}{name:02}.png")), &draw::gray_png(image)?)?;
         }
         files.commit()?;
-        super::print(&format!("photo {name:02}: {}\n", described(&pair)))?;
+        crate::output::say(&format!("photo {name:02}: {}\n", described(&pair)))?;
         if number < args.count {
             std::thread::sleep(every.saturating_sub(begin.elapsed()));
         }

@@ -1,14 +1,13 @@
 //! `linestereo plan-rig`: what two cameras will see, before they are bought.
 
-use super::print;
+use super::written;
 use crate::draw;
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, OutputPath};
 use crate::planning::{Focal, RigPlan, Suggestion, USUAL_SIGMA, Wish, suggest};
 use anyhow::{Result, bail};
 use core::fmt::Write;
 use linestereo::Dims;
 use serde::Serialize;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -42,7 +41,7 @@ pub struct Args {
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = super::convert_rig::parse_size)]
     size: Dims,
     /// Distance between the cameras [default: the one suggested for --range].
-    #[arg(long, value_name = "M", required_unless_present = "range")]
+    #[arg(long, value_name = "M", required_unless_present = "range", value_parser = super::input::baseline)]
     baseline_m: Option<f64>,
     /// Disparities that are searched.
     #[arg(long, value_name = "N", default_value_t = 64)]
@@ -58,10 +57,10 @@ pub struct Args {
     error: f64,
     /// Draw the plan as PNG.
     #[arg(long, value_name = "FILE.png")]
-    out: Option<PathBuf>,
+    out: Option<OutputPath>,
     /// Write everything as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    json: Option<OutputPath>,
 }
 
 /// Runs the command.
@@ -82,16 +81,10 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.out {
         output.add(path, &draw::png(&draw::plan(&plan, wish.as_ref()))?)?;
     }
-    let json = output.add_json(args.json.as_deref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
-    output.commit()?;
-    if let Some(json) = json {
-        return print(&json);
-    }
-    print(&text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some()))?;
-    for path in [&args.out, &args.json].into_iter().flatten() {
-        print(&format!("wrote {}\n", path.display()))?;
-    }
-    Ok(())
+    output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
+    let mut text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
+    text.push_str(&written([&args.out, &args.json]));
+    output.commit_and_say(&text)
 }
 
 fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is_given: bool) -> String {

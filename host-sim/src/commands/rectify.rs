@@ -1,12 +1,11 @@
 //! `linestereo rectify`: raw pairs to rectified ones, and a picture that shows whether rows agree.
 
 use super::pairs::named_bar;
-use super::print;
 use super::view::ViewArgs;
 use crate::draw;
 use crate::input::rectify::PairRectifier;
-use crate::input::{check_same_size, find_pairs, load_gray};
-use crate::output::OutputFiles;
+use crate::input::{Dataset, PairFiles, StoredPair, check_same_size, load_images};
+use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, Remap};
@@ -15,13 +14,16 @@ use std::path::{Path, PathBuf};
 /// What the rig image needs and rectification does not use.
 const ANY_RANGE: (i16, u16) = (0, 8);
 
+/// Files of each pair of a folder.
+const WRITTEN: [&str; 3] = ["left.png", "right.png", "rows.png"];
+
 const EXAMPLES: &str = "\
 Examples:
   linestereo rectify left.png right.png --rig rig.toml --out-left l.png --out-right r.png
   linestereo rectify left.png right.png --rig rig.toml --size 320x240 --picture rows.png
       the picture alone: raw above, rectified below, a line every 32 rows
   linestereo rectify recordings --rig rig.toml --out rectified
-      every folder below recordings that holds left.png and right.png (or .jpg, .pgm, .ppm)
+      every pair in or below recordings, in any layout (linestereo sequence --help), in a folder of its name
   linestereo rectify left.png right.png --rig cam0_sensor.yaml --rig cam1_sensor.yaml --picture rows.png
       a rig of EuRoC; OpenCV, Kalibr and ROS files are read as well
 
@@ -31,7 +33,7 @@ In the picture a point has to lie on one line in both lower images. Pixels witho
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Raw left image; or a folder with pairs, one per folder, as left and right.
+    /// Raw left image; or a folder with pairs, in any layout.
     left: PathBuf,
     /// Raw right image.
     #[arg(required_unless_present = "out")]
@@ -39,20 +41,20 @@ pub struct Args {
     /// The rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
     #[arg(long, value_name = "FILE", required = true)]
     rig: Vec<PathBuf>,
-    #[command(flatten)]
-    view: ViewArgs,
     /// Write the rectified left image as PNG.
     #[arg(long, value_name = "FILE.png", requires = "right")]
-    out_left: Option<PathBuf>,
+    out_left: Option<OutputPath>,
     /// Write the rectified right image as PNG.
     #[arg(long, value_name = "FILE.png", requires = "right")]
-    out_right: Option<PathBuf>,
+    out_right: Option<OutputPath>,
     /// Draw both pairs, raw above rectified, with lines along the rows, as PNG.
     #[arg(long, value_name = "FILE.png", requires = "right")]
-    picture: Option<PathBuf>,
+    picture: Option<OutputPath>,
     /// Write left.png, right.png and rows.png (the picture) for every pair of the folder to folders of the same names in here.
     #[arg(long, value_name = "FOLDER", conflicts_with = "right")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
 }
 
 /// Runs the command.
@@ -60,21 +62,19 @@ pub fn run(args: &Args) -> Result<()> {
     let image = args.view.image(&args.rig, None, ANY_RANGE)?;
     let mut rectifier = PairRectifier::new(image.remap())?;
     let summary = summary(image.remap(), &rectifier);
-    let written = match (&args.right, &args.out) {
-        (Some(right), _) => one(args, &mut rectifier, right)?,
-        (None, Some(out)) => folder(args, out, &mut rectifier)?,
+    match (&args.right, &args.out) {
+        (Some(right), _) => one(args, &mut rectifier, right, summary),
+        (None, Some(out)) => say(&(summary + &folder(args, out, &mut rectifier)?)),
         (None, None) => unreachable!("clap asks for one of them"),
-    };
-    print(&(summary + &written))
+    }
 }
 
-/// What was written, in words.
-fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<String> {
-    let written: Vec<&PathBuf> = [&args.out_left, &args.out_right, &args.picture].into_iter().flatten().collect();
+fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String) -> Result<()> {
+    let written = super::written([&args.out_left, &args.out_right, &args.picture]);
     if written.is_empty() {
         bail!("nothing is asked for; give --out-left and --out-right, or --picture");
     }
-    let pair = Pair::load(&args.left, right, &args.view, rectifier)?;
+    let pair = Pair::load(&PairFiles::Two([args.left.clone(), right.to_path_buf()]), &args.view, rectifier)?;
     let mut output = OutputFiles::new();
     for (path, image) in [(&args.out_left, &pair.rectified[0]), (&args.out_right, &pair.rectified[1])] {
         if let Some(path) = path {
@@ -84,28 +84,31 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path) -> Result<Strin
     if let Some(path) = &args.picture {
         output.add(path, &pair.picture()?)?;
     }
-    output.commit()?;
-    Ok(written.into_iter().map(|path| format!("wrote {}\n", path.display())).collect())
+    output.commit_and_say(&(summary + &written))
 }
 
+/// Rectifies one pair; returns the names of the files written, in words.
 fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
-    let pairs = find_pairs(root)?;
-    if pairs.is_empty() {
-        bail!("no folder at or below {} holds a left and a right image; add them", root.display());
-    }
+    let pairs = Dataset::recording(root, false)?.pairs;
+    // A single pair keeps the folder's name, which is that of OUT.
+    let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
+    let target = |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };
+    let targets: Vec<PathBuf> = pairs.iter().flat_map(|pair| WRITTEN.map(|name| target(pair).join(name))).collect();
+    spare(targets.iter().map(PathBuf::as_path), pairs.iter().flat_map(StoredPair::files))?;
     let progress = named_bar(pairs.len());
-    for (folder, [left, right]) in &pairs {
-        let name = folder.strip_prefix(root).unwrap_or(folder);
-        progress.set_message(name.display().to_string());
-        let pair = Pair::load(left, right, &args.view, rectifier)?;
-        let target = out.join(name);
+    for stored in &pairs {
+        progress.set_message(stored.name.clone());
+        let pair = Pair::load(&stored.images, &args.view, rectifier)?;
+        let target = target(stored);
         std::fs::create_dir_all(&target)
             .with_context(|| format!("cannot make {}; choose a folder that can be written to", target.display()))?;
+        let [left, right] = &pair.rectified;
+        let contents = [draw::gray_png(left)?, draw::gray_png(right)?, pair.picture()?];
         let mut output = OutputFiles::new();
-        output.add(&target.join("left.png"), &draw::gray_png(&pair.rectified[0])?)?;
-        output.add(&target.join("right.png"), &draw::gray_png(&pair.rectified[1])?)?;
-        output.add(&target.join("rows.png"), &pair.picture()?)?;
+        for (name, contents) in WRITTEN.into_iter().zip(&contents) {
+            output.add(&target.join(name), contents)?;
+        }
         output.commit()?;
         progress.inc(1);
     }
@@ -120,10 +123,9 @@ struct Pair {
 }
 
 impl Pair {
-    fn load(left: &Path, right: &Path, view: &ViewArgs, rectifier: &mut PairRectifier) -> Result<Self> {
-        let raw = [load_gray(left)?, load_gray(right)?];
-        check_same_size((left, raw[0].dims), (right, raw[1].dims))?;
-        let [left_raw, right_raw] = raw;
+    fn load(files: &PairFiles, view: &ViewArgs, rectifier: &mut PairRectifier) -> Result<Self> {
+        let ([left, right], [left_raw, right_raw]) = (files.paths(), load_images(files, None)?);
+        check_same_size((left, left_raw.dims), (right, right_raw.dims))?;
         let raw = [view.raw(left_raw)?, view.raw(right_raw)?];
         let (left_rectified, right_rectified) =
             rectifier.pair(&raw[0], &raw[1]).with_context(|| left.display().to_string())?;

@@ -3,10 +3,9 @@
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
 use super::pairs::named_bar;
-use super::print;
 use super::sequence::Player;
-use crate::input::{PairFiles, Sequence, SequencePair};
-use crate::output::OutputFiles;
+use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -32,7 +31,7 @@ pub struct Args {
     right: Option<PathBuf>,
     /// The page.
     #[arg(long, short, value_name = "FILE.html")]
-    out: PathBuf,
+    out: OutputPath,
     /// Of a longer sequence so many frames are shown, evenly spaced; all of them are matched.
     #[arg(long, value_name = "N", default_value_t = 60)]
     max_frames: usize,
@@ -48,8 +47,10 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (pairs, title) = pairs(args)?;
+    spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
+    args.objects.check(pairs.iter().map(StoredPair::left))?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
-    let mut player = Player::new(&args.input, &args.left);
+    let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
     let mut page = None;
     let mut failed = Vec::new();
@@ -80,9 +81,8 @@ pub fn run(args: &Args) -> Result<()> {
     let html = page.html()?;
     let mut output = OutputFiles::new();
     output.add(&args.out, html.as_bytes())?;
-    output.commit()?;
     let megabytes = html.len() as f64 / 1e6;
-    print(&format!(
+    output.commit_and_say(&format!(
         "{} of {} pairs, {} failed: wrote {} ({megabytes:.1} MB)\n",
         shown.len(),
         pairs.len(),
@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<()> {
     ))
 }
 
-fn pairs(args: &Args) -> Result<(Vec<SequencePair>, String)> {
+fn pairs(args: &Args) -> Result<(Vec<StoredPair>, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
@@ -99,20 +99,17 @@ fn pairs(args: &Args) -> Result<(Vec<SequencePair>, String)> {
     if let Some(right) = &args.right {
         let title = format!("{} and {}", name(&args.left), name(right));
         let files = PairFiles::Two([args.left.clone(), right.clone()]);
-        return Ok((vec![SequencePair { name: name(&args.left), number: None, files }], title));
+        return Ok((vec![StoredPair::alone(name(&args.left), files)], title));
+    }
+    if args.side_by_side && args.left.is_file() {
+        let title = name(&args.left);
+        return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(args.left.clone()))], title));
     }
     if !args.left.is_dir() {
         bail!("{} is no folder; give a left and a right image, or a folder", args.left.display());
     }
     let title = name(&args.left);
-    let mut pairs = Sequence::find(&args.left, args.side_by_side)?.pairs;
-    if pairs.is_empty() {
-        bail!("{} holds no pairs; see linestereo sequence --help for the layouts", args.left.display());
-    }
-    for pair in pairs.iter_mut().filter(|pair| pair.name.is_empty()) {
-        pair.name.clone_from(&title);
-    }
-    Ok((pairs, title))
+    Ok((Dataset::recording(&args.left, args.side_by_side)?.pairs, title))
 }
 
 /// Positions of at most so many frames, evenly spaced, the first and the last among them.
@@ -127,16 +124,14 @@ fn shown(frames: usize, most: usize) -> Vec<usize> {
 fn add(
     args: &Args,
     player: &mut Player<'_>,
-    pair: &SequencePair,
+    pair: &StoredPair,
     is_shown: bool,
     named: impl Fn(PageSetup) -> PageSetup,
     page: &mut Option<Page>,
 ) -> Result<()> {
-    let loaded = player.load(pair)?;
-    let (Some(setup), Some(matcher)) = (&player.setup, &mut player.matcher) else { bail!("nothing is set up") };
+    let (loaded, setup, matcher) = player.load(pair)?;
     let mut log = RejectionLog::default();
-    let times = pair.time_us().map(|time| [time; 2]);
-    let matched = matcher.run_observed(setup, &loaded, times, &mut log)?;
+    let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
     if !is_shown {
         return Ok(());
     }

@@ -3,16 +3,18 @@
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::sector_options::SectorArgs;
-use super::{engine_with, machine_for, print};
+use super::written;
+use super::{engine_with, machine_for};
 use crate::board;
 use crate::draw::{self, ColourRange};
 use crate::engine::FrameResult;
 use crate::input::rectify::PairRectifier;
-use crate::output::OutputFiles;
-use crate::results;
+use crate::input::{PairFiles, StoredPair};
+use crate::output::{OutputFiles, OutputPath};
 use crate::results::directions::Directions;
 use crate::results::health;
 use crate::results::listing::{self, Answers, Query};
+use crate::results::{self, PngMap};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Disparity, Params, Rejection};
@@ -31,8 +33,8 @@ Examples:
       with the disparity range that reaches from infinity to 0.3 m
   linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
       range and rig from a scene file, images reduced to 320 px
-  linestereo run left.png right.png --scene scene.json --ply points.ply --disparity-png d.png --pfm d.pfm
-      for other programs: geometry, disparity maps of the images as matched
+  linestereo run left.png right.png --scene scene.json --ply points.ply --depth-png depth.png --pfm d.pfm
+      for other programs: geometry, depths in mm and disparities of the images as matched
   linestereo run left.png right.png --scene scene.json --objects detections.json --json -
       the depth of every object that a detector found
   linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
@@ -46,6 +48,9 @@ Examples:
   linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
       a raw pair of a calibrated rig, rectified first; with --on the board rectifies it
       (where its memory for raw rows is too small: --raw-width)
+
+scene.json (README.md says what each key means):
+  {\"max_disparity\":64, \"rectified\":{\"focal_px\":451, \"baseline_m\":0.075}}
 
 Without --rig the pair has to be rectified: a point lies on one row in both images.
 Choose --max-disparity above focal_px * baseline_m / (nearest distance in m), or give --nearest and a rig.
@@ -93,46 +98,59 @@ JSON:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Left image, the reference: PNG, JPEG, PGM or PPM, 8 or 16 bit, grey or colour.
+    /// Left image, the reference: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour.
     left: PathBuf,
     /// Right image of the same size.
-    right: PathBuf,
-    #[command(flatten)]
-    input: InputArgs,
-    /// Write segments, points and counts as JSON; "-" is stdout.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write the segments as CSV.
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Write points and segments in metres as PLY, coloured by disparity (MeshLab, CloudCompare); needs a rig.
-    #[arg(long, value_name = "FILE.ply")]
-    ply: Option<PathBuf>,
-    /// Write the points as a disparity map of KITTI: 16-bit PNG, px * 256, 0 = none.
-    #[arg(long, value_name = "FILE.png")]
-    disparity_png: Option<PathBuf>,
-    /// Write the points as a disparity map of Middlebury: PFM, px, infinity = none.
-    #[arg(long, value_name = "FILE.pfm")]
-    pfm: Option<PathBuf>,
-    /// Draw the segments over the left image, red near to blue far, as PNG.
-    #[arg(long, value_name = "FILE.png")]
-    overlay: Option<PathBuf>,
-    /// Write the objects as CSV.
-    #[arg(long, value_name = "FILE", requires = "objects")]
-    objects_csv: Option<PathBuf>,
-    /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
-    /// image where FILE ends in .png.
-    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with = "only_objects")]
-    refine: Option<PathBuf>,
-    #[command(flatten)]
-    objects: ObjectArgs,
-    /// Say the depth of this pixel of the left image as matched; repeat it for more.
+    #[arg(required_unless_present = "side_by_side")]
+    right: Option<PathBuf>,
+    /// Both images stand side by side in the one file that is given: left | right.
+    #[arg(long, conflicts_with = "right")]
+    side_by_side: bool,
+    /// Say the depth of this pixel of the left image, in pixels of the (rectified) left image before --width, as for --objects; repeat it for more.
     #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "on")]
     query: Vec<(u16, u16)>,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7), mps2-an386 (Cortex-M4, up to 160x120), mps2-an505, mps3-an547 or
     /// riscv-virt; the others up to 320x240.
     #[arg(long, value_name = "BOARD", conflicts_with_all = ["refine", "only_objects"])]
     on: Option<String>,
+    /// Write segments, points and counts as JSON; "-" is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<OutputPath>,
+    /// Write the segments as CSV.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<OutputPath>,
+    /// Write points and segments in metres as PLY, coloured by disparity (MeshLab, CloudCompare); needs a rig.
+    #[arg(long, value_name = "FILE.ply")]
+    ply: Option<OutputPath>,
+    /// The same without the segments' lines as PCD (PCL, ROS, Open3D).
+    #[arg(long, value_name = "FILE.pcd")]
+    pcd: Option<OutputPath>,
+    /// Write the points as a depth image: 16-bit PNG, mm, 0 = none (RealSense, ROS, Open3D); needs a rig.
+    #[arg(long, value_name = "FILE.png")]
+    depth_png: Option<OutputPath>,
+    /// Write the points as a depth image: NumPy array of 32-bit floats, m, not a number = none; needs a rig.
+    #[arg(long, value_name = "FILE.npy")]
+    depth_npy: Option<OutputPath>,
+    /// Write the points as a disparity map of KITTI: 16-bit PNG, px * 256, 0 = none.
+    #[arg(long, value_name = "FILE.png")]
+    disparity_png: Option<OutputPath>,
+    /// Write the points as a disparity map of Middlebury: PFM, px, infinity = none.
+    #[arg(long, value_name = "FILE.pfm")]
+    pfm: Option<OutputPath>,
+    /// Draw the segments over the left image, red near to blue far, as PNG.
+    #[arg(long, value_name = "FILE.png")]
+    overlay: Option<OutputPath>,
+    /// Write the objects as CSV.
+    #[arg(long, value_name = "FILE", requires = "objects")]
+    objects_csv: Option<OutputPath>,
+    /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
+    /// image where FILE ends in .png.
+    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with = "only_objects")]
+    refine: Option<OutputPath>,
+    #[command(flatten)]
+    input: InputArgs,
+    #[command(flatten)]
+    objects: ObjectArgs,
     #[command(flatten)]
     sectors: SectorArgs,
 }
@@ -151,8 +169,13 @@ type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>)
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let pair = args.input.load(&args.left, &args.right)?;
-    let setup = args.input.setup(&pair)?;
+    args.objects.check([args.left.as_path()].into_iter())?;
+    let left = args.left.clone();
+    let files = args.right.clone().map_or(PairFiles::SideBySide(left.clone()), |right| PairFiles::Two([left, right]));
+    let given = StoredPair::alone(String::new(), files);
+    let known = args.input.known_of(&given)?;
+    let pair = args.input.load_as(&given.images, &known)?;
+    let setup = args.input.setup_as(&pair, &known)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
     let (left, result, cost, objects, queries) = match &args.on {
         Some(board) => {
@@ -166,7 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
-    let json = output.add_listing(args.json.as_deref(), || listing::json(left.dims, &result, &answers))?;
+    output.add_text(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
     if let Some(path) = &args.csv {
         output.add(path, listing::csv(&result).as_bytes())?;
     }
@@ -186,20 +209,16 @@ pub fn run(args: &Args) -> Result<()> {
         output.add(path, &asked.refined_file(path)?)?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
-    output.commit()?;
-    if let Some(json) = json {
-        print(&json)?;
-    } else {
-        print(&summary(left.dims, &setup.params, &result, &cost))?;
-        print(&objects.as_ref().map_or(String::new(), Asked::summary))?;
-        answers.queries.iter().flatten().try_for_each(|query| print(&query.summary()))?;
-        print(&notes)?;
-        print(&sectors.map(Directions::table).unwrap_or_default())?;
-        let Args { json, csv, objects_csv, refine, ply, disparity_png, pfm, overlay, .. } = args;
-        let SectorArgs { fan, mavlink, .. } = &args.sectors;
-        let written = [json, csv, objects_csv, refine, ply, disparity_png, pfm, overlay, fan, mavlink];
-        written.into_iter().flatten().try_for_each(|path| print(&format!("wrote {}\n", path.display())))?;
-    }
+    let mut text = summary(left.dims, &setup.params, &result, &cost);
+    text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
+    text.extend(answers.queries.iter().flatten().map(Query::summary));
+    text.push_str(&notes);
+    text.push_str(&sectors.map(Directions::table).unwrap_or_default());
+    let Args { json, csv, objects_csv, refine, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
+    let SectorArgs { fan, mavlink, .. } = &args.sectors;
+    let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
+    text.push_str(&written([json, csv, objects_csv, refine, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
+    output.commit_and_say(&text)?;
     // What else was found is written by now.
     objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
 }
@@ -208,20 +227,35 @@ pub fn run(args: &Args) -> Result<()> {
 fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &mut OutputFiles) -> Result<String> {
     let dims = setup.dims();
     let mut notes = String::new();
+    let colours = ColourRange::of(result, setup.params.max_disparity);
+    let needs = |what: &str| anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig");
     if let Some(path) = &args.ply {
-        let Some(rig) = setup.geometry() else {
-            bail!("--ply needs depths; give --focal-px and --baseline-m, --scene, or --rig");
-        };
-        let colours = ColourRange::of(result, setup.params.max_disparity);
+        let rig = setup.geometry().ok_or_else(|| needs("--ply"))?;
         output.add(path, draw::ply(result, rig, &colours).as_bytes())?;
+    }
+    if let Some(path) = &args.pcd {
+        let rig = setup.geometry().ok_or_else(|| needs("--pcd"))?;
+        output.add(path, draw::pcd(result, rig, &colours).as_bytes())?;
+    }
+    let mut note = |map: &PngMap, what: &str| {
+        if map.left_out > 0 {
+            let _ = writeln!(notes, "{} points are not in the {what}", map.left_out);
+        }
+    };
+    if let Some(path) = &args.depth_png {
+        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-png"))?;
+        let map = results::depth_png(dims, result, rig)?;
+        output.add(path, &map.png)?;
+        note(&map, "depth PNG: beyond 65.535 m");
+    }
+    if let Some(path) = &args.depth_npy {
+        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-npy"))?;
+        output.add(path, &results::depth_npy(dims, result, rig))?;
     }
     if let Some(path) = &args.disparity_png {
         let map = results::kitti_png(dims, result)?;
         output.add(path, &map.png)?;
-        if map.left_out > 0 {
-            let _ =
-                writeln!(notes, "{} points are not in the disparity PNG: below 0, or 256 px and more", map.left_out);
-        }
+        note(&map, "disparity PNG: below 0, or 256 px and more");
     }
     if let Some(path) = &args.pfm {
         output.add(path, &results::pfm(dims, result))?;
@@ -235,7 +269,7 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
     let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
-    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(&args.query)) };
+    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
 }

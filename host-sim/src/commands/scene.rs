@@ -1,6 +1,6 @@
 //! `linestereo scene`: synthetic scenes with exact truth, as folders.
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, print};
 use crate::scene::{self, Kind, Sensor};
 use anyhow::Context;
 use linestereo::Dims;
@@ -54,7 +54,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let Some(folder) = args.folder.as_deref().filter(|_| !args.list) else {
         let line = |kind: &Kind| format!("{:<11} {}\n", kind.name(), kind.summary());
-        return super::print(&Kind::ALL.iter().map(line).collect::<String>());
+        return print(&Kind::ALL.iter().map(line).collect::<String>());
     };
     if args.kind == "all" {
         for kind in Kind::ALL {
@@ -79,8 +79,7 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
     for (name, contents) in files {
         output.add(&folder.join(name), &contents)?;
     }
-    output.commit()?;
-    super::print(&format!("{}: {}\n", kind.name(), folder.display()))
+    output.commit_and_say(&format!("{}: {}\n", kind.name(), folder.display()))
 }
 
 /// Width and height of an image that the core takes.

@@ -2,12 +2,12 @@
 
 use super::input::Setup;
 use crate::engine::FrameResult;
+use crate::output::OutputPath;
 use crate::results::directions::Directions;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use linestereo::obstacles::{ObstacleError, ObstacleParams};
 use linestereo_mavlink::Policy;
-use std::path::PathBuf;
 
 /// What an autopilot would be told.
 #[derive(Debug, Default, clap::Args)]
@@ -27,10 +27,10 @@ pub(super) struct SectorArgs {
     camera_yaw: Option<f32>,
     /// Draw the sectors from above, as PNG.
     #[arg(long, value_name = "FILE.png")]
-    pub(super) fan: Option<PathBuf>,
+    pub(super) fan: Option<OutputPath>,
     /// Write what an autopilot is told: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
     #[arg(long, value_name = "FILE")]
-    pub(super) mavlink: Option<PathBuf>,
+    pub(super) mavlink: Option<OutputPath>,
     /// What it is told of a pair that is not fit to be used: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
     pub(super) policy: PolicyName,

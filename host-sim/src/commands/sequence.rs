@@ -1,19 +1,21 @@
 //! `linestereo sequence`: a recorded sequence, a line of JSON per frame.
 
-use super::input::{InputArgs, Matcher, Pair, Setup};
+use super::asked_for;
+use super::input::{InputArgs, Known, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::pairs::named_bar;
-use super::print;
 use crate::draw;
 use crate::engine::FrameResult;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
-use crate::input::{PairFiles, Sequence, SequencePair, halves, load_gray};
-use crate::output::{LineFile, OutputFiles};
-use crate::results::listing;
+use crate::input::{Dataset, SceneInfo, StoredPair};
+use crate::interruption::{self, Interrupted};
+use crate::output::{LineFile, OutputFiles, OutputPath, is_quiet, print, say, spare};
+use crate::results::{health, listing};
 use crate::statistics::upper_median;
 use anyhow::{Result, bail};
 use linestereo::{Dims, Disparity};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -23,14 +25,16 @@ Examples:
       EuRoC's folders, rectified first; lines on stdout
 
 Nearest obstacle against surveyed distances, where nobody knows f*B: taken from one sequence, applied to the other
-  linestereo sequence take1 --truth take1/frames.csv --truth-radius-m 0.25 --no-points --out take1.jsonl
-      prints the f*B that fits
-  linestereo sequence take18 --fb 5.9 --truth take18/frames.csv --plot nearest.png --no-points --out take18.jsonl
-      prints errors and missed frames, and draws them
+  linestereo sequence take1 --truth take1/frames.csv --truth-radius-m 0.25 --plot nearest.png --out take1.jsonl
+      prints the f*B that fits, errors with it and missed frames, and draws them
+      with --fb or a rig those are taken, and the errors are of nothing that was fitted
 
-Layouts: a folder per pair (0001/left.png, 0001/right.png); 0001_left.png and 0001_right.png; left1.png and
-right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1/data/ (EuRoC) with the same names
-in both; with --side-by-side one file per pair. A scene.json in FOLDER is used unless --scene or --rig is given.
+Layouts, the same for every command: a folder per pair (0001/left.png, 0001/right.png); 0001_left.png and
+0001_right.png; left1.png and right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1/data/
+(EuRoC) with the same names in both, or with times that differ; Middlebury's and ETH3D's scenes; with --side-by-side
+one file per pair. Sides are called left and right, L and R, infra1 and infra2, cam0 and cam1, in any case.
+Range and rig are those of --scene or --rig, else of the scene.json or the data set's calibration beside a pair, else
+of the scene.json in FOLDER (linestereo run --help says what is in it).
 
 A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame that fails gives
 {\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others. Objects that cannot be read are an
@@ -44,7 +48,7 @@ pub struct Args {
     folder: PathBuf,
     /// Write the lines to this file, in place of stdout.
     #[arg(long, value_name = "FILE.jsonl")]
-    out: Option<PathBuf>,
+    out: Option<OutputPath>,
     /// Both images of a pair stand side by side in one file: left | right.
     #[arg(long)]
     side_by_side: bool,
@@ -73,40 +77,31 @@ struct TruthArgs {
     truth_radius_m: f64,
     /// Draw both distances over the sequence.
     #[arg(long, value_name = "FILE.png", requires = "truth")]
-    plot: Option<PathBuf>,
+    plot: Option<OutputPath>,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let sequence = Sequence::find(&args.folder, args.side_by_side)?;
-    let frames = chosen(&sequence, args.frames);
+    let found = Dataset::recording(&args.folder, args.side_by_side)?;
+    let frames = chosen(&found, args.frames);
     if frames.is_empty() {
-        bail!("{} holds no pairs; see --help for the layouts", args.folder.display());
+        bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), args.folder.display());
     }
+    args.objects.check(frames.iter().map(|(_, pair)| pair.left()))?;
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
-    let mut lines = args.out.as_deref().map(LineFile::new).transpose()?;
-    let mut player = Player::new(&args.input, &args.folder);
-    let (mut failed, mut skipped, mut unread, mut nearest) = (0, 0, 0, Vec::new());
+    spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
+    let out = args.out.as_ref().filter(|path| !path.is_stdout());
+    let mut lines = out.map(|path| LineFile::new(path)).transpose()?;
+    interruption::watch();
+    let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, &args.folder)?);
+    let mut tally = Tally::default();
     let progress = named_bar(frames.len());
     for &(number, pair) in &frames {
+        if interruption::requested() {
+            break;
+        }
         progress.set_message(pair.name.clone());
-        let (line, disparity) = match player.next(pair, &args.objects) {
-            Ok((dims, result, objects)) => {
-                let answers = Asked::answers(objects.as_ref());
-                if let Some(objects) = &objects {
-                    skipped += objects.skipped.objects();
-                    unread += usize::from(objects.error.is_some());
-                }
-                let line = listing::json(dims, &result.without_points(args.no_points), &answers)?;
-                (with_name(number, &pair.name, &line), nearest_disparity(&result))
-            }
-            Err(error) => {
-                failed += 1;
-                let error = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
-                (format!("{}\n", json!({"frame": number, "name": pair.name, "error": error})), None)
-            }
-        };
-        nearest.push((number, disparity));
+        let line = tally.line(number, pair, player.next(pair, &args.objects), args.no_points)?;
         match &mut lines {
             Some(file) => file.push(&line)?,
             None => print(&line)?,
@@ -114,28 +109,113 @@ pub fn run(args: &Args) -> Result<()> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let mut notes = format!("{} frames, {failed} failed, {} images without a partner\n", frames.len(), sequence.alone);
+    let mut notes = tally.summary(&found);
     if args.objects.is_given() {
-        notes.push_str(&format!("{skipped} objects skipped, {unread} frames whose objects cannot be read\n"));
+        notes.push_str(&tally.of_objects());
     }
     if let Some(surveyed) = &surveyed {
-        notes.push_str(&compare(args, player.setup.as_ref(), surveyed, &nearest)?);
+        notes.push_str(&compare(args, player.setup(), surveyed, &tally.nearest, &mut plot)?);
     }
-    match lines {
-        Some(file) => {
-            file.commit()?;
-            print(&notes)
+    // Without a line an earlier file stays.
+    lines.filter(|_| tally.frames > 0).map_or(Ok(()), LineFile::commit)?;
+    plot.commit()?;
+    if out.is_some() {
+        say(&notes)?;
+    } else if !is_quiet() {
+        eprint!("{notes}");
+    }
+    tally.outcome(frames.len(), out.map(|path| path.display().to_string()))
+}
+
+/// Counts of frames by outcome.
+#[derive(Default)]
+struct Tally {
+    frames: usize,
+    failed: usize,
+    first_error: Option<String>,
+    /// Frames with each flag of their health.
+    flagged: BTreeMap<&'static str, (usize, &'static str)>,
+    objects_skipped: usize,
+    objects_unread: usize,
+    objects_missing: usize,
+    nearest: Vec<(u64, Option<f64>)>,
+}
+
+impl Tally {
+    /// Counts a frame, and gives its line.
+    fn line(&mut self, number: u64, pair: &StoredPair, outcome: Result<Played>, no_points: bool) -> Result<String> {
+        self.frames += 1;
+        let Played { dims, result, objects } = match outcome {
+            Ok(played) => played,
+            Err(error) => {
+                self.failed += 1;
+                self.nearest.push((number, None));
+                let error = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
+                self.first_error.get_or_insert_with(|| format!("{}: {error}", pair.name));
+                return Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error})));
+            }
+        };
+        for (flag, what) in health::advice(result.health) {
+            self.flagged.entry(flag).or_insert((0, what)).0 += 1;
         }
-        None => {
-            eprint!("{notes}");
-            Ok(())
+        if let Some(objects) = &objects {
+            self.objects_skipped += objects.skipped.objects();
+            self.objects_unread += usize::from(objects.error.is_some());
+            self.objects_missing += usize::from(objects.no_file);
+        }
+        self.nearest.push((number, nearest_disparity(&result)));
+        let answers = Asked::answers(objects.as_ref());
+        let line = listing::json(dims, &result.without_points(no_points), &answers)?;
+        Ok(with_name(number, &pair.name, &line))
+    }
+
+    /// The counts in words.
+    fn summary(&self, found: &Dataset) -> String {
+        let layouts: Vec<&str> = found.layouts().into_iter().map(|(layout, _)| layout.name()).collect();
+        let (frames, failed) = (self.frames, self.failed);
+        let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
+        text.push_str(&format!("; layout: {}\n", layouts.join(", ")));
+        if let Some(error) = &self.first_error {
+            text.push_str(&format!("first failure: {error}\n"));
+        }
+        let mut flagged: Vec<_> = self.flagged.iter().collect();
+        flagged.sort_by_key(|(_, (count, _))| core::cmp::Reverse(*count));
+        let line =
+            |(flag, (count, what)): (&&str, &(usize, &str))| format!("health: {flag} in {count} frames: {what}\n");
+        text.extend(flagged.into_iter().map(line));
+        if self.flagged.contains_key("skew") {
+            text.push_str("what is captured apart is matched with --max-skew-ms: right for what stands still\n");
+        }
+        text
+    }
+
+    fn of_objects(&self) -> String {
+        let mut text = format!(
+            "{} objects skipped, {} frames whose objects cannot be read",
+            self.objects_skipped, self.objects_unread
+        );
+        if self.objects_missing > 0 {
+            text.push_str(&format!(", {} frames without a file of objects", self.objects_missing));
+        }
+        text + "\n"
+    }
+
+    /// Was anything matched, and everything that was asked for?
+    fn outcome(&self, wanted: usize, out: Option<String>) -> Result<()> {
+        if self.frames < wanted {
+            let kept = out.map_or(String::new(), |path| format!("; their lines are in {path}"));
+            return Err(Interrupted(format!("after {} of {wanted} frames{kept}", self.frames)).into());
+        }
+        match &self.first_error {
+            Some(error) if self.failed == self.frames => bail!("no frame can be matched; {error}"),
+            _ => Ok(()),
         }
     }
 }
 
 /// Pairs in the range, each with its number.
-fn chosen(sequence: &Sequence, range: Option<(u64, u64)>) -> Vec<(u64, &SequencePair)> {
-    let numbered = sequence.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
+fn chosen(found: &Dataset, range: Option<(u64, u64)>) -> Vec<(u64, &StoredPair)> {
+    let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
     numbered.filter(|(number, _)| range.is_none_or(|(first, last)| (first..=last).contains(number))).collect()
 }
 
@@ -147,48 +227,56 @@ fn parse_range(text: &str) -> Result<(u64, u64), String> {
 /// Pairs of a folder, matched one after the other.
 pub(super) struct Player<'a> {
     args: &'a InputArgs,
-    scene: Option<PathBuf>,
-    pub(super) setup: Option<Setup<'a>>,
-    pub(super) matcher: Option<Matcher>,
+    /// The folder's scene.json, for pairs that have none of their own.
+    scene: Known,
+    /// Knowledge of the pairs at hand, with their set-up and matcher.
+    at_hand: Option<(Known, Setup<'a>, Matcher)>,
+}
+
+/// A pair that was matched.
+struct Played {
+    dims: Dims,
+    result: FrameResult,
+    objects: Option<Asked>,
 }
 
 impl<'a> Player<'a> {
-    pub(super) fn new(args: &'a InputArgs, folder: &Path) -> Self {
-        let scene =
-            Some(folder.join("scene.json")).filter(|path| path.is_file() && !args.has_scene() && !args.is_raw());
-        Self { args, scene, setup: None, matcher: None }
+    pub(super) fn new(args: &'a InputArgs, folder: &Path) -> Result<Self> {
+        let path = folder.join("scene.json");
+        let scene = if path.is_file() { Known::Scene(path.clone(), SceneInfo::load(&path)?) } else { Known::Nothing };
+        Ok(Self { args, scene, at_hand: None })
     }
 
-    /// Loads a pair and, the first time, sets up what it is matched with.
-    pub(super) fn load(&mut self, pair: &SequencePair) -> Result<Pair> {
-        let loaded = match &pair.files {
-            PairFiles::Two([left, right]) => self.args.load(left, right)?,
-            PairFiles::SideBySide(path) => {
-                let [left, right] = halves(&load_gray(path)?);
-                self.args.checked((path, left), (path, right))?
-            }
-        };
-        if self.setup.is_none() {
-            let setup = match &self.scene {
-                Some(scene) => self.args.setup_with(&loaded, Some(scene))?,
-                None => self.args.setup(&loaded)?,
-            };
-            self.matcher = Some(Matcher::new(&setup)?);
-            self.setup = Some(setup);
+    /// Set-up of the last pair.
+    pub(super) fn setup(&self) -> Option<&Setup<'a>> {
+        self.at_hand.as_ref().map(|(_, setup, _)| setup)
+    }
+
+    /// Loads a pair and, where it is the first one or of another rig than the one before, sets up what it is matched with.
+    pub(super) fn load(&mut self, pair: &StoredPair) -> Result<(Pair, &Setup<'a>, &mut Matcher)> {
+        let mut known = self.args.known_of(pair)?;
+        if matches!(known, Known::Nothing) {
+            known = self.scene.clone();
         }
-        Ok(loaded)
+        let loaded = self.args.load_as(&pair.images, &known)?;
+        let is_set_up = self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
+        if !is_set_up {
+            let setup = self.args.setup_as(&loaded, &known)?;
+            let matcher = Matcher::new(&setup)?;
+            self.at_hand = Some((known, setup, matcher));
+        }
+        let Some((_, setup, matcher)) = &mut self.at_hand else { bail!("nothing is set up") };
+        Ok((loaded, setup, matcher))
     }
 
-    fn next(&mut self, pair: &SequencePair, asked: &ObjectArgs) -> Result<(Dims, FrameResult, Option<Asked>)> {
-        let loaded = self.load(pair)?;
-        let (Some(setup), Some(matcher)) = (&self.setup, &mut self.matcher) else { bail!("nothing is set up") };
-        let times = pair.time_us().map(|time| [time; 2]);
+    fn next(&mut self, pair: &StoredPair, asked: &ObjectArgs) -> Result<Played> {
+        let (loaded, setup, matcher) = self.load(pair)?;
         if matcher.engine.knows_rows() {
             matcher.engine.focus(asked.areas(setup, pair.left()));
         }
-        let result = matcher.run(setup, &loaded, times)?.result;
+        let result = matcher.run(setup, &loaded, pair.images.times_us())?.result;
         let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
-        Ok((setup.dims(), result, objects))
+        Ok(Played { dims: setup.dims(), result, objects })
     }
 }
 
@@ -204,6 +292,7 @@ fn compare(
     setup: Option<&Setup<'_>>,
     surveyed: &Surveyed,
     nearest: &[(u64, Option<f64>)],
+    plot: &mut OutputFiles,
 ) -> Result<String> {
     let known = nearest.iter().filter_map(|(number, disparity)| {
         let distance = surveyed.get(number)? - args.truth.truth_radius_m;
@@ -225,9 +314,7 @@ fn compare(
         format!("f*B that fits: {fb:.3} px*m{}\n", if rig.is_none() { ", used here" } else { ", not used" })
     });
     if let Some(path) = &args.truth.plot {
-        let mut output = OutputFiles::new();
-        output.add(path, &draw::png(&draw::nearest(&summary.to_string(), &frames))?)?;
-        output.commit()?;
+        plot.add(path, &draw::png(&draw::nearest(&summary.to_string(), &frames))?)?;
     }
     Ok(format!("{fitted}{summary}\n"))
 }

@@ -11,9 +11,9 @@ mod legend;
 mod maps;
 mod nearest;
 mod plan;
-mod ply;
 mod rows;
 mod sheet;
+mod space;
 mod text;
 
 pub use calibration::calibration;
@@ -22,7 +22,7 @@ pub use fan::fan;
 pub use maps::{SceneMaps, maps};
 pub use nearest::nearest;
 pub use plan::plan;
-pub use ply::ply;
+pub use space::{pcd, ply};
 
 use crate::engine::FrameResult;
 use colour::Range;

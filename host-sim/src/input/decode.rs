@@ -1,36 +1,93 @@
 //! Image files to 8-bit grey.
 //!
-//! In: PNG, JPEG, PGM or PPM, 8 or 16 bit, grey or colour. Out: [`GrayImage`], or the raw values of a ground-truth file.
-//! Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is), transparency is ignored, 16 bits
-//! become 8 by `round(v / 257)`.
+//! In: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour, turned as EXIF says. Out: [`GrayImage`], or the raw values of a
+//! ground-truth file. Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is), transparency is ignored.
+//!
+//! 16 bits become 8 by `round(v / 257)`. Sensors of 10 and 12 bits store their values as they are: where all values of a pair lie below 1024 or
+//! 4096, that is white. Both images of a pair have one scale: [`load_images`].
 
 use super::error::FrameError;
-use image::{DynamicImage, ImageDecoder, ImageReader};
+use super::resample::halves;
+use super::sequence::PairFiles;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use linestereo::Dims;
 use linestereo::image::ViewError;
 use linestereo_baselines::GrayImage;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
 const MAX_SATURATED_PERCENT: f64 = 95.0;
+/// Bits of sensors whose values are stored in 16.
+const SENSOR_BITS: [u32; 2] = [10, 12];
+/// Markers of a JPEG.
+const END_OF_IMAGE: u8 = 0xd9;
+const TEMPORARY: u8 = 0x01;
 
 /// Reads an image file as 8-bit grey. The core's limits of size do not apply yet.
 pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
-    let image = decode(path)?;
-    let dims = dims_of(path, &image)?;
-    let pixels = match image.color() {
-        image::ColorType::L8 | image::ColorType::La8 => image.into_luma8().into_raw(),
-        image::ColorType::L16 | image::ColorType::La16 => {
-            image.into_luma16().into_raw().into_iter().map(to_8_bit).collect()
+    let stored = StoredGray::load(path)?;
+    let bits = stored.bits();
+    Ok(stored.into_8_bit(bits))
+}
+
+/// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value in both.
+pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
+    match files {
+        PairFiles::Two([left, right]) => {
+            let stored = [StoredGray::load(left)?, StoredGray::load(right)?];
+            let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
+            Ok(stored.map(|stored| stored.into_8_bit(bits)))
         }
-        image::ColorType::Rgb16 | image::ColorType::Rgba16 => {
-            image.into_rgb16().pixels().map(|rgb| to_8_bit(luma(rgb.0.map(u32::from)))).collect()
+        PairFiles::SideBySide(both) => {
+            let stored = StoredGray::load(both)?;
+            let bits = bits.unwrap_or_else(|| stored.bits());
+            Ok(halves(&stored.into_8_bit(bits)))
         }
-        _ => image.into_rgb8().pixels().map(|rgb| luma(rgb.0.map(u32::from)) as u8).collect(),
-    };
-    Ok(GrayImage { dims, pixels })
+    }
+}
+
+/// Grey values as a file has them.
+struct StoredGray {
+    dims: Dims,
+    values: Values,
+}
+
+enum Values {
+    Eight(Vec<u8>),
+    Sixteen(Vec<u16>),
+}
+
+impl StoredGray {
+    fn load(path: &Path) -> Result<Self, FrameError> {
+        let image = decode(path)?;
+        let dims = dims_of(path, &image)?;
+        let values = match image.color() {
+            image::ColorType::L8 | image::ColorType::La8 => Values::Eight(image.into_luma8().into_raw()),
+            image::ColorType::L16 | image::ColorType::La16 => Values::Sixteen(image.into_luma16().into_raw()),
+            image::ColorType::Rgb16 | image::ColorType::Rgba16 => {
+                Values::Sixteen(image.into_rgb16().pixels().map(|rgb| luma(rgb.0.map(u32::from))).collect())
+            }
+            _ => Values::Eight(image.into_rgb8().pixels().map(|rgb| luma(rgb.0.map(u32::from)) as u8).collect()),
+        };
+        Ok(Self { dims, values })
+    }
+
+    /// Bits of a value, told from the largest one.
+    fn bits(&self) -> u32 {
+        let Values::Sixteen(values) = &self.values else { return 8 };
+        let largest = values.iter().copied().max().unwrap_or(0);
+        SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
+    }
+
+    fn into_8_bit(self, bits: u32) -> GrayImage {
+        let pixels = match self.values {
+            Values::Eight(pixels) => pixels,
+            Values::Sixteen(values) => values.into_iter().map(|value| to_8_bit(value, bits)).collect(),
+        };
+        GrayImage { dims: self.dims, pixels }
+    }
 }
 
 /// Reads a file of plain numbers (disparities, masks): grey values as stored, 8 or 16 bit.
@@ -96,12 +153,49 @@ pub fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
 }
 
 fn decode(path: &Path) -> Result<DynamicImage, FrameError> {
-    open(path)?.decode().map_err(|error| match error {
+    let reader = open(path)?;
+    if reader.format() == Some(ImageFormat::Jpeg) {
+        let bytes = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        if !is_whole_jpeg(&bytes) {
+            return Err(FrameError::Decode(path.to_path_buf(), "a JPEG that ends too early".to_owned()));
+        }
+    }
+    let decoded = || {
+        let mut decoder = reader.into_decoder()?;
+        let orientation = decoder.orientation()?;
+        let mut image = DynamicImage::from_decoder(decoder)?;
+        image.apply_orientation(orientation);
+        Ok(image)
+    };
+    decoded().map_err(|error: image::ImageError| match error {
         image::ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
             FrameError::Read(path.to_path_buf(), error)
         }
         other => FrameError::Decode(path.to_path_buf(), other.to_string()),
     })
+}
+
+/// The end marker stands where it has to; decoders fill up with grey what is missing.
+fn is_whole_jpeg(bytes: &[u8]) -> bool {
+    let mut at = 2; // behind the start marker
+    loop {
+        // Up to the next marker: over fill bytes, and over the coded values behind a start of scan.
+        let Some(next) = bytes.get(at..).and_then(|rest| rest.windows(2).position(is_marker)) else { return false };
+        at += next + 2;
+        match bytes[at - 1] {
+            END_OF_IMAGE => return true,
+            TEMPORARY => {}
+            _ => match bytes.get(at..at + 2) {
+                Some(length) => at += usize::from(u16::from_be_bytes([length[0], length[1]])),
+                None => return false,
+            },
+        }
+    }
+}
+
+/// A marker that ends coded values: neither a stuffed byte nor a restart.
+fn is_marker(pair: &[u8]) -> bool {
+    pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff)
 }
 
 fn open(path: &Path) -> Result<ImageReader<BufReader<File>>, FrameError> {
@@ -124,8 +218,10 @@ fn luma([red, green, blue]: [u32; 3]) -> u16 {
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u16
 }
 
-fn to_8_bit(value: u16) -> u8 {
-    ((u32::from(value) + 128) / 257) as u8
+/// A value of so many bits, 8 to 16; larger ones are white.
+fn to_8_bit(value: u16, bits: u32) -> u8 {
+    let white = (1_u32 << bits) - 1;
+    ((u32::from(value).min(white) * 255 + white / 2) / white) as u8
 }
 
 #[cfg(test)]
@@ -143,7 +239,7 @@ mod tests {
     #[test]
     fn sixteen_bits_are_rounded_to_eight() {
         for value in 0..=u16::MAX {
-            assert_eq!(f64::from(to_8_bit(value)), (f64::from(value) / 257.0).round(), "{value}");
+            assert_eq!(f64::from(to_8_bit(value, 16)), (f64::from(value) / 257.0).round(), "{value}");
         }
         let image = ImageBuffer::<Luma<u16>, _>::from_raw(3, 1, vec![0, 32_896, 65_535]).unwrap();
         for name in ["grey.png", "grey.pgm"] {

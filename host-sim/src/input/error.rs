@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub enum FrameError {
     /// The file cannot be read.
     Read(PathBuf, io::Error),
-    /// The file is not a PNG, JPEG or PNM image, or it is damaged.
+    /// The file is no image of a format that is read, or it is damaged.
     Decode(PathBuf, String),
     /// A file of disparities or a mask is not grey.
     ColouredTruth(PathBuf),
@@ -60,7 +60,11 @@ impl fmt::Display for FrameError {
         match self {
             Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
             Self::Decode(path, what) => {
-                write!(f, "{} is not a readable image ({what}); give a PNG, JPEG, PGM or PPM file", path.display())
+                write!(
+                    f,
+                    "{} is not a readable image ({what}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file",
+                    path.display()
+                )
             }
             Self::ColouredTruth(path) => {
                 write!(f, "{} is coloured; ground truth and masks are 8 or 16-bit grey", path.display())

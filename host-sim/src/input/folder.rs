@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Endings of images that are read, in the order in which they are looked for.
-pub(super) const IMAGE_EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+pub(super) const IMAGE_EXTENSIONS: [&str; 10] =
+    ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
 
 /// Every folder at or below `root` that holds a `scene.json`, sorted.
 pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
@@ -20,26 +21,6 @@ pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
                 pending.push(path);
             } else if path.file_name().is_some_and(|name| name == "scene.json") {
                 found.push(folder.clone());
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-/// Every folder at or below `root` that holds a left and a right image, sorted, with the paths of both.
-pub fn find_pairs(root: &Path) -> Result<Vec<(PathBuf, [PathBuf; 2])>, FrameError> {
-    let mut found = Vec::new();
-    let mut pending = vec![root.to_path_buf()];
-    while let Some(folder) = pending.pop() {
-        if let (Some(left), Some(right)) = (image_path(&folder, "left"), image_path(&folder, "right")) {
-            found.push((folder.clone(), [left, right]));
-        }
-        let read_error = |error| FrameError::Read(folder.clone(), error);
-        for entry in fs::read_dir(&folder).map_err(read_error)? {
-            let path = entry.map_err(read_error)?.path();
-            if path.is_dir() {
-                pending.push(path);
             }
         }
     }
@@ -92,6 +73,11 @@ impl Listing {
 
     pub(super) fn has_folder(&self, folder: &str) -> bool {
         self.folders.contains(folder)
+    }
+
+    /// The folder of this name, however it is spelt.
+    pub(super) fn folder_in_any_case(&self, folder: &str) -> Option<&str> {
+        self.folders.iter().find(|name| name.eq_ignore_ascii_case(folder)).map(String::as_str)
     }
 
     pub(super) fn file(&self, name: &str) -> Option<PathBuf> {

@@ -59,6 +59,16 @@ fn spans(from: u16, to: u16) -> Vec<Vec<(usize, u64)>> {
         .collect()
 }
 
+/// Left and right half; a column in the middle belongs to neither.
+#[must_use]
+pub fn halves(image: &GrayImage) -> [GrayImage; 2] {
+    let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
+    [0, width - half].map(|from| GrayImage {
+        dims: Dims { width: half as u16, height: image.dims.height },
+        pixels: image.pixels.chunks_exact(width).flat_map(|row| &row[from..from + half]).copied().collect(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

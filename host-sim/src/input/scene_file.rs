@@ -1,101 +1,15 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
-//! `scene.json` needs nothing; it may hold `scene` (a name), `max_disparity`, `disparity_zero_px`, `ground_truth` (`file`, `disparity_scale`: disparity in
-//! px = stored value / scale, 0 = unknown; PFM, NPY and NPZ too, where infinite is unknown and 0 is not) and `rectified` (`focal_px`, `baseline_m`, `disparity_offset_px`, `principal_point_px`,
-//! `left_valid_normalized`: left, top, right, bottom border of the left image's content as shares of its sides). What is visible in
-//! the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth itself.
+//! What is visible in the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from the truth
+//! itself.
 
 use super::error::FrameError;
 use super::folder::{folder_name, image_path};
 use super::layout::Layout;
+use super::scene_info::SceneInfo;
 use super::sequence::PairFiles;
 use super::stored::{Scale, Scene, StoredPair, StoredRig, StoredTruth, Visibility};
-use linestereo::{Dims, Rig, Span};
-use linestereo_wire::RigUpdate;
-use serde::Deserialize;
-use std::fs;
 use std::path::Path;
-
-/// Content of `scene.json`; fields it does not have are `None`.
-#[derive(Clone, Debug, Default, Deserialize)]
-pub struct SceneInfo {
-    /// Name of the scene.
-    pub scene: Option<String>,
-    /// Disparities to search, 0 .. this, in px.
-    pub max_disparity: Option<f64>,
-    /// Disparity of what is infinitely far, in px of the images as stored: what cameras that do not look in the same direction have.
-    #[serde(default)]
-    pub disparity_zero_px: f64,
-    ground_truth: Option<GroundTruthInfo>,
-    rectified: Option<RectifiedInfo>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct GroundTruthInfo {
-    file: Option<String>,
-    disparity_scale: f32,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct RectifiedInfo {
-    focal_px: f64,
-    baseline_m: f64,
-    #[serde(default)]
-    disparity_offset_px: f64,
-    principal_point_px: Option<[f64; 2]>,
-    left_valid_normalized: Option<[f64; 4]>,
-}
-
-impl SceneInfo {
-    /// Reads a `scene.json`.
-    pub fn load(path: &Path) -> Result<Self, FrameError> {
-        let text = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
-        serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
-    }
-
-    /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
-    pub fn rig(&self, path: &Path, scale: f64) -> Result<Option<Rig>, FrameError> {
-        let Some(numbers) = self.rig_numbers(scale) else { return Ok(None) };
-        numbers.rig().map(Some).map_err(|error| FrameError::Rig(path.to_path_buf(), error))
-    }
-
-    /// Of each row of a left image of this size the pixels with content; `None` when all have.
-    #[must_use]
-    pub fn left_content(&self, dims: Dims) -> Option<Vec<Span>> {
-        let [left, top, right, bottom] = self.rectified.as_ref()?.left_valid_normalized?;
-        let [width, height] = [dims.width, dims.height].map(f64::from);
-        let within = |value: f64, side: f64| value.clamp(0.0, side) as u16;
-        let span = Span {
-            start: within((left * width).ceil(), width),
-            end: within((right * width).floor(), width).max(within((left * width).ceil(), width)),
-        };
-        let rows = within((top * height).ceil(), height)..within((bottom * height).floor(), height);
-        Some((0..dims.height).map(|y| if rows.contains(&y) { span } else { Span::default() }).collect())
-    }
-
-    /// Principal point of the left image reduced by `scale`, px.
-    #[must_use]
-    pub fn principal_point(&self, scale: f64) -> Option<[f64; 2]> {
-        let stored = self.rectified.as_ref()?.principal_point_px?;
-        Some(stored.map(|value| (value + 0.5) * scale - 0.5))
-    }
-
-    /// Stored ground truth values per px, where the file says so.
-    pub(super) fn disparity_scale(&self) -> Option<f32> {
-        let scale = self.ground_truth.as_ref()?.disparity_scale;
-        (scale.is_finite() && scale > 0.0).then_some(scale)
-    }
-
-    /// The numbers behind [`SceneInfo::rig`], for a board.
-    #[must_use]
-    pub fn rig_numbers(&self, scale: f64) -> Option<RigUpdate> {
-        self.rectified.as_ref().map(|rectified| RigUpdate {
-            focal_px: rectified.focal_px * scale,
-            baseline_m: rectified.baseline_m,
-            offset_px: rectified.disparity_offset_px * scale,
-        })
-    }
-}
 
 /// The folder's `scene.json` names ground truth.
 pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
@@ -116,6 +30,7 @@ pub(super) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let rig = info.rig_numbers(1.0);
     Ok(StoredPair {
         name: info.scene.clone().unwrap_or_else(|| folder_name(folder)),
+        number: None,
         layout: Layout::SceneJson,
         folder: folder.to_path_buf(),
         images: PairFiles::Two([image("left")?, image("right")?]),
@@ -149,6 +64,8 @@ fn stored_truth(folder: &Path, info: &SceneInfo) -> Result<Option<StoredTruth>, 
 mod tests {
     use super::*;
     use crate::input::find_scenes;
+    use linestereo::Rig;
+    use std::fs;
 
     #[test]
     fn a_folder_is_read_with_rig_truth_and_visibility() {

@@ -1,31 +1,32 @@
-//! Recorded sequences: a folder -> its pairs in the order in which they were captured.
+//! Frames of one folder: which files are pairs, by their names.
 //!
 //! ```text
-//! 0001/left.png, 0001/right.png, 0002/..      a folder per pair
 //! 0001_left.png, 0001_right.png, ..           a number and the side, or the side and a number (left_0001.png, left1.png)
-//! left/0001.png, right/0001.png, ..           a folder per camera: left and right, image_0 and image_1 (KITTI: image_2 and image_3),
+//! left/0001.png, right/0001.png, ..           a folder per camera
 //! cam0/data/140...png, cam1/data/140...png    EuRoC, also below mav0; the number is the time in ns
 //! 0001.png, 0002.png, ..                      both images side by side, where that is asked for
 //! ```
 //!
-//! Pairs are ordered by their numbers, then by name. An image without a partner is counted.
+//! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`]. Where the names in two folders are times that
+//! differ, pairs are those that are nearest to each other. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
-use super::folder::{IMAGE_EXTENSIONS, find_pairs};
+use super::folder::{IMAGE_EXTENSIONS, Listing};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const CAMERA_FOLDERS: [[&str; 2]; 6] = [
-    ["left", "right"],
-    ["image_0", "image_1"],
-    ["image_2", "image_3"],
-    ["image_02/data", "image_03/data"],
-    ["cam0/data", "cam1/data"],
-    ["mav0/cam0/data", "mav0/cam1/data"],
-];
-/// Numbers of EuRoC's files are times in ns: none of a frame counter is as long.
-const LEAST_TIME_DIGITS: usize = 16;
+/// Names of the left and the right camera in names of files and folders.
+pub(crate) const SIDES: [[&str; 2]; 6] =
+    [["left", "right"], ["l", "r"], ["infra1", "infra2"], ["cam0", "cam1"], ["camera0", "camera1"], ["ir1", "ir2"]];
+/// Folders whose names are taken as they are: KITTI's, of benchmarks and of recordings.
+const CAMERA_FOLDERS: [[&str; 2]; 4] =
+    [["image_0", "image_1"], ["image_2", "image_3"], ["image_00", "image_01"], ["image_02", "image_03"]];
+/// Names of the two images of a single pair, besides those with a side in them: Middlebury's.
+const SINGLE: [[&str; 2]; 3] = [["im0", "im1"], ["im2", "im6"], ["view1", "view5"]];
+/// Numbers with so many digits are times in us, with three more in ns: none of a frame counter is as long.
+const LEAST_US_DIGITS: usize = 15;
+const LEAST_NS_DIGITS: usize = 18;
 
 /// How a pair is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,80 +37,101 @@ pub enum PairFiles {
     SideBySide(PathBuf),
 }
 
-/// A pair of a sequence.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SequencePair {
-    /// Name of its files or its folder, without the side.
-    pub name: String,
-    /// The number in the name.
-    pub number: Option<u64>,
-    /// Where its images are.
-    pub files: PairFiles,
-}
-
-impl SequencePair {
-    /// The file with the left image.
+impl PairFiles {
+    /// The files, left first: of both views in one file that one twice.
     #[must_use]
-    pub fn left(&self) -> &Path {
-        match &self.files {
-            PairFiles::Two([left, _]) | PairFiles::SideBySide(left) => left,
+    pub fn paths(&self) -> [&Path; 2] {
+        match self {
+            Self::Two([left, right]) => [left, right],
+            Self::SideBySide(both) => [both, both],
         }
     }
 
-    /// When it was captured, where the name says so (EuRoC).
+    /// When the images were captured, where both names say so.
     #[must_use]
-    pub fn time_us(&self) -> Option<u64> {
-        let digits = self.name.bytes().filter(u8::is_ascii_digit).count();
-        self.number.filter(|_| digits >= LEAST_TIME_DIGITS && digits == self.name.len()).map(|ns| ns / 1000)
+    pub fn times_us(&self) -> Option<[u64; 2]> {
+        let [left, right] = self.paths().map(|path| time_us(&stem(path)));
+        Some([left?, right?])
     }
 }
 
-/// A folder of pairs.
+/// A pair of a folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct SequencePair {
+    /// Name of its files without the side; empty for the only pair of a folder.
+    pub(super) name: String,
+    /// Paths of its images.
+    pub(super) files: PairFiles,
+}
+
+/// The pairs of a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Sequence {
+pub(super) struct Sequence {
     /// In the order of their numbers, then of their names.
-    pub pairs: Vec<SequencePair>,
+    pub(super) pairs: Vec<SequencePair>,
     /// Images without a partner.
-    pub alone: usize,
+    pub(super) alone: usize,
 }
 
 impl Sequence {
-    /// Finds the pairs of a folder; a folder without any is no error.
-    pub fn find(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
-        if side_by_side {
-            let pairs = images(root)?.into_iter().map(|path| pair(&stem(&path), PairFiles::SideBySide(path)));
-            return Ok(Self { pairs: pairs.collect(), alone: 0 }.sorted());
-        }
-        match Self::here(root)? {
-            (none, false) if none.pairs.is_empty() => {
-                Ok(Self { alone: none.alone, ..folders_of_pairs(root)? }.sorted())
-            }
-            (found, _) => Ok(found),
-        }
+    /// Every image of this folder, as one that holds both views.
+    pub(super) fn side_by_side(root: &Path) -> Result<Self, FrameError> {
+        let pair = |path: PathBuf| SequencePair { name: stem(&path), files: PairFiles::SideBySide(path) };
+        Ok(Self { pairs: images(root)?.into_iter().map(pair).collect(), alone: 0 }.sorted())
     }
 
     /// The pairs of this folder itself, and whether each camera has a folder.
-    pub(super) fn here(root: &Path) -> Result<(Self, bool), FrameError> {
-        let camera_folders = CAMERA_FOLDERS.map(|names| names.map(|name| root.join(name)));
-        Ok(match camera_folders.iter().find(|folders| folders.iter().all(|folder| folder.is_dir())) {
-            Some([left, right]) => (by_name(images(left)?, images(right)?).sorted(), true),
-            None => (by_side(images(root)?).sorted(), false),
-        })
+    pub(super) fn here(folder: &Listing) -> Result<(Self, bool), FrameError> {
+        if let Some([left, right]) = camera_folders(folder)? {
+            return Ok((by_name(images(&left)?, images(&right)?).sorted(), true));
+        }
+        Ok((by_side(images(&folder.path)?).sorted(), false))
     }
 
     fn sorted(mut self) -> Self {
-        self.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
+        self.pairs.sort_by(|a, b| (number(&a.name), &a.name).cmp(&(number(&b.name), &b.name)));
         self
     }
 }
 
-fn pair(name: &str, files: PairFiles) -> SequencePair {
-    SequencePair { name: name.to_owned(), number: number(name), files }
+/// The last number in a name.
+pub(super) fn number(name: &str) -> Option<u64> {
+    name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
 }
 
-/// The last number in a name.
-fn number(name: &str) -> Option<u64> {
-    name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
+fn time_us(name: &str) -> Option<u64> {
+    let is_number = name.bytes().all(|byte| byte.is_ascii_digit());
+    let number = || name.parse::<u64>().ok();
+    match name.len() {
+        _ if !is_number => None,
+        LEAST_NS_DIGITS.. => Some(number()? / 1000),
+        LEAST_US_DIGITS.. => number(),
+        _ => None,
+    }
+}
+
+/// The folders of both cameras in this one, or in `mav0`; of those that have one, their `data`.
+fn camera_folders(folder: &Listing) -> Result<Option<[PathBuf; 2]>, FrameError> {
+    let exact = |[left, right]: &[&str; 2]| Some([folder.folder_in_any_case(left)?, folder.folder_in_any_case(right)?]);
+    let sided = |[left, right]: &[&'static str; 2]| {
+        folder.folders.iter().find_map(|name| {
+            let rest = without_side(name, left)?;
+            let partner = |other: &&String| without_side(other, right).as_ref() == Some(&rest);
+            Some([name.as_str(), folder.folders.iter().find(partner)?])
+        })
+    };
+    let found = CAMERA_FOLDERS.iter().find_map(exact).or_else(|| SIDES.iter().find_map(sided));
+    if found.is_none()
+        && let Some(inner) = folder.below("mav0")?
+    {
+        return camera_folders(&inner);
+    }
+    Ok(found.map(|names| {
+        names.map(|name| {
+            let (camera, data) = (folder.path.join(name), folder.path.join(name).join("data"));
+            if data.is_dir() { data } else { camera }
+        })
+    }))
 }
 
 fn images(folder: &Path) -> Result<Vec<PathBuf>, FrameError> {
@@ -131,57 +153,75 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Files of one name in two folders.
+/// Files of one name in two folders; where names are times, those nearest to each other as well.
 fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
-    matched(left.into_iter().map(|path| (stem(&path), path)), right.into_iter().map(|path| (stem(&path), path)))
-}
-
-/// Files whose names differ by the side alone.
-fn by_side(images: Vec<PathBuf>) -> Sequence {
-    let sided = |side: &'static str| {
-        let images = images.iter();
-        images.filter_map(move |path| Some((without_side(&stem(path), side)?, path.clone()))).collect::<Vec<_>>()
-    };
-    matched(sided("left").into_iter(), sided("right").into_iter())
-}
-
-/// `0001_left` and `left0001` without `left`; `None` for other names.
-fn without_side(name: &str, side: &str) -> Option<String> {
-    let is_mark = |c: char| !c.is_ascii_alphanumeric();
-    if let Some(rest) = name.strip_suffix(side) {
-        return rest
-            .chars()
-            .next_back()
-            .is_none_or(|c| is_mark(c) || c.is_ascii_digit())
-            .then(|| rest.trim_end_matches(is_mark).to_owned());
+    let named = |paths: Vec<PathBuf>| paths.into_iter().map(|path| (stem(&path), path)).collect();
+    let (mut sequence, [left, right]) = matched(named(left), named(right));
+    if !sequence.pairs.is_empty() {
+        return sequence; // names are equal, and some images are lost
     }
-    let rest = name.strip_prefix(side)?;
-    rest.chars()
-        .next()
-        .is_none_or(|c| is_mark(c) || c.is_ascii_digit())
-        .then(|| rest.trim_start_matches(is_mark).to_owned())
-}
-
-fn matched(left: impl Iterator<Item = (String, PathBuf)>, right: impl Iterator<Item = (String, PathBuf)>) -> Sequence {
-    let mut right: BTreeMap<String, PathBuf> = right.collect();
-    let mut sequence = Sequence::default();
-    for (name, left) in left {
-        match right.remove(&name) {
-            Some(right) => sequence.pairs.push(pair(&name, PairFiles::Two([left, right]))),
-            None => sequence.alone += 1,
+    let nearest = |name: &str, others: &BTreeMap<String, PathBuf>| {
+        let time = time_us(name)?;
+        let others = others.keys().filter_map(|other| Some((time_us(other)?.abs_diff(time), other.clone())));
+        others.min().map(|(_, other)| other)
+    };
+    let mut found = Vec::new();
+    for (name, path) in &left {
+        if let Some(other) = nearest(name, &right)
+            && nearest(&other, &left).as_ref() == Some(name)
+        {
+            found.push(pair(name, path.clone(), right[&other].clone()));
         }
     }
-    sequence.alone += right.len();
+    sequence.alone -= 2 * found.len();
+    sequence.pairs.append(&mut found);
     sequence
 }
 
-/// A folder per pair, at any depth.
-fn folders_of_pairs(root: &Path) -> Result<Sequence, FrameError> {
-    let pairs = find_pairs(root)?.into_iter().map(|(folder, files)| {
-        let name = folder.strip_prefix(root).unwrap_or(&folder).display().to_string();
-        pair(&name, PairFiles::Two(files))
-    });
-    Ok(Sequence { pairs: pairs.collect(), alone: 0 })
+/// Files whose names differ by the side alone, as most of them call it.
+fn by_side(images: Vec<PathBuf>) -> Sequence {
+    let sided = |side: &str| -> ByName {
+        images.iter().filter_map(|path| Some((without_side(&stem(path), side)?, path.clone()))).collect()
+    };
+    let called = |[left, right]: &[&str; 2]| matched(sided(left), sided(right)).0;
+    let single = |names: &[&str; 2]| {
+        let [left, right] = names.map(|name| images.iter().find(|path| stem(path) == name));
+        Some(Sequence { pairs: vec![pair("", left?.clone(), right?.clone())], alone: 0 })
+    };
+    let by_side = SIDES.iter().map(called).find(|sequence| !sequence.pairs.is_empty());
+    by_side.or_else(|| SINGLE.iter().find_map(single)).unwrap_or_else(|| called(&SIDES[0]))
+}
+
+/// `0001_left`, `Left0001` or `cam_left_1` without the side; `None` for other names.
+pub(crate) fn without_side(name: &str, side: &str) -> Option<String> {
+    let is_mark = |c: char| !c.is_ascii_alphanumeric();
+    let ends_in_digit = side.ends_with(|c: char| c.is_ascii_digit());
+    name.to_ascii_lowercase().match_indices(side).find_map(|(start, _)| {
+        let (before, after) = (&name[..start], &name[start + side.len()..]);
+        let is_apart = !before.ends_with(|c: char| c.is_ascii_alphabetic())
+            && !after.starts_with(|c: char| c.is_ascii_alphabetic() || (ends_in_digit && c.is_ascii_digit()));
+        let [before, after] = [before.trim_end_matches(is_mark), after.trim_start_matches(is_mark)];
+        let between = if before.is_empty() || after.is_empty() { "" } else { "_" };
+        is_apart.then(|| format!("{before}{between}{after}"))
+    })
+}
+
+fn pair(name: &str, left: PathBuf, right: PathBuf) -> SequencePair {
+    SequencePair { name: name.to_owned(), files: PairFiles::Two([left, right]) }
+}
+
+type ByName = BTreeMap<String, PathBuf>;
+
+/// Files of one name, and those that are left.
+fn matched(left: ByName, mut right: ByName) -> (Sequence, [ByName; 2]) {
+    let (mut pairs, mut alone) = (Vec::new(), ByName::new());
+    for (name, left) in left {
+        match right.remove(&name) {
+            Some(right) => pairs.push(pair(&name, left, right)),
+            None => _ = alone.insert(name, left),
+        }
+    }
+    (Sequence { pairs, alone: alone.len() + right.len() }, [alone, right])
 }
 
 #[cfg(test)]
@@ -198,9 +238,9 @@ mod tests {
         folder
     }
 
-    fn names(files: &[&str], side_by_side: bool) -> (Vec<String>, usize) {
+    fn names(files: &[&str]) -> (Vec<String>, usize) {
         let folder = folder(files);
-        let sequence = Sequence::find(folder.path(), side_by_side).unwrap();
+        let (sequence, _) = Sequence::here(&Listing::read(folder.path()).unwrap()).unwrap();
         (sequence.pairs.into_iter().map(|pair| pair.name).collect(), sequence.alone)
     }
 
@@ -212,18 +252,41 @@ mod tests {
             ["left/2.png", "right/2.png", "left/10.png", "right/10.png", "left/11.png", "left/x.txt"],
             ["cam0/data/2.png", "cam1/data/2.png", "cam0/data/10.png", "cam1/data/10.png", "cam1/data/9.png", "a.yaml"],
         ] {
-            assert_eq!(names(&files, false), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
+            assert_eq!(names(&files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
         }
-        let folders = ["a/2/left.png", "a/2/right.pgm", "a/10/left.png", "a/10/right.png", "a/10/scene.json"];
-        assert_eq!(names(&folders, false).0, ["a/2", "a/10"]);
-        assert_eq!(names(&["b2.png", "b1.png", "b1.csv"], true).0, ["b1", "b2"]);
-        assert_eq!(names(&["leftmost.png", "right.png"], false), (vec![], 1));
+        for files in [
+            ["Left/2.png", "Right/2.png", "Left/10.png", "Right/10.png", "Left/11.png"],
+            ["L/2.png", "R/2.png", "L/10.png", "R/10.png", "R/11.png"],
+            ["infra1/2.png", "infra2/2.png", "infra1/10.png", "infra2/10.png", "infra2/11.png"],
+            ["cam_left/2.png", "cam_right/2.png", "cam_left/10.png", "cam_right/10.png", "cam_left/11.png"],
+            ["2_L.png", "2_R.png", "10_L.png", "10_R.png", "11_L.png"],
+            ["infra1_2.png", "infra2_2.png", "infra1_10.png", "infra2_10.png", "infra1_11.png"],
+        ] {
+            assert_eq!(names(&files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
+        }
+        assert_eq!(names(&["im0.png", "im1.png", "calib.txt"]), (vec![String::new()], 0));
+        assert_eq!(names(&["leftmost.png", "right.png"]), (vec![], 1));
+        assert_eq!(names(&["model.png", "tower.png"]), (vec![], 0));
+    }
+
+    #[test]
+    fn the_nearest_times_are_pairs() {
+        let time = |camera: &str, ms: u64| format!("{camera}/{}.png", 1_403_715_273_262_142_976 + 1_000_000 * ms);
+        // Frame 2 has no right image, frame 4 no left one.
+        let left = [0, 50, 100, 150].map(|ms| time("left", ms));
+        let right = [3, 54, 149, 203].map(|ms| time("right", ms));
+        let files: Vec<&str> = left.iter().chain(&right).map(String::as_str).collect();
+        let folder = folder(&files);
+        let (sequence, _) = Sequence::here(&Listing::read(folder.path()).unwrap()).unwrap();
+        let skews = sequence.pairs.iter().map(|pair| pair.files.times_us().unwrap());
+        let skews: Vec<i64> = skews.map(|[left, right]| right as i64 - left as i64).collect();
+        assert_eq!((skews, sequence.alone), (vec![3000, 4000, -1000], 2));
     }
 
     #[test]
     fn long_numbers_are_times() {
-        let of = |name: &str| pair(name, PairFiles::SideBySide(PathBuf::new())).time_us();
-        assert_eq!(of("1403715273262142976"), Some(1_403_715_273_262_142));
-        assert_eq!((of("0001"), of("x1403715273262142976")), (None, None));
+        assert_eq!(time_us("1403715273262142976"), Some(1_403_715_273_262_142));
+        assert_eq!(time_us("1403715273262142"), Some(1_403_715_273_262_142));
+        assert_eq!((time_us("0001"), time_us("x1403715273262142976")), (None, None));
     }
 }

@@ -6,11 +6,12 @@
 //! --width   images by area, truth at pixel centres, range and rig in proportion
 //! ```
 
-use super::decode::{check_same_size, check_size, is_16_bit, load_gray, load_values};
+use super::decode::{check_same_size, check_size, is_16_bit, load_images, load_values};
 use super::disparity_file::{is_float_file, load_disparities};
 use super::error::{FrameError, LayoutFault};
 use super::layout::Layout;
 use super::resample::{area_average, resampled_height};
+use super::scene_info::SceneInfo;
 use super::sequence::PairFiles;
 use super::truth::Truth;
 use crate::input::interchange::{Options, load_rig};
@@ -53,6 +54,8 @@ pub struct Scene {
 pub struct StoredPair {
     /// Its path below the folder that was searched, with the frame's name where a folder holds several.
     pub name: String,
+    /// The last number in that path.
+    pub number: Option<u64>,
     /// How it is stored.
     pub layout: Layout,
     /// Its folder.
@@ -107,16 +110,58 @@ pub(super) enum Visibility {
 }
 
 impl StoredPair {
+    /// Two images that stand alone.
+    #[must_use]
+    pub fn alone(name: String, images: PairFiles) -> Self {
+        let layout = if matches!(images, PairFiles::Two(_)) { Layout::PairFolder } else { Layout::SideBySide };
+        // No folder: what stands beside them was not asked for.
+        let (folder, rig) = (PathBuf::new(), StoredRig::Unknown);
+        Self { name, number: None, layout, folder, images, truth: None, rig, max_disparity: None }
+    }
+
+    /// The file with the left image.
+    #[must_use]
+    pub fn left(&self) -> &Path {
+        self.images.paths()[0]
+    }
+
     /// There is ground truth.
     #[must_use]
     pub fn has_truth(&self) -> bool {
         self.truth.is_some()
     }
 
+    /// Every file that is read with it.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let truth = self.truth.as_ref().map(|truth| truth.file.as_path());
+        let rig: &[PathBuf] = match &self.rig {
+            StoredRig::Unknown => &[],
+            StoredRig::Rectified(path, _) => core::slice::from_ref(path),
+            StoredRig::Raw(paths) => paths,
+        };
+        self.images.paths().into_iter().chain(truth).chain(rig.iter().map(PathBuf::as_path))
+    }
+
+    /// Information besides its images: its `scene.json`, or the calibration of its data set.
+    pub fn info(&self) -> Result<Option<(PathBuf, SceneInfo)>, FrameError> {
+        let file = self.folder.join("scene.json");
+        if !self.folder.as_os_str().is_empty() && file.is_file() {
+            return SceneInfo::load(&file).map(|info| Some((file, info)));
+        }
+        let StoredRig::Rectified(path, rig) = &self.rig else { return Ok(None) };
+        Ok(Some((path.clone(), SceneInfo::of_rig(*rig, self.max_disparity))))
+    }
+
+    /// The files with the calibration of its cameras, where it is raw.
+    #[must_use]
+    pub fn raw_rig(&self) -> Option<&[PathBuf]> {
+        if let StoredRig::Raw(files) = &self.rig { Some(files) } else { None }
+    }
+
     /// Loads it, reduced to `width` if asked; images are checked against the core's limits after that.
     pub fn load(&self, width: Option<u16>) -> Result<Scene, FrameError> {
-        let [left_path, right_path] = self.image_paths();
-        let [left, right] = self.load_images()?;
+        let [left_path, right_path] = self.images.paths();
+        let [left, right] = load_images(&self.images, None)?;
         check_same_size((left_path, left.dims), (right_path, right.dims))?;
         let truth = self.truth.as_ref().map(|truth| truth.load((left_path, left.dims))).transpose()?;
         let full = left.dims;
@@ -143,20 +188,6 @@ impl StoredPair {
         let max_disparity = self.range(width.is_some(), scale, truth.as_ref());
         let (name, folder) = (self.name.clone(), self.folder.clone());
         Ok(Scene { name, folder, left, right, max_disparity, rig, rig_numbers, truth })
-    }
-
-    fn image_paths(&self) -> [&Path; 2] {
-        match &self.images {
-            PairFiles::Two([left, right]) => [left, right],
-            PairFiles::SideBySide(both) => [both, both],
-        }
-    }
-
-    fn load_images(&self) -> Result<[GrayImage; 2], FrameError> {
-        match &self.images {
-            PairFiles::Two([left, right]) => Ok([load_gray(left)?, load_gray(right)?]),
-            PairFiles::SideBySide(both) => Ok(halves(&load_gray(both)?)),
-        }
     }
 
     fn range(&self, is_reduced: bool, scale: f64, truth: Option<&Truth>) -> u16 {
@@ -225,16 +256,6 @@ pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
 
 /// Steps of KITTI's truth per pixel.
 pub(super) const KITTI_STEPS: f32 = 256.0;
-
-/// Left and right half; a column in the middle belongs to neither.
-#[must_use]
-pub fn halves(image: &GrayImage) -> [GrayImage; 2] {
-    let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
-    [0, width - half].map(|from| GrayImage {
-        dims: Dims { width: half as u16, height: image.dims.height },
-        pixels: image.pixels.chunks_exact(width).flat_map(|row| &row[from..from + half]).copied().collect(),
-    })
-}
 
 type RigOf = Option<(RigUpdate, Rig)>;
 

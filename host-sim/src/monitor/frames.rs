@@ -117,11 +117,12 @@ impl Assembler {
 mod tests {
     use super::*;
     use linestereo::Owner;
-    use linestereo_wire::{Counts, Health, Segment};
+    use linestereo_wire::{Counts, FrameTimes, Health, Segment};
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let (health, counts) = (Health::GOOD, Counts::default());
-        FrameHead { sequence, capture_time_us: 0, width: 64, height: 48, health, pair: None, counts, segments }
+        let times = FrameTimes::default();
+        FrameHead { sequence, capture_time_us: 0, width: 64, height: 48, health, pair: None, times, counts, segments }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {

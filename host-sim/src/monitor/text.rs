@@ -6,17 +6,19 @@ use crate::results::health;
 use crate::results::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::{Dims, ObjectDepth};
-use linestereo_wire::{Counters, Counts, FrameHead, VERSION};
+use linestereo_wire::{Counters, Counts, FrameHead, FrameTimes, VERSION};
 use serde::{Serialize, Serializer};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Names of the columns of a line of the table.
-pub const HEAD: &str = "    frame      time s  since ms  segments  nearest m  farthest m  health";
+pub const HEAD: &str =
+    "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health";
 
 /// A frame as one line; `last` is the capture time of the frame before.
 #[must_use]
 pub fn line(frame: &Frame, last: Option<u64>) -> String {
     let head = &frame.head;
+    let FrameTimes { waiting_us, matching_us, port_us } = head.times;
     let since = last.and_then(|last| head.capture_time_us.checked_sub(last));
     let segments = match frame.missing() {
         0 => head.segments.to_string(),
@@ -29,10 +31,13 @@ pub fn line(frame: &Frame, last: Option<u64>) -> String {
         Some(Some(metres)) => format!("{metres:.2}"),
     };
     format!(
-        "{:>9} {:>11.3} {:>9} {segments:>9} {:>10} {:>11}  {}",
+        "{:>9} {:>11.3} {:>9} {:>8.1} {:>9.1} {:>8.1} {segments:>9} {:>10} {:>11}  {}",
         head.sequence,
         head.capture_time_us as f64 / 1e6,
         since.map_or("-".to_owned(), |since| format!("{:.1}", since as f64 / 1e3)),
+        f64::from(waiting_us) / 1e3,
+        f64::from(matching_us) / 1e3,
+        f64::from(port_us) / 1e3,
         metres(depths().min()),
         metres(depths().max()),
         head.health
@@ -56,6 +61,7 @@ struct Listing {
     sequence: u32,
     capture_time_us: u64,
     size: [u16; 2],
+    times_us: Value,
     health: health::Listing,
     segments: Value,
     #[serde(serialize_with = "by_name")]
@@ -66,7 +72,8 @@ struct Listing {
 pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let head = &frame.head;
     let dims = Dims { width: head.width, height: head.height };
-    let FrameHead { counts, health, pair, .. } = *head;
+    let FrameHead { counts, health, pair, times, .. } = *head;
+    let FrameTimes { waiting_us, matching_us, port_us } = times;
     let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair };
     let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
@@ -74,6 +81,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
         sequence: head.sequence,
         capture_time_us: head.capture_time_us,
         size: [head.width, head.height],
+        times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
         health: health::Listing::new(health, pair.as_ref()),
         segments: listing["segments"].take(),
         counts: head.counts,

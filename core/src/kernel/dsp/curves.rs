@@ -52,52 +52,65 @@ fn halves(strip: &Strip<'_>) -> (u32, u32) {
 /// The curve is a multiple of eight long, and each `other` holds at least `curve.len() + 7` pixels.
 #[inline]
 unsafe fn add_two_strips(a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
-    let ((a0, a1), (b0, b1)) = (halves(a), halves(b));
     let rounds = curve.len() / 8;
     if rounds == 0 {
         return;
     }
-    for phase in 0..4 {
-        // SAFETY: rounds * 2 disparities from `phase` on, every fourth: the last one is phase + len - 4 < len. It meets the eight pixels
-        // from there on, which end at phase + len + 4 <= len + 7; before the first round, four are read.
-        unsafe {
-            let (at_a, at_b) = (a.other.as_ptr().add(phase), b.other.as_ptr().add(phase));
-            asm!(
-                "2:",
-                "ldrh {sum}, [{cost}]",
-                "ldr {na}, [{pa}, #4]!",
-                "ldr {nb}, [{pb}, #4]!",
-                "usada8 {sum}, {oa}, {a0}, {sum}",
-                "usada8 {sum}, {ob}, {b0}, {sum}",
-                "usada8 {sum}, {na}, {a1}, {sum}",
-                "usada8 {sum}, {nb}, {b1}, {sum}",
-                "strh {sum}, [{cost}], #8",
-                "ldrh {sum}, [{cost}]",
-                "ldr {oa}, [{pa}, #4]!",
-                "ldr {ob}, [{pb}, #4]!",
-                "usada8 {sum}, {na}, {a0}, {sum}",
-                "usada8 {sum}, {nb}, {b0}, {sum}",
-                "usada8 {sum}, {oa}, {a1}, {sum}",
-                "usada8 {sum}, {ob}, {b1}, {sum}",
-                "strh {sum}, [{cost}], #8",
-                "subs {rounds}, {rounds}, #1",
-                "bne 2b",
-                cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
-                pa = inout(reg) at_a => _,
-                pb = inout(reg) at_b => _,
-                oa = inout(reg) word(at_a) => _,
-                ob = inout(reg) word(at_b) => _,
-                na = out(reg) _,
-                nb = out(reg) _,
-                a0 = in(reg) a0,
-                a1 = in(reg) a1,
-                b0 = in(reg) b0,
-                b1 = in(reg) b1,
-                sum = out(reg) _,
-                rounds = inout(reg) rounds => _,
-                options(nostack),
-            );
-        }
+    // SAFETY: the caller's. Four calls, as a loop would cost a tenth.
+    unsafe {
+        add_two_strips_from(0, rounds, a, b, curve);
+        add_two_strips_from(1, rounds, a, b, curve);
+        add_two_strips_from(2, rounds, a, b, curve);
+        add_two_strips_from(3, rounds, a, b, curve);
+    }
+}
+
+/// Adds to every fourth disparity from `phase` on.
+///
+/// # Safety
+/// As [`add_two_strips`], with `rounds` = `curve.len() / 8` above 0.
+#[inline(always)]
+unsafe fn add_two_strips_from(phase: usize, rounds: usize, a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
+    let ((a0, a1), (b0, b1)) = (halves(a), halves(b));
+    // SAFETY: rounds * 2 disparities from `phase` on, every fourth: the last one is phase + len - 4 < len. It meets the eight pixels
+    // from there on, which end at phase + len + 4 <= len + 7; before the first round, four are read.
+    unsafe {
+        let (at_a, at_b) = (a.other.as_ptr().add(phase), b.other.as_ptr().add(phase));
+        asm!(
+            "2:",
+            "ldrh {sum}, [{cost}]",
+            "ldr {na}, [{pa}, #4]!",
+            "ldr {nb}, [{pb}, #4]!",
+            "usada8 {sum}, {oa}, {a0}, {sum}",
+            "usada8 {sum}, {ob}, {b0}, {sum}",
+            "usada8 {sum}, {na}, {a1}, {sum}",
+            "usada8 {sum}, {nb}, {b1}, {sum}",
+            "strh {sum}, [{cost}], #8",
+            "ldrh {sum}, [{cost}]",
+            "ldr {oa}, [{pa}, #4]!",
+            "ldr {ob}, [{pb}, #4]!",
+            "usada8 {sum}, {na}, {a0}, {sum}",
+            "usada8 {sum}, {nb}, {b0}, {sum}",
+            "usada8 {sum}, {oa}, {a1}, {sum}",
+            "usada8 {sum}, {ob}, {b1}, {sum}",
+            "strh {sum}, [{cost}], #8",
+            "subs {rounds}, {rounds}, #1",
+            "bne 2b",
+            cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
+            pa = inout(reg) at_a => _,
+            pb = inout(reg) at_b => _,
+            oa = inout(reg) word(at_a) => _,
+            ob = inout(reg) word(at_b) => _,
+            na = out(reg) _,
+            nb = out(reg) _,
+            a0 = in(reg) a0,
+            a1 = in(reg) a1,
+            b0 = in(reg) b0,
+            b1 = in(reg) b1,
+            sum = out(reg) _,
+            rounds = inout(reg) rounds => _,
+            options(nostack),
+        );
     }
 }
 
@@ -107,40 +120,53 @@ unsafe fn add_two_strips(a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
 /// As [`add_two_strips`].
 #[inline]
 unsafe fn add_strip(strip: &Strip<'_>, curve: &mut [u16]) {
-    let (a0, a1) = halves(strip);
     let rounds = curve.len() / 8;
     if rounds == 0 {
         return;
     }
-    for phase in 0..4 {
-        // SAFETY: as in `add_two_strips`.
-        unsafe {
-            let at = strip.other.as_ptr().add(phase);
-            asm!(
-                "2:",
-                "ldrh {sum}, [{cost}]",
-                "ldr {na}, [{pa}, #4]!",
-                "usada8 {sum}, {oa}, {a0}, {sum}",
-                "usada8 {sum}, {na}, {a1}, {sum}",
-                "strh {sum}, [{cost}], #8",
-                "ldrh {sum}, [{cost}]",
-                "ldr {oa}, [{pa}, #4]!",
-                "usada8 {sum}, {na}, {a0}, {sum}",
-                "usada8 {sum}, {oa}, {a1}, {sum}",
-                "strh {sum}, [{cost}], #8",
-                "subs {rounds}, {rounds}, #1",
-                "bne 2b",
-                cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
-                pa = inout(reg) at => _,
-                oa = inout(reg) word(at) => _,
-                na = out(reg) _,
-                a0 = in(reg) a0,
-                a1 = in(reg) a1,
-                sum = out(reg) _,
-                rounds = inout(reg) rounds => _,
-                options(nostack),
-            );
-        }
+    // SAFETY: the caller's.
+    unsafe {
+        add_strip_from(0, rounds, strip, curve);
+        add_strip_from(1, rounds, strip, curve);
+        add_strip_from(2, rounds, strip, curve);
+        add_strip_from(3, rounds, strip, curve);
+    }
+}
+
+/// Adds to every fourth disparity from `phase` on.
+///
+/// # Safety
+/// As [`add_two_strips_from`].
+#[inline(always)]
+unsafe fn add_strip_from(phase: usize, rounds: usize, strip: &Strip<'_>, curve: &mut [u16]) {
+    let (a0, a1) = halves(strip);
+    // SAFETY: as in `add_two_strips_from`.
+    unsafe {
+        let at = strip.other.as_ptr().add(phase);
+        asm!(
+            "2:",
+            "ldrh {sum}, [{cost}]",
+            "ldr {na}, [{pa}, #4]!",
+            "usada8 {sum}, {oa}, {a0}, {sum}",
+            "usada8 {sum}, {na}, {a1}, {sum}",
+            "strh {sum}, [{cost}], #8",
+            "ldrh {sum}, [{cost}]",
+            "ldr {oa}, [{pa}, #4]!",
+            "usada8 {sum}, {na}, {a0}, {sum}",
+            "usada8 {sum}, {oa}, {a1}, {sum}",
+            "strh {sum}, [{cost}], #8",
+            "subs {rounds}, {rounds}, #1",
+            "bne 2b",
+            cost = inout(reg) curve.as_mut_ptr().add(phase) => _,
+            pa = inout(reg) at => _,
+            oa = inout(reg) word(at) => _,
+            na = out(reg) _,
+            a0 = in(reg) a0,
+            a1 = in(reg) a1,
+            sum = out(reg) _,
+            rounds = inout(reg) rounds => _,
+            options(nostack),
+        );
     }
 }
 

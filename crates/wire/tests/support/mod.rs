@@ -86,6 +86,7 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
         height: 240,
         health: Health::SEGMENTS_DROPPED,
         pair: None,
+        times: FrameTimes { waiting_us: 1, matching_us: 300, port_us: 2 },
         counts: counts(9),
         segments,
     }
@@ -176,6 +177,7 @@ pub(crate) fn messages() -> Vec<Message> {
             height: u16::MAX,
             health: Health::from_bits(u32::MAX),
             pair: Some(longest_report()),
+            times: FrameTimes { waiting_us: u32::MAX, matching_us: u32::MAX, port_us: u32::MAX },
             counts: counts(u16::MAX - 20),
             segments: u16::MAX,
         }),
@@ -232,6 +234,39 @@ pub(crate) fn messages() -> Vec<Message> {
             sensors: [u32::MAX; 2],
         }),
     ]);
+    let silicon = Silicon {
+        processor_id: u32::MAX,
+        chip_id: u32::MAX,
+        core_hz: u32::MAX,
+        flash_wait: u8::MAX,
+        instruction_cache: true,
+        data_cache: false,
+    };
+    list.extend([
+        Message::Machine(MachineReport {
+            firmware: "".try_into().unwrap(),
+            unit: "".try_into().unwrap(),
+            cases: 0,
+            expected: 0,
+            silicon: None,
+        }),
+        Message::Machine(MachineReport {
+            firmware: "y".repeat(24).as_str().try_into().unwrap(),
+            unit: "instructions____".try_into().unwrap(),
+            cases: u16::MAX,
+            expected: u32::MAX,
+            silicon: Some(silicon),
+        }),
+        Message::Case(CaseReport {
+            case: u16::MAX,
+            name: "z".repeat(40).as_str().try_into().unwrap(),
+            segments: u16::MAX,
+            costs: [u64::MAX; 9],
+            total: u64::MAX,
+            time_us: u32::MAX,
+            digests: [u32::MAX; DIGESTS],
+        }),
+    ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
@@ -253,12 +288,14 @@ pub(crate) fn commands() -> Vec<Command> {
     let longest = RegionBox { label: u16::MAX, left: u16::MAX, top: u16::MAX, right: u16::MAX, bottom: u16::MAX };
     let all = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
     let regions = [Regions::default(), all].map(Request::SetRegions);
-    let requests =
-        [Request::Describe, Request::Start, Request::Stop, Request::Photograph].into_iter().chain(updates).chain(pairs);
+    let requests = [Request::Describe, Request::Start, Request::Stop, Request::Photograph, Request::RunCase(u16::MAX)]
+        .into_iter()
+        .chain(updates)
+        .chain(pairs);
     requests
         .chain(rigs)
         .chain(regions)
-        .zip([0, 1, 127, 10, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
+        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
         .map(|(request, id)| Command { id, request })
         .collect()
 }

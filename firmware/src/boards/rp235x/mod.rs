@@ -8,6 +8,7 @@
 //! i2c       registers and pins of `bus`
 //! clock     microseconds, and pauses        ending    why the last run ended; watchdog
 //! keeper    the rig in the last two sectors of the flash
+//! silicon   which chip it is and how it is set up
 //! uart      the autopilot's port            (the host's is `boards::usb_port`)
 //! ```
 
@@ -26,6 +27,8 @@ pub mod i2c;
 #[cfg(target_os = "none")]
 mod keeper;
 #[cfg(target_os = "none")]
+mod silicon;
+#[cfg(target_os = "none")]
 mod uart;
 #[cfg(target_os = "none")]
 mod watchdog;
@@ -36,6 +39,8 @@ pub use clock::{Micros, Pause, time_us};
 pub use host::start as start_host;
 #[cfg(target_os = "none")]
 pub use keeper::{KeptRig, keeper};
+#[cfg(target_os = "none")]
+pub use silicon::silicon;
 #[cfg(target_os = "none")]
 pub use uart::Autopilot;
 #[cfg(target_os = "none")]

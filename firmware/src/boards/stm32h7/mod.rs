@@ -8,6 +8,7 @@
 //! ports     the host's lines (USB, UART) and the autopilot's UART
 //! rig       two sectors of the flash that keep the rig
 //! reset     why the chip was reset; the independent watchdog
+//! silicon   which chip it is and how it is set up
 //! ```
 //! Interrupts, highest priority first: clock (0), camera interface and VSYNC (1), UARTs (4), USB (6), the tasks of the ports (8). The program runs below all of them and sleeps while it waits for rows.
 //!
@@ -34,3 +35,4 @@ pub mod memory;
 pub mod ports;
 pub mod reset;
 pub mod rig;
+pub mod silicon;

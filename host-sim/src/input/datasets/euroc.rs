@@ -24,8 +24,9 @@ pub(super) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     if let Some(missing) = files.iter().find(|path| !path.is_file()) {
         return Err(FrameError::Layout(missing.clone(), LayoutFault::MissingCalibration(Layout::Euroc)));
     }
-    let pairs = Sequence::find(&cameras.path, false)?.pairs.into_iter().map(|pair| StoredPair {
+    let pairs = Sequence::here(cameras)?.0.pairs.into_iter().map(|pair| StoredPair {
         name: pair.name,
+        number: None,
         layout: Layout::Euroc,
         folder: folder.path.clone(),
         images: pair.files,

@@ -100,6 +100,7 @@ fn frame(
     });
     Ok(StoredPair {
         name: file.trim_end_matches(".png").to_owned(),
+        number: None,
         layout: variant.layout,
         folder: folder.path.clone(),
         images: PairFiles::Two(images.map(|listing| listing.path.join(file))),

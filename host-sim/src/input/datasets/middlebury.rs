@@ -154,6 +154,7 @@ fn stored(file: PathBuf, right: Option<PathBuf>, scale: Scale) -> StoredTruth {
 fn pair(folder: &Listing, layout: Layout, images: [PathBuf; 2], truth: Option<StoredTruth>) -> StoredPair {
     StoredPair {
         name: String::new(),
+        number: None,
         layout,
         folder: folder.path.clone(),
         images: PairFiles::Two(images),

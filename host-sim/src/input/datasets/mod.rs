@@ -7,7 +7,7 @@
 //!     middlebury   im2 + im6, view1 + view5, im0 + im1 + calib.txt     2001 to 2021, the benchmark's version 3, ETH3D's two-view sets
 //!     kitti        image_2 + image_3 (or 0 + 1) with 000000_10.png     2012 and 2015
 //!     euroc        mav0/cam0/data + mav0/cam1/data                     raw: rectified while loading
-//!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them
+//!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them; sides by any of their names
 //!   folders below it are searched where nothing took it, and below single pairs
 //!   in a tree without any pair, images at least twice as wide as high hold both views side by side
 //! ```
@@ -24,6 +24,7 @@ use super::error::{FrameError, LayoutFault};
 use super::folder::{Listing, folder_name};
 use super::layout::Layout;
 use super::scene_file;
+use super::sequence::number;
 use super::stored::StoredPair;
 use std::path::Path;
 
@@ -34,6 +35,8 @@ pub struct Dataset {
     pub pairs: Vec<StoredPair>,
     /// Images without a partner.
     pub alone: usize,
+    /// A data set may lack its calibration.
+    is_lenient: bool,
 }
 
 impl Dataset {
@@ -51,6 +54,23 @@ impl Dataset {
         Ok(found)
     }
 
+    /// The same of recordings, where no truth is needed: a calibration that a data set lacks costs depths alone, and every image holds both
+    /// views where that is said. Pairs come in the order of their numbers, then of their names.
+    pub fn recording(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
+        let mut found = Self { is_lenient: true, ..Self::default() };
+        if side_by_side {
+            found.pairs = plain::side_by_side(&Listing::read(root)?)?;
+            name_below(root, &mut found.pairs);
+        } else {
+            found.search(root, root)?;
+        }
+        if found.pairs.is_empty() {
+            return Err(FrameError::Layout(root.to_path_buf(), LayoutFault::NotRecognised));
+        }
+        found.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
+        Ok(found)
+    }
+
     /// How many pairs each layout has.
     #[must_use]
     pub fn layouts(&self) -> Vec<(Layout, usize)> {
@@ -63,7 +83,7 @@ impl Dataset {
 
     fn search(&mut self, root: &Path, path: &Path) -> Result<(), FrameError> {
         let folder = Listing::read(path)?;
-        let mut taken = recognised(&folder)?;
+        let mut taken = recognised(&folder, self.is_lenient)?;
         name_below(root, &mut taken.pairs);
         // Single pairs may stand above others; what has frames in folders of its own has been searched.
         let descend = taken.pairs.iter().all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
@@ -79,14 +99,17 @@ impl Dataset {
 }
 
 /// The first layout that knows the folder.
-fn recognised(folder: &Listing) -> Result<Dataset, FrameError> {
-    let of = |pairs| Ok(Dataset { pairs, alone: 0 });
+fn recognised(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError> {
+    let of = |pairs| Ok(Dataset { pairs, ..Dataset::default() });
     let has_scene = folder.has("scene.json");
     if has_scene && folder.image("left").is_some() && folder.image("right").is_some() {
         return of(vec![scene_file::stored(&folder.path)?]);
     }
     for find in [middlebury::find, kitti::find, euroc::find] {
-        let pairs = find(folder)?;
+        let pairs = match find(folder) {
+            Err(FrameError::Layout(_, LayoutFault::MissingCalibration(_))) if is_lenient => continue,
+            found => found?,
+        };
         if !pairs.is_empty() {
             return of(pairs);
         }
@@ -108,6 +131,7 @@ fn name_below(root: &Path, pairs: &mut [StoredPair]) {
         let path = path.trim_end_matches('/');
         if !path.is_empty() {
             pair.name = path.to_owned();
+            pair.number = number(path);
         } else if pair.name.is_empty() {
             pair.name = folder_name(&pair.folder);
         }

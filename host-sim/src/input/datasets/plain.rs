@@ -14,7 +14,7 @@ use super::Dataset;
 use crate::input::error::FrameError;
 use crate::input::folder::Listing;
 use crate::input::layout::Layout;
-use crate::input::scene_file::SceneInfo;
+use crate::input::scene_info::SceneInfo;
 use crate::input::sequence::{Sequence, SequencePair};
 use crate::input::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use std::path::Path;
@@ -26,13 +26,13 @@ const LEAST_ASPECT: u32 = 2;
 
 /// The pairs of this folder itself; folders below are for the caller.
 pub(super) fn find(folder: &Listing) -> Result<Dataset, FrameError> {
-    let (sequence, in_folders) = Sequence::here(&folder.path)?;
+    let (sequence, in_folders) = Sequence::here(folder)?;
     let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
     let truths = TRUTH_FOLDERS.iter().filter(|_| in_folders).find(|name| folder.has_folder(name));
     let truths = truths.map(|name| folder.below(name)).transpose()?.flatten();
     let pairs =
         sequence.pairs.iter().map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
-    Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone })
+    Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone, ..Dataset::default() })
 }
 
 /// `truths` is the folder with truth, if there is one, of frames in folders.
@@ -56,6 +56,7 @@ fn stored(
     let rig = info.and_then(|info| info.rig_numbers(1.0));
     StoredPair {
         name: pair.name.clone(),
+        number: None,
         layout,
         folder: folder.path.clone(),
         images: pair.files.clone(),
@@ -65,17 +66,22 @@ fn stored(
     }
 }
 
+/// Every image of this folder, each of both views.
+pub(super) fn side_by_side(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
+    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
+    let pairs = Sequence::side_by_side(&folder.path)?.pairs;
+    let stored = |pair| StoredPair { layout: Layout::SideBySide, ..stored(folder, pair, info.as_ref(), Some(None)) };
+    Ok(pairs.iter().map(stored).collect())
+}
+
 /// The images of a tree that hold both views.
 pub(super) fn side_by_side_tree(root: &Path) -> Result<Vec<StoredPair>, FrameError> {
     let folder = Listing::read(root)?;
-    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
-    let mut found = Vec::new();
-    for pair in Sequence::find(root, true)?.pairs {
-        let is_wide = image::image_dimensions(pair.left()).is_ok_and(|(width, height)| width >= LEAST_ASPECT * height);
-        if is_wide {
-            found.push(StoredPair { layout: Layout::SideBySide, ..stored(&folder, &pair, info.as_ref(), Some(None)) });
-        }
-    }
+    let mut found = side_by_side(&folder)?;
+    found.retain(|pair| {
+        let sides = image::image_dimensions(pair.images.paths()[0]);
+        sides.is_ok_and(|(width, height)| width >= LEAST_ASPECT * height)
+    });
     for name in &folder.folders {
         found.extend(side_by_side_tree(&root.join(name))?);
     }

@@ -172,7 +172,11 @@ impl fmt::Display for Problem {
             ),
             Self::RigFile(error) => write!(f, "{error}"),
             Self::NotRepresentable { format, what } => {
-                write!(f, "{format} has no place for {what}; write rig-toml, or opencv-yaml")
+                write!(f, "{format} has no place for {what}; write rig-toml, or opencv-yaml")?;
+                if what.ends_with("k3") {
+                    write!(f, ", or leave it out from the start: linestereo calibrate --fix-k3")?;
+                }
+                Ok(())
             }
             Self::Rectify(error) => write!(f, "{error}"),
         }

@@ -8,7 +8,7 @@
 //! | `.json` COCO | annotations or results: boxes, run lengths, polygons | position in the file |
 //! | `.json` project | `objects` with `box` `[x0, y0, x1, y1)`, `name`, `label` | `label`, else position |
 //! | `.txt` YOLO | a line per object: class, centre, size as shares of the image; or class and a polygon | position in the file |
-//! | `.csv` | `x0,y0,x1,y1` and perhaps `label`, `name` below a line of names | `label`, else position |
+//! | `.csv` | `x0,y0,x1,y1` and perhaps `label`, `name` below a line of names, or in this order | `label`, else position |
 //!
 //! Positions count from 0, and count objects that are skipped. What is wrong with the file as a whole is an [`ObjectsError`]; what is wrong
 //! with one object skips it ([`Skipped`]): the others are kept.

@@ -1,14 +1,24 @@
-//! Boxes as CSV: `x0,y0,x1,y1` and perhaps `label`, `name`, in any order below a line of names; x1 and y1 are behind the last pixel.
+//! Boxes as CSV: `x0,y0,x1,y1` and perhaps `label`, `name`, in any order below a line of names, or in this order without one; x1 and y1 are
+//! behind the last pixel.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
 
+/// Their order where no line names them.
+const COLUMNS: [&str; 6] = ["x0", "y0", "x1", "y1", "label", "name"];
+
 pub(super) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsError> {
     let broken = |what: String| ObjectsError::Table(path.to_path_buf(), what);
     let bytes = read(path)?;
-    let mut reader = ReaderBuilder::new().flexible(true).trim(Trim::All).from_reader(&bytes[..]);
-    let head = reader.headers().map_err(|error| broken(error.to_string()))?.clone();
+    let table = |has_headers| {
+        ReaderBuilder::new().flexible(true).trim(Trim::All).has_headers(has_headers).from_reader(&bytes[..])
+    };
+    let mut reader = table(true);
+    let mut head = reader.headers().map_err(|error| broken(error.to_string()))?.clone();
+    if head.len() >= 4 && head.iter().take(4).all(|value| value.parse::<f64>().is_ok()) {
+        (reader, head) = (table(false), StringRecord::from(COLUMNS.to_vec()));
+    }
     let column = |name: &str| head.iter().position(|found| found.eq_ignore_ascii_case(name));
     let mut borders = [0; 4];
     for (border, name) in borders.iter_mut().zip(["x0", "y0", "x1", "y1"]) {

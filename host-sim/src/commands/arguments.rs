@@ -1,0 +1,81 @@
+//! Checks of the arguments of every command, by their types and names of values alone.
+//!
+//! ```text
+//! OutputPath   an output: under "Outputs" in the help; neither an input nor another output; in the format that its name says
+//! PathBuf      an input
+//! numbers      may be negative: what is out of range is said in words
+//! ```
+
+use crate::output::{OutputPath, place};
+use anyhow::{Result, bail};
+use clap::{Arg, ArgMatches, Command};
+use core::any::TypeId;
+use std::path::{Path, PathBuf};
+
+/// Endings that say what is in a file; another one says nothing.
+const FORMATS: [&str; 12] = ["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "pfm", "ply", "pcd", "npy"];
+
+/// The command as it is shown and parsed.
+pub(super) fn prepared(command: Command) -> Command {
+    let of_all = |arg: Arg| {
+        let takes_values = arg.get_action().takes_values();
+        let arg = if takes_values && !arg.is_positional() { arg.allow_negative_numbers(true) } else { arg };
+        if is_output(&arg) && !arg.is_positional() { arg.help_heading("Outputs") } else { arg }
+    };
+    command.mut_args(of_all).mut_subcommands(prepared)
+}
+
+fn is_output(arg: &Arg) -> bool {
+    arg.get_value_parser().type_id() == TypeId::of::<OutputPath>()
+}
+
+/// Refuses outputs that would replace an input or one another, and those whose name says another format.
+pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<()> {
+    if let Some((name, matches)) = matches.subcommand()
+        && let Some(command) = command.find_subcommand(name)
+    {
+        return check(command, matches);
+    }
+    let mut taken: Vec<(String, PathBuf)> = Vec::new();
+    for arg in command.get_arguments() {
+        for path in values::<PathBuf>(arg, matches).filter(|path| path.is_file()) {
+            taken.push((shown(arg, path), place(path)));
+        }
+    }
+    for arg in command.get_arguments() {
+        for path in values::<OutputPath>(arg, matches) {
+            let name = shown(arg, path);
+            check_format(arg, path, &name)?;
+            if path.exists() && !path.is_file() {
+                continue; // a device, or a folder, which nothing is written over
+            }
+            let at = if path.is_stdout() { path.to_path_buf() } else { place(path) };
+            if let Some((other, _)) = taken.iter().find(|(_, there)| *there == at) {
+                bail!("{name} and {other} are the same; write to another file");
+            }
+            taken.push((name, at));
+        }
+    }
+    Ok(())
+}
+
+fn values<'a, T: Clone + Send + Sync + 'static>(arg: &Arg, matches: &'a ArgMatches) -> impl Iterator<Item = &'a T> {
+    matches.try_get_many::<T>(arg.get_id().as_str()).ok().flatten().into_iter().flatten()
+}
+
+/// `--csv a.csv`, or the path alone of what has no name.
+fn shown(arg: &Arg, path: &Path) -> String {
+    arg.get_long().map_or_else(|| path.display().to_string(), |name| format!("--{name} {}", path.display()))
+}
+
+/// Refuses a name of another format: an option whose help says `FILE.png` writes PNG, whatever the name.
+fn check_format(arg: &Arg, path: &Path, name: &str) -> Result<()> {
+    let wanted = arg.get_value_names().and_then(|names| names.first()?.rsplit_once('.'));
+    let given = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let (Some((_, wanted)), Some(given)) = (wanted, given) else { return Ok(()) };
+    if given != wanted && FORMATS.contains(&&*given) {
+        let right = path.with_extension(wanted);
+        bail!("{name} would be written as {}; call it {}", wanted.to_uppercase(), right.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! The program `live` as it is flashed, in models of the chips (`tests/machine`): from reset to the bytes that the host and an autopilot get.
+
+mod pico2;
+mod stm32h743;
+
+use linestereo::Dims;
+use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
+use linestereo_wire::{
+    CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
+    Outcome, Request, ResetCause, encode,
+};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// A Python that has Unicorn: the system's, or one of a folder of its own.
+fn python() -> Option<PathBuf> {
+    let has_unicorn = |python: &Path| {
+        Command::new(python).args(["-c", "import unicorn"]).output().is_ok_and(|out| out.status.success())
+    };
+    let system = PathBuf::from("python3");
+    if has_unicorn(&system) {
+        return Some(system);
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unicorn");
+    let own = folder.join("bin/python");
+    if !has_unicorn(&own) {
+        let done = |command: &mut Command| command.output().is_ok_and(|out| out.status.success());
+        let _ = done(Command::new("python3").args(["-m", "venv"]).arg(&folder))
+            && done(Command::new(&own).args(["-m", "pip", "install", "--quiet", "unicorn==2.1.4"]));
+    }
+    has_unicorn(&own).then_some(own)
+}
+
+/// The Python that runs models; none, which it says, where there is none.
+fn python_or_skip() -> Option<&'static Path> {
+    static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let found = PYTHON.get_or_init(|| {
+        let found = python();
+        if found.is_none() {
+            eprintln!("\nSKIPPED, no machine model here: pip install unicorn==2.1.4\n");
+        }
+        found
+    });
+    found.as_deref()
+}
+
+/// Result of a run: see `execute` in `tests/machine/cortex_m.py`.
+struct Run {
+    result: Value,
+    /// Records that the host got, with the time of their last byte, us.
+    records: Vec<(u64, Message)>,
+    damaged: usize,
+}
+
+impl Run {
+    /// A scenario of the model of this name; the image is built where it can be run.
+    fn of(model: &str, image: impl FnOnce() -> Option<PathBuf>, scenario: &Value) -> Option<Self> {
+        let python = python_or_skip()?;
+        let image = image()?;
+        let folder = tempfile::tempdir().unwrap();
+        let [asked, given] = ["scenario.json", "result.json"].map(|name| folder.path().join(name));
+        std::fs::write(&asked, scenario.to_string()).unwrap();
+        let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("machine").join(model);
+        let run = Command::new(python).arg(model).arg(image).arg(asked).arg(&given).output().unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let result: Value = serde_json::from_slice(&std::fs::read(given).unwrap()).unwrap();
+        let (mut decoder, mut records, mut damaged) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
+        for (byte, time) in bytes_of(&result["host"]).into_iter().zip(result["host_us"].as_array().unwrap()) {
+            match decoder.push(byte) {
+                Some(Ok(record)) => records.push((time.as_u64().unwrap(), record)),
+                Some(Err(_)) => damaged += 1,
+                None => {}
+            }
+        }
+        Some(Self { result, records, damaged })
+    }
+
+    fn frames(&self) -> Vec<&FrameHead> {
+        self.records
+            .iter()
+            .filter_map(|(_, record)| if let Message::Frame(head) = record { Some(head) } else { None })
+            .collect()
+    }
+
+    /// Frames with numbers that follow each other, none lost without a word.
+    fn frames_in_order(&self) -> Vec<&FrameHead> {
+        let frames = self.frames();
+        for (before, after) in frames.iter().zip(frames.iter().skip(1)) {
+            let gap = after.sequence - before.sequence;
+            let is_told = after.health.contains(Health::RESULTS_SKIPPED);
+            assert!(gap == 1 || is_told, "{} follows {}", after.sequence, before.sequence);
+            assert!(after.capture_time_us > before.capture_time_us, "{after:?} follows {before:?}");
+        }
+        frames
+    }
+
+    /// The photograph is what both sensors sent, of one picture.
+    fn assert_photograph(&self) {
+        let mut photo = [vec![0; 320 * 240], vec![0; 320 * 240]];
+        let mut pixels = 0;
+        for (_, record) in &self.records {
+            if let Message::Pixels(part) = record {
+                let first = part.first as usize;
+                photo[usize::from(part.is_right)][first..first + part.list.len()].copy_from_slice(&part.list);
+                pixels += part.list.len();
+            }
+        }
+        assert_eq!(pixels, 2 * 320 * 240);
+        let equals = |is_right: bool, frame: u64| {
+            let pixel = |i: usize| sensor_pixel(is_right, frame, i as u64 % 320, i as u64 / 320);
+            photo[usize::from(is_right)].iter().enumerate().all(|(i, found)| *found == pixel(i))
+        };
+        assert!((0..300).any(|frame| equals(false, frame) && equals(true, frame)), "a photograph of no frame");
+    }
+
+    /// Every command was taken.
+    fn assert_all_accepted(&self) {
+        let answers = self.records.iter();
+        let answers =
+            answers.filter_map(|(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None });
+        assert!(answers.clone().all(|answer| answer.outcome == Outcome::Accepted), "{:?}", answers.collect::<Vec<_>>());
+    }
+
+    /// More than 55 % of the code ran.
+    fn assert_executed(&self) {
+        let [executed, code] = ["executed", "code"].map(|name| self.result[name].as_u64().unwrap());
+        println!("executed {executed} of {code} bytes of code; never: {}", self.result["never"]);
+        assert!(executed * 100 > code * 55, "{executed} of {code}: {}", self.result["never"]);
+    }
+
+    /// Of the program's stack at least a quarter was never used.
+    fn assert_stack(&self) {
+        let [used, all] = [0, 1].map(|i| self.result["stack"][i].as_u64().unwrap());
+        println!("{used} of {all} bytes of the program's stack");
+        assert!(used > 0 && used <= all / 4 * 3, "{used} of {all} bytes of the program's stack");
+    }
+
+    /// The last report of what cameras lost.
+    fn losses(&self) -> CaptureReport {
+        let reports = self.records.iter().rev();
+        let mut reports =
+            reports.filter_map(|(_, record)| if let Message::Capture(lost) = record { Some(*lost) } else { None });
+        reports.next().unwrap()
+    }
+
+    /// Why the board was reset, as each start said.
+    fn reset_causes(&self) -> Vec<Option<ResetCause>> {
+        let hellos = self.hellos();
+        hellos.map(|hello| hello.reset.as_ref().map(|reset| reset.cause)).collect()
+    }
+
+    fn hellos(&self) -> impl Iterator<Item = &Hello> {
+        self.records
+            .iter()
+            .filter_map(|(_, record)| if let Message::Hello(hello) = record { Some(hello) } else { None })
+    }
+}
+
+fn bytes_of(hex: &Value) -> Vec<u8> {
+    let hex = hex.as_str().unwrap().as_bytes();
+    hex.chunks(2).map(|pair| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
+}
+
+/// Identifiers of MAVLink 2 messages that follow each other without a gap.
+fn mavlink_ids(mut bytes: &[u8]) -> Vec<u32> {
+    let mut ids = Vec::new();
+    while let [0xfd, length, _, _, _, _, _, a, b, c, ..] = *bytes {
+        ids.push(u32::from_le_bytes([a, b, c, 0]));
+        bytes = bytes.get(usize::from(length) + 12..).unwrap_or_default();
+    }
+    assert!(bytes.is_empty() || bytes[0] == 0xfd, "bytes between messages");
+    ids
+}
+
+/// Commands of a host, each at its time, us.
+fn host(requests: &[(u64, Request)]) -> Value {
+    let commands = (1..).zip(requests).map(|(id, (time, request))| {
+        let mut buffer = [0; MAX_COMMAND];
+        let packet = encode(&HostCommand { id, request: request.clone() }, &mut buffer).unwrap();
+        json!([time, packet.iter().map(|byte| format!("{byte:02x}")).collect::<String>()])
+    });
+    commands.collect()
+}
+
+/// A rig of the board's cameras, as `flash-image` makes one.
+fn rig() -> RigImage {
+    let dims = Dims { width: 320, height: 240 };
+    let lens = Lens::BrownConrady { k: [-0.05, 0.0, 0.0], p: [0.0; 2] };
+    let camera = Camera::new(dims, [250.0; 2], [159.5, 119.5], 0.0, lens).unwrap();
+    let calibration = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.08, 0.0, 0.0]).unwrap();
+    RigImage::new(calibration, dims, View::default(), (0, 64)).unwrap()
+}
+
+/// Grey level of a pixel of a sensor's frame: see `blocks` of the models.
+fn sensor_pixel(is_right: bool, frame: u64, x: u64, y: u64) -> u8 {
+    let x = if is_right { x + 10 } else { x };
+    (40 + (((x / 8 * 73 + y / 8 * 151 + frame / 2 * 29) * 2_654_435_761) >> 13) % 180) as u8
+}
