@@ -79,6 +79,13 @@ impl Curve {
         sum_curve(a.whole(), b.whole(), self.blocks());
     }
 
+    /// Adds another curve over the same disparities, entry by entry.
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (cost, &other) in self.blocks().iter_mut().zip(other.whole()) {
+            *cost = cost.saturating_add(other);
+        }
+    }
+
     /// Becomes the entry by entry sum of `a` and `weight` times `b`.
     pub(crate) fn set_weighted_sum(&mut self, a: &Self, b: &Self, weight: u16) {
         (self.first, self.len) = (a.first, a.len);

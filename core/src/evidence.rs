@@ -75,7 +75,9 @@ define_evidence! {
     SupportFarther: "share of those that are farther",
     SupportNearer: "share of those that are nearer",
     SegmentsAgreeing: "log2(1 + segments nearby that agree)",
-    EdgeRatio: "the edge itself: cost at the disparity / best elsewhere",
+    EdgeRatio: "the edge itself, or the row next to it: cost at the disparity / best elsewhere",
+    HalfRatio: "the less unique half: cost at the disparity / best elsewhere",
+    OtherNearer: "how unique the other side is at a nearer disparity, 0 ..= 1",
     Distance: "distance of the pixel from the edge, px",
     NextToEdge: "1 for the pixels next to an edge whose two sides are not known to be one surface",
 }

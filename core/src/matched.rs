@@ -14,7 +14,7 @@ use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::scratch::ScratchView;
 use crate::side_pixels::ValidPixels;
-use crate::support::Support;
+use crate::support::{RangeCheck, Support};
 use heapless::vec::VecView;
 
 /// Counts, row offset and health of a run.
@@ -25,6 +25,7 @@ pub struct Summary {
     pub(crate) row_offset_q5: i16,
     /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
+    pub(crate) range: RangeCheck,
     pub(crate) health: PairHealth,
 }
 
@@ -39,6 +40,12 @@ impl Summary {
     #[must_use]
     pub fn health(&self) -> &PairHealth {
         &self.health
+    }
+
+    /// Windows that match beyond the disparity range.
+    #[must_use]
+    pub fn range(&self) -> RangeCheck {
+        self.range
     }
 
     /// Row of the right image that matches row 0 of the left one, px.

@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Counts, Rejection};
 use crate::scratch::{RunError, ScratchView, mark_words};
-use crate::support::{self, Grid, Support};
+use crate::support::{self, Grid, RangeCheck, Support};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are needed.
 const RIGHT_SCAN_STEP: i32 = 3 * lines::SCAN_STEP;
@@ -63,7 +63,7 @@ impl Plan {
         };
         let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
         let row_offset = summary.row_offset();
-        summary.detail_q8 = self.match_support(images, (row_offset, &regions), &mut m, observer);
+        (summary.detail_q8, summary.range) = self.match_support(images, (row_offset, &regions), &mut m, observer);
         if self.params.parts != Parts::Support {
             self.match_segments(
                 images,
@@ -158,21 +158,22 @@ impl Plan {
         row_offset_q5
     }
 
-    /// Matches the support points. Returns the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
+    /// Matches the support points. Returns the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8, and
+    /// what was found beyond the range.
     fn match_support(
         &self,
         images: [Gray<'_>; 2],
         (row_offset, regions): (i32, &SearchRegions),
         m: &mut ScratchView<'_>,
         observer: &mut impl Observer,
-    ) -> i16 {
+    ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset, model: self.support_model };
-        let detail_q8 = matching.run(regions.areas(), m.rows, m.support, |index, evidence| {
+        let found = matching.run(regions.areas(), m.rows, m.support, |index, evidence| {
             observer.support_point(index, evidence);
         });
         observer.on_event(StageEvent::Support(m.support));
-        detail_q8
+        found
     }
 
     /// Matches each left segment; then computes the evidence between segments and support points nearby.

@@ -24,6 +24,9 @@ use heapless::vec::VecView;
 /// Difference between two sides' disparities, summed over both ends, above which they are two surfaces, 1/64 px.
 const TWO_SURFACES_Q6: i32 = 2 * 64;
 
+/// Least probability, Q16, of the less probable side of a segment that belongs to both: 0.98. Below it the other side's surface may end at the edge.
+const BOTH_SIDES_Q16: u16 = 64_225;
+
 /// Entry of an order: a sort key and the index of a candidate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ranked {
@@ -87,7 +90,7 @@ impl Report<'_> {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             match candidate.edge_side() {
-                Some(side) if side.edge_probability_q16 >= least => {
+                Some(side) if side.edge_rating() >= least => {
                     // One entry per candidate: it fits.
                     let _ = self.order.push(Ranked { probability_q16: side.edge_probability_q16, candidate: i });
                 }
@@ -183,6 +186,11 @@ impl Side {
         narrow(score + model.coefficient_q8(SegmentKind::Distance)).into()
     }
 
+    /// Probability that the edge itself has this side's disparity, Q16; 0 where the other side is nearer.
+    fn edge_rating(&self) -> u16 {
+        if self.is_behind { 0 } else { self.edge_probability_q16 }
+    }
+
     /// Log-odds of the edge itself, neighbours included, Q8.
     fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
         narrow(edge_model.with_nearby_q8(self.edge_score_q8, self.nearby_q8)).into()
@@ -248,7 +256,7 @@ impl Candidate {
 
     /// The side whose disparity is the most probable one of the edge itself.
     fn edge_side(&self) -> Option<&Side> {
-        self.best(|side| side.edge_probability_q16)
+        self.best(Side::edge_rating)
     }
 
     /// Reason why its segment has no match in the run that it comes from; `None` when it has one.
@@ -266,11 +274,13 @@ impl Candidate {
         let [left, right] = self.sides.each_ref().map(|side| side.as_ref().filter(|s| !s.rejected));
         match (left, right) {
             (Some(l), Some(r)) => {
-                let two_surfaces = (l.sum_q6() - r.sum_q6()).abs() > TWO_SURFACES_Q6;
-                Some(match (two_surfaces, r.edge_probability_q16 > l.edge_probability_q16) {
-                    (false, _) => Owner::Both,
-                    (true, true) => Owner::Right,
-                    (true, false) => Owner::Left,
+                let better = |right: u16, left: u16| if right > left { Owner::Right } else { Owner::Left };
+                Some(if (l.sum_q6() - r.sum_q6()).abs() > TWO_SURFACES_Q6 {
+                    better(r.edge_rating(), l.edge_rating())
+                } else if l.probability_q16.min(r.probability_q16) < BOTH_SIDES_Q16 {
+                    better(r.probability_q16, l.probability_q16)
+                } else {
+                    Owner::Both
                 })
             }
             (Some(_), None) => Some(Owner::Left),

@@ -8,8 +8,9 @@ use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Para
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::engine::Engine;
+use linestereo_sim::evaluate::{object_cases, score_objects};
 use linestereo_sim::input::interchange::{Options, load_rig};
-use linestereo_sim::input::{Perturbation, Scene, find_scenes, load_gray, load_scene};
+use linestereo_sim::input::{Perturbation, Scene, Truth, find_scenes, load_gray, load_scene};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::painted;
@@ -39,6 +40,7 @@ impl Rig {
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         if !health.is_refused() {
             let matched = self.engine.run_in_place(left, right).unwrap();
+            health.range = Some(matched.summary().range());
             let found = (matched.segments(), matched.counts());
             self.monitor.check_matches(&self.limits, (left, right), found, &mut health);
         }
@@ -583,6 +585,7 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     let mut monitor = HealthMonitor::new();
     let mut health = monitor.check_images(&HealthLimits::DEFAULT, left, right, None);
     let matched = engine.run_in_place(left, right).unwrap();
+    health.range = Some(matched.summary().range());
     let found = (matched.segments(), matched.counts());
     monitor.check_matches(&HealthLimits::DEFAULT, (left, right), found, &mut health);
     assert_eq!(health, expected);
@@ -597,4 +600,65 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
         &mut health,
     );
     assert_eq!(health.rows, None);
+}
+
+/// Disparities that hold everything of a pair with truth.
+fn needed(truth: &Truth) -> u16 {
+    truth.largest().unwrap().ceil() as u16 + 1
+}
+
+#[test]
+fn a_range_that_ends_before_the_nearest_surface_is_told_and_a_sufficient_one_is_not() {
+    for kind in [Kind::Boxes, Kind::Cards, Kind::Corridor, Kind::Demo] {
+        for seed in 1..=6 {
+            let pair =
+                scene::render(&scene::build(kind, DIMS, seed), DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
+            let enough = needed(&Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone()));
+            for range in [enough, enough + 8, 2 * enough] {
+                let health = alone(&pair.left, &pair.right, range);
+                assert!(!health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} {range}: {health:?}");
+            }
+            let health = alone(&pair.left, &pair.right, enough / 2);
+            assert!(health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} of {enough}: {health:?}");
+            let range = health.range.unwrap();
+            assert!((enough / 2..=enough).contains(&range.disparity), "{kind:?} {seed} of {enough}: {range:?}");
+        }
+    }
+}
+
+/// What repeats, is blank, or has no partner is no reason to search further.
+#[test]
+fn a_range_is_not_doubted_without_a_match_beyond_it() {
+    for kind in [Kind::Blank, Kind::Repetition, Kind::Poles] {
+        for seed in 1..=4 {
+            let sensor = Sensor { noise: 1.0, seed, ..Sensor::default() };
+            let pair = scene::render(&scene::build(kind, DIMS, seed), DIMS, &sensor);
+            let other = scene::render(&scene::build(Kind::Boxes, DIMS, seed), DIMS, &sensor);
+            for (right, what) in [(&pair.right, "itself"), (&other.right, "another scene")] {
+                let health = alone(&pair.left, right, 64);
+                assert!(!health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} and {what}: {health:?}");
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn no_captured_object_is_answered_with_half_of_its_range() {
+    let Some(scenes) = captured::qvga() else { return };
+    for scene in &scenes {
+        let truth = scene.truth.as_ref().unwrap();
+        for (range, is_small) in
+            [(scene.max_disparity, false), (needed(truth), false), ((needed(truth) / 2).max(8), true)]
+        {
+            let params = Params { max_disparity: range, rig: scene.rig, ..Params::default() };
+            let mut engine = Engine::new(&params, scene.left.dims).unwrap();
+            let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+            let flags = result.health.of_pair();
+            let what = format!("{} below {range} px: {flags} {:?}", scene.name, result.pair.unwrap().range);
+            assert_eq!(flags.contains(HealthFlags::RANGE_SMALL), is_small, "{what}");
+            let answers = score_objects(&mut engine, &object_cases(scene).unwrap());
+            assert!(!is_small || answers.iter().all(|answer| answer.refused.is_some()), "{what}");
+        }
+    }
 }

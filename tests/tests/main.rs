@@ -20,6 +20,7 @@ mod no_panic;
 mod objects;
 mod obstacles;
 mod opencv;
+mod owners;
 mod pitfalls;
 mod query;
 mod rectify;

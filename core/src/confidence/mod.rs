@@ -8,10 +8,10 @@
 //! function would turn into too high probabilities.
 //!
 //! # Bounds
-//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 28 products below 2^34 each, summed in `i64`.
+//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 30 products below 2^34 each, summed in `i64`.
 //!
 //! # Cost
-//! 28 multiply-adds and one interpolation per hypothesis.
+//! 30 multiply-adds and one interpolation per hypothesis.
 //!
 //! # Source
 //! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve instead of a second sigmoid.

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
 
-/// Set of flags; empty without a fault. Bits 19 to 23 are reserved, higher ones stay unused.
+/// Set of flags; empty without a fault. Bits 20 to 23 are reserved, higher ones stay unused.
 ///
 /// ```
 /// use linestereo::HealthFlags;
@@ -57,6 +57,9 @@ impl HealthFlags {
     /// Several credible matches lie beyond infinity.
     pub const BEYOND_INFINITY: Self = Self(1 << 18);
 
+    /// Something is nearer than the disparity range allows: it is matched wrongly.
+    pub const RANGE_SMALL: Self = Self(1 << 19);
+
     /// Flags with which matches may be wrong or outdated. The others (exposure, drift of rows, a smaller view) reduce the number of matches, or
     /// warn.
     pub const UNFIT: Self = Self(
@@ -70,11 +73,12 @@ impl HealthFlags {
             | Self::ROWS_OFF.0
             | Self::ROWS_UNEVEN.0
             | Self::FEW_MATCHES.0
-            | Self::BEYOND_INFINITY.0,
+            | Self::BEYOND_INFINITY.0
+            | Self::RANGE_SMALL.0,
     );
 
     /// Every flag with its name.
-    pub const NAMES: [(Self, &'static str); 19] = [
+    pub const NAMES: [(Self, &'static str); 20] = [
         (Self::LEFT_EXPOSURE, "left_exposure"),
         (Self::RIGHT_EXPOSURE, "right_exposure"),
         (Self::LEFT_SATURATED, "left_saturated"),
@@ -94,6 +98,7 @@ impl HealthFlags {
         (Self::ROWS_UNEVEN, "rows_uneven"),
         (Self::FEW_MATCHES, "few_matches"),
         (Self::BEYOND_INFINITY, "beyond_infinity"),
+        (Self::RANGE_SMALL, "range_small"),
     ];
 
     /// The set as bits.

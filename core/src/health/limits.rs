@@ -41,6 +41,10 @@ pub struct HealthLimits {
     pub matched_permille: u16,
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
+    /// Least number of windows that match beyond the disparity range for it to be too small. Default 3.
+    pub min_beyond_range: u16,
+    /// Least share of these among the windows compared, per thousand. Default 20.
+    pub beyond_range_permille: u16,
     /// Number of consecutive pairs without a fault until its flag is cleared. Default 3.
     pub clear_after: u8,
 }
@@ -64,6 +68,8 @@ impl HealthLimits {
         row_pairs: (8, 256),
         matched_permille: 50,
         least_disparity_q6: -64,
+        min_beyond_range: 3,
+        beyond_range_permille: 20,
         clear_after: 3,
     };
 

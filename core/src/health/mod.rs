@@ -5,7 +5,7 @@
 //! ```text
 //! before matching: HealthMonitor::check_images          skew, levels, saturation, dead, covered and frozen cameras, valid view
 //!                  PairHealth::is_refused                captured too far apart: not to be matched
-//! after it:        HealthMonitor::check_matches          difference of rows (rows), few matches, matches beyond infinity
+//! after it:        HealthMonitor::check_matches          difference of rows (rows), few matches, matches beyond infinity and beyond the range
 //! ```
 //! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`] pairs in a row were free of it; a pair in
 //! which the quantity cannot be measured (no edges to compare rows with) does not change it. Differences of rows are smoothed first:
@@ -36,6 +36,7 @@ mod rows;
 
 use crate::image::Gray;
 use crate::result::{Counts, Match, Rejection};
+pub use crate::support::RangeCheck;
 use crate::units::quotient;
 pub use camera::CameraHealth;
 pub use flags::HealthFlags;
@@ -73,6 +74,8 @@ pub struct PairHealth {
     pub row_drift_q8: Option<i16>,
     /// The third smallest disparity among the matches (of the larger of their ends), 1/64 px; `None` with fewer matches.
     pub least_disparity_q6: Option<i16>,
+    /// Windows that match beyond the disparity range; `None` until the pair is matched.
+    pub range: Option<RangeCheck>,
 }
 
 impl PairHealth {
@@ -150,7 +153,7 @@ impl HealthMonitor {
         }
     }
 
-    /// Checks the matches of the pair, and adds to its health.
+    /// Checks the matches of the pair and [`PairHealth::range`], and adds to its health.
     pub fn check_matches(
         &mut self,
         limits: &HealthLimits,
@@ -168,6 +171,12 @@ impl HealthMonitor {
         health.least_disparity_q6 = third_least_q6(matches);
         let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
         now |= HealthFlags::BEYOND_INFINITY.when(beyond);
+
+        // A fault of a camera leaves windows without a match as well.
+        if let Some(range) = health.range.filter(|_| health.now.and(CAMERA_FLAGS) == HealthFlags::GOOD) {
+            tested |= HealthFlags::RANGE_SMALL;
+            now |= HealthFlags::RANGE_SMALL.when(is_small(&range, limits));
+        }
 
         let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= limits.min_row_samples);
         if let Some(rows) = found {
@@ -262,6 +271,12 @@ impl Default for HealthMonitor {
 
 /// Flags that are tested before matching, without [`HealthFlags::SKEW`].
 const CAMERA_FLAGS: HealthFlags = HealthFlags::from_bits((HealthFlags::EXPOSURES_DIFFER.bits() << 1) - 1);
+
+/// True when enough windows match beyond the range.
+fn is_small(range: &RangeCheck, limits: &HealthLimits) -> bool {
+    let share = u32::from(range.windows) * u32::from(limits.beyond_range_permille);
+    range.beyond >= limits.min_beyond_range && u32::from(range.beyond) * 1000 >= share
+}
 
 /// The third smallest disparity of the matches, of the larger of their ends, 1/64 px.
 fn third_least_q6(matches: &[Match]) -> Option<i16> {

@@ -133,7 +133,12 @@ pub struct Side {
     /// Probability that the edge itself has this side's disparity, Q16.
     pub(crate) edge_probability_q16: u16,
     pub(crate) rejected: bool,
+    /// True when the other side of a near-horizontal segment is nearer: an edge between two surfaces belongs to the nearer one.
+    pub(crate) is_behind: bool,
 }
+
+/// [`SegmentKind::OtherNearer`] above which the other side is nearer, Q8. Near-vertical segments are matched by the edge itself as well.
+const NEARER_Q8: i32 = 144;
 
 impl Side {
     pub(crate) fn new([d0, d1]: [i32; 2], evidence: &SegmentEvidence, (model, edge_model): (&Model, &Model)) -> Self {
@@ -149,6 +154,7 @@ impl Side {
             probability_q16: 0,
             edge_probability_q16: 0,
             rejected: false,
+            is_behind: false,
         }
     }
 }
@@ -201,6 +207,8 @@ pub(crate) struct MatchContext<'a> {
     width: i32,
     min_disparity: i32,
     max_disparity: i32,
+    /// The largest disparity of the whole range.
+    largest: i32,
     support: Support<'a>,
     pub(crate) agreement: Agreement,
     pub(crate) models: &'a Models,
@@ -212,6 +220,7 @@ impl<'a> MatchContext<'a> {
             width: dims.width.into(),
             min_disparity: params.min_disparity.into(),
             max_disparity: params.max_disparity.into(),
+            largest: i32::from(params.max_disparity) - 1,
             support,
             agreement: Agreement::new(params),
             models,
@@ -228,6 +237,11 @@ impl<'a> MatchContext<'a> {
         let (low, high) = (low - more / 2, high + more - more / 2);
         let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
         (end - first >= MIN_RANGE).then_some(Self { min_disparity: first, max_disparity: end, ..*self })
+    }
+
+    /// True at the largest disparity of the whole range: a minimum may lie beyond.
+    pub(crate) fn is_last(&self, disparity: i32) -> bool {
+        disparity >= self.largest
     }
 
     /// Detail of the left image, Q8.

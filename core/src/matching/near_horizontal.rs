@@ -15,7 +15,7 @@
 
 use super::aggregate::join_sides;
 use super::band::{Band, on_band};
-use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, Workspace};
+use super::{Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MatchContext, NEARER_Q8, Workspace};
 use crate::curve::{Curve, Minimum, ratio_q8};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
@@ -25,10 +25,12 @@ use crate::units::quotient;
 use heapless::Vec;
 
 /// Rows of each side's window, relative to the edge, px; more rows between are redundant.
-const SIDE_ROWS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
+const SIDE_ROWS: [[i32; 2]; 2] = [[-2, -5], [2, 5]];
 /// Half of a block, px, Q1. A window moves away from a slanted line by half of its rise over that, whole rows: a block lies on one row and would
 /// reach across the edge.
 const RISE_Q1: i32 = 7;
+/// Largest uniqueness ratio, best / second-best, of a half, Q8: a half that shows nothing, beside one that does, is of another surface.
+const MAX_HALF_RATIO_Q8: i32 = 256;
 /// Distance between the centres of the two sides' windows, px.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.
@@ -77,6 +79,10 @@ struct SideWindows<'w> {
     best: Minimum,
     second_best: u16,
     ratio_q8: i32,
+    /// Uniqueness ratio of the row nearest to the edge alone, at the disparity of all rows, Q8.
+    near_ratio_q8: i32,
+    /// That of the half which is less unique, Q8.
+    half_ratio_q8: i32,
 }
 
 /// Matches both sides of one segment, or returns the test at which the better side failed.
@@ -103,9 +109,9 @@ pub(crate) fn match_near_horizontal(
 
     let [above_rows, below_rows] = side_rows(&line);
     let [above_points, below_points] = CENSUS_ROWS;
-    let [a, b, c, d, e, f, census, ..] = &mut work.curves;
-    let above = SideWindows::new([a, b, c], &line, columns, above_rows, range, band);
-    let below = SideWindows::new([d, e, f], &line, columns, below_rows, range, band);
+    let [a, b, c, d, e, f, g, h, i, j, census, ..] = &mut work.curves;
+    let above = SideWindows::new([a, b, c, d, e], &line, columns, above_rows, range, band);
+    let below = SideWindows::new([f, g, h, i, j], &line, columns, below_rows, range, band);
     let mut match_one = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
         match_side(&line, own, other, shared.with(SegmentKind::WhichSide, which_side), context, band, census)
     };
@@ -121,8 +127,14 @@ pub(crate) fn match_near_horizontal(
     };
     let lines_q6 = matched.each_ref().map(|side| side.as_ref().map_or([0; 2], |side| side.line_q6));
     let evidence = matched.map(|side| side.ok().map(|side| side.evidence));
+    let is_behind = evidence.map(|evidence| evidence.is_some_and(|of| of.get(SegmentKind::OtherNearer) > NEARER_Q8));
     let [above_q6, below_q6] = lines_q6;
     let mut sides = work.rate(evidence, |side| if side == 0 { above_q6 } else { below_q6 }, context.models.of(true));
+    for (side, is_behind) in sides.iter_mut().zip(is_behind) {
+        if let Some(side) = side {
+            side.is_behind = is_behind;
+        }
+    }
     let ([a0, a1], [b0, b1]) = (above_q6, below_q6);
     let line_q6 = [(a0 + b0) / 2, (a1 + b1) / 2];
     join_sides(&mut sides, [(a0 + a1) / 2, (b0 + b1) / 2], SIDES_APART, line_q6);
@@ -138,50 +150,57 @@ fn side_rows(line: &HorizontalLine) -> [[i32; 2]; 2] {
 
 impl<'w> SideWindows<'w> {
     fn new(
-        [a, b, whole]: [&'w mut Curve; 3],
+        [near_a, near_b, a, b, whole]: [&'w mut Curve; 5],
         line: &HorizontalLine,
         (first, last): (i32, i32),
-        rows: [i32; 2],
+        [near_row, far_row]: [i32; 2],
         range: (i32, i32),
         band: &Band<'_>,
     ) -> Self {
         let middle = (first + last) / 2;
         let mut pixels = 0;
-        for (curve, columns) in [&mut *a, &mut *b].into_iter().zip([(first, middle), (middle + 1, last)]) {
-            curve.fill(range, |costs| {
-                pixels += add_blocks(line, columns, rows, range.0, band, costs);
-            });
+        let halves = [(&mut *near_a, &mut *a, (first, middle)), (&mut *near_b, &mut *b, (middle + 1, last))];
+        for (near, half, columns) in halves {
+            near.fill(range, |costs| pixels += add_blocks(line, columns, near_row, range.0, band, costs));
+            half.fill(range, |costs| pixels += add_blocks(line, columns, far_row, range.0, band, costs));
+            half.add(near);
         }
         whole.set_sum(a, b);
+        near_a.add(near_b);
         let best = whole.minimum();
         let second_best = whole.second_best(best.at);
-        Self { halves: [a, b], whole, pixels, best, second_best, ratio_q8: ratio_q8(best.cost, second_best) }
+        let ratio_near = |curve: &mut Curve, reach: i32| {
+            let near = curve.minimum_near(best.at, reach);
+            ratio_q8(near.cost, curve.second_best(near.at))
+        };
+        let near_ratio_q8 = ratio_near(near_a, 1);
+        let half_ratio_q8 = ratio_near(a, HALF_REACH).max(ratio_near(b, HALF_REACH));
+        let ratio_q8 = ratio_q8(best.cost, second_best);
+        Self { halves: [a, b], whole, pixels, best, second_best, ratio_q8, near_ratio_q8, half_ratio_q8 }
     }
 }
 
-/// Adds the cost of one side over `columns`, in blocks of eight that follow the line, from disparity `first` on;
+/// Adds the cost of one row beside the edge over `columns`, in blocks of eight that follow the line, from disparity `first` on;
 /// returns the pixels compared.
 fn add_blocks(
     line: &HorizontalLine,
     (from, to): (i32, i32),
-    rows: [i32; 2],
+    row: i32,
     first: i32,
     band: &Band<'_>,
     costs: &mut [u16],
 ) -> i32 {
     const WIDTH: i32 = STRIP as i32;
-    /// Blocks of the longest piece, two rows each.
-    const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP) * 2;
+    /// Blocks of the longest piece.
+    const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP);
     let blocks = (to - from + WIDTH) / WIDTH;
     let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
     for block in 0..blocks {
         // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
         let y = line.row_q5((start << 5) + 112);
-        for row in rows {
-            if let Some(strip) = band.strip(start, on_band(y + row), first) {
-                let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
-            }
+        if let Some(strip) = band.strip(start, on_band(y + row), first) {
+            let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
         }
     }
     sad_curve(&strips, costs);
@@ -240,7 +259,8 @@ fn match_side(
     census: &mut Curve,
 ) -> Result<MatchedSide, Rejection> {
     let at = own.best.at;
-    if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 {
+    let is_unique = own.ratio_q8 <= MAX_SIDE_RATIO_Q8 && own.half_ratio_q8 <= MAX_HALF_RATIO_Q8;
+    if own.pixels == 0 || !is_unique || context.is_last(at) {
         return Err(Rejection::WindowNotUnique);
     }
     let columns = line.columns();
@@ -272,6 +292,9 @@ fn match_side(
     evidence.set(SegmentKind::Slant, quotient(slant_q6.abs() << 3, columns.1 - columns.0 + 1));
     evidence.set(SegmentKind::OtherRatio, other.ratio_q8);
     evidence.set(SegmentKind::OtherDiffers, i32::from((other.best.at - at).abs() > 1) << 8);
+    evidence.set(SegmentKind::OtherNearer, if other.best.at > at + 1 { (256 - other.ratio_q8).max(0) } else { 0 });
+    evidence.set(SegmentKind::EdgeRatio, own.near_ratio_q8);
+    evidence.set(SegmentKind::HalfRatio, own.half_ratio_q8);
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
     let line_q6 = [first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2];
     Ok(MatchedSide { evidence, line_q6, window_q6, census_q6 })

@@ -98,6 +98,9 @@ pub(crate) fn match_near_vertical(
     let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
     windows.fill(&extent, context, band)?;
     let window = windows.match_whole(joint)?;
+    if context.is_last(window.best.at) {
+        return Err(Rejection::WindowNotUnique);
+    }
     let census = match_census(&extent, context, band, [census_left, census_right], joint)?;
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
@@ -322,6 +325,8 @@ fn hypothesis(
     evidence.set(SegmentKind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)));
     evidence.set(SegmentKind::OtherRatio, other.ratio_q8);
     evidence.set(SegmentKind::OtherDiffers, i32::from((other.preferred - at).abs() > 2) << 8);
+    let other_nearer = if other.preferred > at + 2 { (other.ratio_q8 - 256).clamp(0, 256) } else { 0 };
+    evidence.set(SegmentKind::OtherNearer, other_nearer);
     evidence.set(SegmentKind::SideDiffers, i32::from((own.preferred - at).abs() > 1) << 8);
     evidence.set(SegmentKind::WhichSide, which_side);
     Some(evidence)

@@ -106,6 +106,9 @@ impl Found {
     pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
         let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest)?;
+        if best == 0 {
+            return None; // the largest disparity: the minimum may lie beyond
+        }
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {

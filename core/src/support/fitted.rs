@@ -6,26 +6,26 @@ use crate::confidence::Model;
 /// The model that plans use unless they are given another.
 #[rustfmt::skip]
 pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {
-    bias_q12: -37036,
+    bias_q12: -37185,
     coefficients_q12: [
-        -17691, // log2 of the paths' sum: best / second-best
-        3750, // log2 of the window's cost: at the disparity / best elsewhere
-        198, // log2(1 + the window's cost)
-        1594, // log2(1 + disparities compared)
-        20, // log2(1 + how much worse the window is 1 px away)
-        2787, // log2(1 + ranks that change along the window)
-        -3235, // square of the first
-        2184, // square of the second
-        4430, // log2(1 + neighbours that agree)
-        -994, // log2(1 + neighbours that contradict)
-        2240, // log2(1 + hypotheses of segments nearby that agree)
-        -3333, // log2(1 + hypotheses of segments nearby that contradict)
-        2017, // log2(1 + ranks that change along a window, on average)
+        -17680, // log2 of the paths' sum: best / second-best
+        3721, // log2 of the window's cost: at the disparity / best elsewhere
+        194, // log2(1 + the window's cost)
+        1598, // log2(1 + disparities compared)
+        11, // log2(1 + how much worse the window is 1 px away)
+        2797, // log2(1 + ranks that change along the window)
+        -3232, // square of the first
+        2177, // square of the second
+        4432, // log2(1 + neighbours that agree)
+        -1002, // log2(1 + neighbours that contradict)
+        2191, // log2(1 + hypotheses of segments nearby that agree)
+        -3311, // log2(1 + hypotheses of segments nearby that contradict)
+        2048, // log2(1 + ranks that change along a window, on average)
     ],
     probability_q16: [
-        3, 5, 10, 19, 36, 67, 126, 238, 448, 839, 1565,
-        2890, 5246, 9239, 15491, 24158, 34346, 44237, 52209, 57724, 58720, 59603,
-        61596, 62948, 63736, 64289, 64671, 64937, 65122, 65250, 65338, 65400, 65442,
+        3, 5, 10, 19, 36, 67, 127, 239, 449, 841, 1568,
+        2894, 5250, 9242, 15489, 24147, 34325, 44211, 52184, 57704, 58714, 59608,
+        61599, 62950, 63738, 64291, 64674, 64940, 65124, 65252, 65340, 65401, 65443,
     ],
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,

@@ -23,12 +23,14 @@
 pub(crate) mod evidence;
 mod fitted;
 mod grid;
+mod nearer;
 mod paths;
 mod ranks;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
 pub use grid::most_support_points;
+pub use nearer::RangeCheck;
 
 use crate::area::Area;
 use crate::confidence::Model;
@@ -41,6 +43,7 @@ use crate::units::{Confidence, Disparity};
 use core::ops::Range;
 use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, nearby};
 use heapless::vec::VecView;
+use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths};
 use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
@@ -109,25 +112,25 @@ pub(crate) struct Matching<'a> {
 impl Matching<'_> {
     /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. Fills `points` with one per point of the grid, row
     /// by row; calls `watch` with the index and the evidence of each that has a disparity, neighbours left out. Returns the detail of the left
-    /// image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
+    /// image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the range.
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
         memory: &mut [u8],
         points: &mut VecView<SupportPoint>,
         mut watch: impl FnMut(usize, &SupportEvidence),
-    ) -> i16 {
+    ) -> (i16, RangeCheck) {
         points.clear();
         let Grid { columns, rows, .. } = self.grid;
         if columns * rows > points.capacity() || points.resize(columns * rows, SupportPoint::NONE).is_err() {
-            return TYPICAL_DETAIL_Q8;
+            return (TYPICAL_DETAIL_Q8, RangeCheck::default());
         }
         let whole = [Area::of(self.images[0].dims())];
-        let mut detail = Detail::default();
+        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.grid));
         for &area in areas.unwrap_or(&whole) {
-            self.match_area(self.grid.within(area), memory, points, &mut detail, &mut watch);
+            self.match_area(self.grid.within(area), memory, points, (&mut detail, &mut nearer), &mut watch);
         }
-        detail.mean_q8()
+        (detail.mean_q8(), nearer.check)
     }
 
     /// Matches the points in these columns and rows of the grid.
@@ -136,7 +139,7 @@ impl Matching<'_> {
         area: Area,
         memory: &mut [u8],
         points: &mut [SupportPoint],
-        detail: &mut Detail,
+        (detail, nearer): (&mut Detail, &mut NearerSearch),
         watch: &mut impl FnMut(usize, &SupportEvidence),
     ) {
         let [left, right] = self.images;
@@ -165,9 +168,13 @@ impl Matching<'_> {
                 }
                 let x = self.grid.window(column);
                 if let Some((window, columns)) = ranks.windows(x, x - last + range.start as i32)
-                    && let Some(costs) = costs.get_mut(range)
+                    && let Some(in_range) = costs.get_mut(range)
                 {
-                    rank_costs(window, columns, costs);
+                    rank_costs(window, columns, in_range);
+                    if !in_range.is_empty() {
+                        let [_, right] = valid;
+                        nearer.add((row.into(), column), costs, &ranks, right.start.into());
+                    }
                     if let Some(changes) = changes.get_mut(column) {
                         *changes = changes_of(window);
                         detail.add(*changes);

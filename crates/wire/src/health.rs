@@ -10,7 +10,7 @@
 
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
-use linestereo::health::{CameraHealth, Rows};
+use linestereo::health::{CameraHealth, RangeCheck, Rows};
 use linestereo::{Counts, HealthFlags, PairHealth};
 use serde::{Deserialize, Serialize};
 
@@ -182,6 +182,19 @@ pub struct PairReport {
     pub row_drift_q8: Option<i16>,
     /// [`PairHealth::least_disparity_q6`], 1/64 px.
     pub least_disparity_q6: Option<i16>,
+    /// [`PairHealth::range`].
+    pub range: Option<RangeReport>,
+}
+
+/// The core's [`RangeCheck`], number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct RangeReport {
+    /// Windows compared with disparities beyond the range.
+    pub windows: u16,
+    /// Those that match better there.
+    pub beyond: u16,
+    /// The second largest disparity at which these match, px.
+    pub disparity: u16,
 }
 
 /// The core's [`CameraHealth`], number for number.
@@ -217,6 +230,7 @@ impl From<&PairHealth> for PairReport {
         let camera = |&CameraHealth { level, detail_q4, black_permille, white_permille, view_permille }: &_| {
             CameraReport { level, detail_q4, black_permille, white_permille, view_permille }
         };
+        let range = |RangeCheck { windows, beyond, disparity, .. }| RangeReport { windows, beyond, disparity };
         let rows = |Rows { offset_q8, spread_q8, samples }| RowsReport { offset_q8, spread_q8, samples };
         Self {
             cameras: health.cameras.each_ref().map(camera),
@@ -225,6 +239,7 @@ impl From<&PairHealth> for PairReport {
             row_offset_q8: health.row_offset_q8,
             row_drift_q8: health.row_drift_q8,
             least_disparity_q6: health.least_disparity_q6,
+            range: health.range.map(range),
         }
     }
 }

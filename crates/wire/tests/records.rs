@@ -180,10 +180,11 @@ fn the_layout_of_this_version_is_exactly_this() {
         row_offset_q8: Some(-6),
         row_drift_q8: None,
         least_disparity_q6: Some(6),
+        range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
-    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12];
+    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15];
     assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
     let segment = Segment {
         ends_q5: [[1, 2], [3, 4]],

@@ -4,13 +4,13 @@ use super::engine_for;
 use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::evaluate::{FrameScore, Summary};
+use crate::evaluate::{FrameScore, OwnedMiddle, Summary};
 use crate::input::Truth;
 use crate::output::{OutputFiles, OutputPath};
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
-use linestereo::{Depth, Dims, INFINITE_DEPTH, Match, Owner, Rejection};
+use linestereo::{Depth, Dims, INFINITE_DEPTH, Match, Rejection};
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -18,10 +18,6 @@ const PICTURE: &str = "linestereo-demo.png";
 const SEED: u64 = 1;
 /// Noise of an ordinary sensor, in grey levels.
 const NOISE: f64 = 1.0;
-/// A segment with `|dx|` above this many times `|dy|` is near-horizontal.
-const STEEP_LIMIT: f64 = 4.0;
-/// How far from the edge, in px, the owning side's surface is looked up: beyond the pixels that hold both surfaces.
-const BESIDE: f64 = 1.5;
 
 /// Render a small room with exact ground truth, match it, and show how good the depths are.
 #[derive(Debug, clap::Args)]
@@ -64,8 +60,9 @@ pub fn run(args: &Args) -> Result<()> {
         room.pair.baseline_m,
         max_disparity - 1,
     );
-    text.push_str(&object_table(&room, &rendering, &result));
-    text.push_str(&summary(&rendering, &result));
+    let truth = truth_of(&rendering);
+    text.push_str(&object_table(&room, &rendering, &truth, &result));
+    text.push_str(&summary(&truth, &result));
     let _ = writeln!(text, "\nPicture: {} (red near, blue far)", args.out.display());
     text.push_str(
         "Your own rectified pair: linestereo run LEFT RIGHT --overlay depth.png; everything else: linestereo --help\n",
@@ -73,53 +70,33 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
-/// A segment at its middle, beside what is true of the surface it is said to belong to.
-struct Sample {
-    label: u8,
-    disparity: f64,
-    true_disparity: f64,
+/// The truth of a rendering.
+fn truth_of(rendering: &Rendering) -> Truth {
+    Truth::new(rendering.left.dims, rendering.disparity.clone(), rendering.visible.clone())
 }
 
-impl Sample {
-    /// `None` where the owning side's pixel is outside the image.
-    fn new(rendering: &Rendering, segment: &Match) -> Option<Self> {
-        let [[x0, y0], [x1, y1]] = segment.ends.map(|end| [end.x.to_num::<f64>(), end.y.to_num::<f64>()]);
-        let [d0, d1] = segment.disparity.map(|disparity| disparity.to_num::<f64>());
-        let beside = if segment.owner == Owner::Right { BESIDE } else { -BESIDE };
-        let near_horizontal = (x1 - x0).abs() > STEEP_LIMIT * (y1 - y0).abs();
-        let (dx, dy) = if near_horizontal { (0.0, beside) } else { (beside, 0.0) };
-        let (x, y) = ((0.5 * (x0 + x1) + dx).round(), (0.5 * (y0 + y1) + dy).round());
-        let Dims { width, height } = rendering.left.dims;
-        if !(0.0..f64::from(width)).contains(&x) || !(0.0..f64::from(height)).contains(&y) {
-            return None;
-        }
-        let index = y as usize * usize::from(width) + x as usize;
-        let true_disparity = f64::from(rendering.disparity[index]);
-        Some(Self { label: rendering.labels[index], disparity: 0.5 * (d0 + d1), true_disparity })
-    }
-}
-
-fn object_table(room: &Scene, rendering: &Rendering, result: &FrameResult) -> String {
-    let samples: Vec<(&Match, Sample)> =
-        result.matches.iter().filter_map(|segment| Some((segment, Sample::new(rendering, segment)?))).collect();
+fn object_table(room: &Scene, rendering: &Rendering, truth: &Truth, result: &FrameResult) -> String {
     let mut text =
         "object         segments   disparity     true    error      depth      true   probability\n".to_owned();
     for (object, label) in room.objects.iter().zip(1_u8..) {
-        let of_object = || samples.iter().filter(|(_, sample)| sample.label == label);
-        let _ = write!(text, "{object:<14} {:8}", of_object().count());
         // Matches are listed the most confident first.
-        let Some((segment, sample)) = of_object().next() else {
+        let of_object = result.matches.iter().filter_map(|segment| {
+            let middle = OwnedMiddle::new(segment);
+            (rendering.label(middle.pixel) == Some(label)).then_some((segment, middle.disparity, middle.error(truth)?))
+        });
+        let mut of_object = of_object.peekable();
+        let first = of_object.peek().copied();
+        let _ = write!(text, "{object:<14} {:8}", of_object.count());
+        let Some((segment, disparity, error)) = first else {
             text.push_str("   none that is credible\n");
             continue;
         };
         let _ = writeln!(
             text,
-            "{:9.2} px {:5.2} px {:+8.2} {:>10} {:7.2} m {:13.3}",
-            sample.disparity,
-            sample.true_disparity,
-            sample.disparity - sample.true_disparity,
+            "{disparity:9.2} px {:5.2} px {error:+8.2} {:>10} {:7.2} m {:13.3}",
+            disparity - error,
             segment.depth.map_or_else(|| "-".to_owned(), |[near, far]| middle_depth(near, far)),
-            room.pair.depth(sample.true_disparity),
+            room.pair.depth(disparity - error),
             segment.confidence.to_num::<f64>(),
         );
     }
@@ -135,19 +112,25 @@ fn middle_depth(first: Depth, last: Depth) -> String {
     format!("{:.2} m", 2.0 / (1.0 / first + 1.0 / last))
 }
 
-fn summary(rendering: &Rendering, result: &FrameResult) -> String {
-    let truth = Truth::new(rendering.left.dims, rendering.disparity.clone(), rendering.visible.clone());
-    let summary = Summary::pool([&FrameScore::new("demo", &truth, result)]);
+/// Share of the segments with truth whose owner's surface is at most this far from their disparity, percent.
+fn share_within(limit: f64, truth: &Truth, segments: &[Match]) -> Option<f64> {
+    let errors: Vec<f64> = segments.iter().filter_map(|segment| OwnedMiddle::new(segment).error(truth)).collect();
+    let within = errors.iter().filter(|error| error.abs() <= limit).count();
+    (!errors.is_empty()).then(|| 100.0 * within as f64 / errors.len() as f64)
+}
+
+fn summary(truth: &Truth, result: &FrameResult) -> String {
+    let summary = Summary::pool([&FrameScore::new("demo", truth, result)]);
     let number = |value: Option<f64>, unit: &str| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"));
     let counts = &result.counts;
     let mut text = String::from("\n");
     let _ = writeln!(
         text,
-        "Segments: {} matched of {}; {} within 1 px of the truth, {} within 2 px",
+        "Segments: {} matched of {}; {} within 1 px of the surface that they are of, {} within 2 px",
         counts.matched,
         counts.segments_left,
-        number(summary.segprec1, " %"),
-        number(summary.segprec2, " %"),
+        number(share_within(1.0, truth, &result.matches), " %"),
+        number(share_within(2.0, truth, &result.matches), " %"),
     );
     let _ = writeln!(
         text,

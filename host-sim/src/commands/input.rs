@@ -18,7 +18,7 @@ use crate::input::{
 };
 use crate::output::detail;
 use crate::results::listing::{Query, finite_metres};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
@@ -32,6 +32,10 @@ use std::time::Instant;
 /// Disparity range where neither an option nor a scene file gives one.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 
+/// Least and largest disparity range of the core.
+const LEAST_RANGE: u16 = 8;
+const MAX_RANGE: usize = 256;
+
 /// Matches of what is infinitely far scatter by less than this, px.
 const BEYOND_INFINITY: i16 = 2;
 
@@ -41,6 +45,9 @@ pub(super) struct InputArgs {
     /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene file's, else 64].
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
+    /// Search all disparities of what is at least this far away; needs a rig.
+    #[arg(long, value_name = "M", conflicts_with = "max_disparity")]
+    nearest: Option<f64>,
     /// Focal length of the rectified images as given (before --width).
     #[arg(long, value_name = "PX", requires = "baseline_m")]
     focal_px: Option<f64>,
@@ -210,7 +217,8 @@ impl InputArgs {
         } else if self.disparity_offset_px.is_some() {
             bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
         }
-        let max_disparity = self.max_disparity.or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
+        let nearest = self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
+        let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
         if self.fb.is_none() {
             let given = self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
             let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
@@ -252,8 +260,13 @@ impl InputArgs {
     }
 
     fn raw(&self, loaded: Dims, rig: &[PathBuf]) -> Result<Setup<'_>> {
-        let params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
-        let image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
+        let mut params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
+        let mut image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
+        if let Some(nearest) = self.nearest {
+            let rig_of = image.params(params)?.rig;
+            params.max_disparity = range_to(nearest, rig_of.as_ref(), image.remap().dims())?;
+            image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
+        }
         Ok(Setup {
             args: self,
             loaded,
@@ -265,6 +278,24 @@ impl InputArgs {
             rig: Some(image),
         })
     }
+}
+
+/// End of the disparities searched so that nothing at least `nearest` metres away is beyond them.
+fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
+    let Some(rig) = rig else {
+        bail!("--nearest needs a rig: give --focal-px and --baseline-m, --fb, --scene, or --rig")
+    };
+    if !(0.01..=1000.0).contains(&nearest) {
+        bail!("--nearest is {nearest}; give 0.01 to 1000 metres");
+    }
+    let most = (usize::from(dims.width) - 1).min(MAX_RANGE) as u16;
+    let reaches = |&range: &u16| rig.depth(Disparity::from_num(range - 1)).to_num::<f64>() <= nearest;
+    (LEAST_RANGE..=most).find(reaches).with_context(|| {
+        let least = rig.depth(Disparity::from_num(most - 1)).to_num::<f64>();
+        format!(
+            "--nearest {nearest} needs more than {most} disparities: at most {least:.2} m; --width reduces the images"
+        )
+    })
 }
 
 impl Setup<'_> {

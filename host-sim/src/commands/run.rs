@@ -17,7 +17,7 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Dims, Rejection};
+use linestereo::{Dims, Disparity, Params, Rejection};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::CameraSide;
 use linestereo_wire::{Regions, Request};
@@ -29,6 +29,8 @@ Examples:
       disparities only, and a picture of them
   linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --json -
       with depth in metres, everything as JSON on stdout
+  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --nearest 0.3
+      with the disparity range that reaches from infinity to 0.3 m
   linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
       range and rig from a scene file, images reduced to 320 px
   linestereo run left.png right.png --scene scene.json --ply points.ply --depth-png depth.png --pfm d.pfm
@@ -51,7 +53,8 @@ scene.json (README.md says what each key means):
   {\"max_disparity\":64, \"rectified\":{\"focal_px\":451, \"baseline_m\":0.075}}
 
 Without --rig the pair has to be rectified: a point lies on one row in both images.
-Choose --max-disparity above focal_px * baseline_m / (nearest distance in m).
+Choose --max-disparity above focal_px * baseline_m / (nearest distance in m), or give --nearest and a rig.
+What is nearer than the range allows is not measured: such a pair is flagged (range_small) and its objects have no depth.
 
 JSON:
   {\"size\":[w,h],
@@ -65,7 +68,8 @@ JSON:
    \"health\":{\"flags\":[\"...\"],
              \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
              \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"samples\":n},
-             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d},
+             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d,
+             \"range\":{\"windows\":n, \"beyond\":k, \"disparity_px\":d}},
    \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
                \"confidence\":c, \"reason\":null|\"...\"}],
    \"sectors\":[{\"index\":0, \"direction_deg\":a, \"state\":\"obstacle|free|unknown|outside\",
@@ -83,6 +87,8 @@ JSON:
   skew_us     between the captures: null here, files have no capture times
   rows        row in the right image minus row in the left one, by the matches: its median, spread and
               the number of matches that could say; row_offset_px smooths it over pairs
+  range       windows that were also compared beyond the disparity range, those that match better there, and
+              up to which disparity
   queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
               no_texture, left_right, not_unique, low_confidence, unhealthy_pair)
   sectors     with --sectors: 0 is ahead, then clockwise; distance along the ground; free means that credible
@@ -203,7 +209,7 @@ pub fn run(args: &Args) -> Result<()> {
         output.add(path, &asked.refined_file(path)?)?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
-    let mut text = summary(left.dims, max_disparity, &result, &cost);
+    let mut text = summary(left.dims, &setup.params, &result, &cost);
     text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);
@@ -308,9 +314,15 @@ fn on_board(
     Ok((left, found.result, cost, objects))
 }
 
+/// Depth at the end of the disparity range, m; `None` without a rig.
+fn nearest_metres(params: &Params) -> Option<f64> {
+    let last = Disparity::from_num(params.max_disparity - 1);
+    params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
+}
+
 /// What was found, in a few lines.
-fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, cost: &str) -> String {
-    let counts = &result.counts;
+fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> String {
+    let (counts, max_disparity) = (&result.counts, params.max_disparity);
     let mut text = format!(
         "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {cost}\n",
         counts.matched, counts.segments_left, counts.points,
@@ -325,6 +337,10 @@ fn summary(dims: Dims, max_disparity: u16, result: &FrameResult, cost: &str) -> 
     if let (Some(nearest), Some(farthest)) = (depths().min(), depths().max()) {
         let metres = |depth| listing::finite_metres(depth).map_or("infinity".to_owned(), |m| format!("{m:.2} m"));
         let _ = writeln!(text, "depths from {} to {}", metres(nearest), metres(farthest));
+    }
+    if let Some(nearest) = nearest_metres(params) {
+        let _ =
+            writeln!(text, "nothing nearer than {nearest:.2} m is measured: --nearest or --max-disparity changes that");
     }
     let mut lost: Vec<_> = Rejection::ALL.map(|reason| (counts.rejected(reason), reason.name())).into();
     lost.retain(|&(count, _)| count > 0);

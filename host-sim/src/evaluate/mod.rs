@@ -5,6 +5,7 @@
 //!   reported for a hidden pixel counts as wrong unless it happens to be right.
 //! - **segprec@1 / @2**: share of reported segments whose median error along the segment is at most 1 / 2 px; the error at a
 //!   pixel is the distance to the nearest truth within +-1 px across the edge.
+//! - **owned middle**: a segment's disparity at its middle against the surface on the side that owns it.
 //! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered when it holds an answer.
 //! - **one answer per cell**: see `cells`.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
@@ -19,6 +20,7 @@ mod cells;
 mod frame;
 mod nearest;
 mod objects;
+mod owner;
 mod packed;
 mod pixels;
 mod shard;
@@ -29,6 +31,7 @@ pub use cells::{CellAnswer, CellAnswers, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use nearest::{LEAST_SUPPORT, NearestError, NearestSummary, Surveyed, nearest_disparity, surveyed};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 pub use shard::{Shard, ShardError, ShardFile, ShardHead};
 pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};

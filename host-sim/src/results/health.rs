@@ -1,7 +1,7 @@
 //! The health of a pair, for people and for JSON.
 
 use linestereo::HealthFlags;
-use linestereo_wire::{CameraReport, Health, PairReport, RowsReport};
+use linestereo_wire::{CameraReport, Health, PairReport, RangeReport, RowsReport};
 use serde::Serialize;
 
 /// Remedy for each flag, in the order of [`Health::NAMES`].
@@ -42,6 +42,7 @@ const ADVICE: [(&str, &str); Health::NAMES.len()] = [
         "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
     ),
     ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
+    ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
 ];
 
 /// Remedies, a line per flag.
@@ -84,6 +85,14 @@ struct Numbers {
     row_offset_px: Option<f64>,
     row_drift_px: Option<f64>,
     least_disparity_px: Option<f64>,
+    range: Option<Range>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Range {
+    windows: u16,
+    beyond: u16,
+    disparity_px: u16,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -127,6 +136,11 @@ impl From<&PairReport> for Numbers {
             row_offset_px: pair.row_offset_q8.map(px),
             row_drift_px: pair.row_drift_q8.map(px),
             least_disparity_px: pair.least_disparity_q6.map(|d| f64::from(d) / 64.0),
+            range: pair.range.map(|RangeReport { windows, beyond, disparity }| Range {
+                windows,
+                beyond,
+                disparity_px: disparity,
+            }),
         }
     }
 }
@@ -156,6 +170,14 @@ pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
             "health: the right image is {:.2} px too {}\n",
             px.abs(),
             if px > 0.0 { "low" } else { "high" }
+        ));
+    }
+    let is_small = health.of_pair().contains(HealthFlags::RANGE_SMALL);
+    if let Some(RangeReport { windows, beyond, disparity }) = pair.and_then(|pair| pair.range).filter(|_| is_small) {
+        text.push_str(&format!(
+            "health: {beyond} of {windows} windows match beyond the range, at up to {disparity} px: \
+             --max-disparity {} or more\n",
+            (disparity + disparity / 8).max(disparity + 2),
         ));
     }
     text

@@ -48,6 +48,15 @@ pub struct Rendering {
     pub labels: Vec<u8>,
 }
 
+impl Rendering {
+    /// Label of the surface at this pixel of the left image; `None` outside.
+    #[must_use]
+    pub fn label(&self, (x, y): (i32, i32)) -> Option<u8> {
+        let (width, x) = (usize::from(self.left.dims.width), usize::try_from(x).ok()?);
+        self.labels.get(usize::try_from(y).ok()? * width + x).filter(|_| x < width).copied()
+    }
+}
+
 /// One camera's pixels as rays, and the surfaces as it sees them.
 struct Camera {
     focal: f64,

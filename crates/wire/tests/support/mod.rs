@@ -107,6 +107,7 @@ fn longest_report() -> PairReport {
         row_offset_q8: Some(i16::MIN),
         row_drift_q8: Some(i16::MIN),
         least_disparity_q6: Some(i16::MIN),
+        range: Some(RangeReport { windows: u16::MAX, beyond: u16::MAX, disparity: u16::MAX }),
     }
 }
 

@@ -1,0 +1,41 @@
+//! Surfaces that segments are credited to, on the built-in room.
+
+use linestereo::{Dims, Match, Params};
+use linestereo_sim::engine::Engine;
+use linestereo_sim::evaluate::OwnedMiddle;
+use linestereo_sim::input::Truth;
+use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+/// Rooms that are tried; `linestereo demo --seed N` shows one.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=40;
+
+/// The room of a seed, its truth and its matches.
+fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
+    let room = scene::build(Kind::Demo, DIMS, seed);
+    let pair = scene::render(&room, DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
+    let truth = Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone());
+    let params =
+        Params { max_disparity: scene::search_range(&pair), rig: Some(room.pair.rig().unwrap()), ..Params::default() };
+    let mut engine = Engine::new(&params, DIMS).unwrap();
+    let matches = engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap().matches;
+    (room, pair, truth, matches)
+}
+
+#[test]
+fn the_most_probable_segment_of_each_object_has_its_depth() {
+    let mut answers = 0;
+    for seed in SEEDS {
+        let (room, pair, truth, matches) = matched(seed);
+        for (object, label) in room.objects.iter().zip(1_u8..) {
+            let middles = matches.iter().map(OwnedMiddle::new);
+            let Some(middle) = middles.into_iter().find(|middle| pair.label(middle.pixel) == Some(label)) else {
+                continue;
+            };
+            let error = middle.error(&truth).unwrap();
+            assert!(error.abs() <= 1.0, "seed {seed}, {object}: {error:+.2} px, {middle:?}");
+            answers += 1;
+        }
+    }
+    assert!(answers > 7 * SEEDS.count(), "{answers} answers prove little");
+}
