@@ -9,6 +9,7 @@
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
 //! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
 //! board, evaluate           boards driven; scores against truth
+//! faults                    damaged pairs, and what is answered of them
 //! rivals, fitting           other methods on the same frames; the confidence models fitted
 //! calibration, planning     rigs from photos; rigs from wishes
 //! draw, report              pictures; a page
@@ -21,6 +22,7 @@ pub mod commands;
 pub mod draw;
 pub mod engine;
 pub mod evaluate;
+pub mod faults;
 pub mod fitting;
 pub mod input;
 pub mod interruption;

@@ -14,6 +14,7 @@ pub mod demo;
 pub mod eval;
 mod eval_objects;
 pub mod eval_pixels;
+pub mod faults;
 pub mod fit_confidence;
 pub mod flash_image;
 pub mod frames;
@@ -78,6 +79,7 @@ enum Command {
     Run(Box<run::Args>),
     Eval(Box<eval::Args>),
     EvalPixels(eval_pixels::Args),
+    Faults(faults::Args),
     Compare(Box<compare::Args>),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
@@ -122,6 +124,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::EvalPixels(args)) => eval_pixels::run(args),
+        Some(Command::Faults(args)) => faults::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
