@@ -128,10 +128,10 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
 /// Cost of a window of ranks along the columns in which it is searched: entry i is half the sum, modulo 256, of absolute differences to
 /// `columns[i..i + 8]`, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
 ///
-/// Ranks below 32 are compared four at a time: with a high bit set before the subtraction, no byte borrows from the next one, and 32 such
-/// differences cannot carry.
+/// Ranks below 8 are compared four at a time: with a high bit set before the subtraction, no byte borrows from the next one, and 32 such
+/// differences sum to less than 256, so that nothing carries.
 pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
-    const LARGE: u32 = 0xe0e0_e0e0;
+    const LARGE: u32 = 0xf8f8_f8f8;
     let reference = window.map(u32::from_ne_bytes);
     for (costs, columns) in costs.chunks_mut(LANES).zip((0..).step_by(LANES).map_while(|start| columns.get(start..))) {
         let mut words = [0; LANES + STRIP - 1];
@@ -151,7 +151,7 @@ fn differences(window: &[RankColumn; STRIP], columns: &[RankColumn]) -> u8 {
     ranks.fold(0, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)))
 }
 
-/// [`differences`] of ranks below 32, four in each word.
+/// [`differences`] of ranks below 8, four in each word.
 #[inline]
 fn small_differences(left: &[u32; STRIP], right: &[u32; STRIP]) -> u8 {
     const ONES: u32 = 0x0101_0101;

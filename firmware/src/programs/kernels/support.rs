@@ -46,7 +46,7 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Rand
             let mut window = [[0; RANK_ROWS]; STRIP];
             Contents::ALL[random.below(6)].fill(random, window.as_flattened_mut());
             // As often ranks, or what the portable kernel takes by fours, as any bytes.
-            if let Some(&below) = [5, 32].get(round % 4) {
+            if let Some(&below) = [5, 8].get(round % 4) {
                 for bytes in [&mut ranks[..], window.as_flattened_mut()] {
                     bytes.iter_mut().for_each(|byte| *byte %= below);
                 }
