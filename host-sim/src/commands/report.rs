@@ -2,13 +2,13 @@
 
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
-use super::pairs::named_bar;
+use super::pairs::{named_bar, pairs_of};
 use super::sequence::Player;
-use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::input::StoredPair;
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,7 +46,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (pairs, title) = pairs(args)?;
+    let (pairs, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
     args.objects.check(pairs.iter().map(StoredPair::left))?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
@@ -89,27 +89,6 @@ pub fn run(args: &Args) -> Result<()> {
         failed.len(),
         args.out.display()
     ))
-}
-
-fn pairs(args: &Args) -> Result<(Vec<StoredPair>, String)> {
-    let name = |path: &Path| {
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-    };
-    if let Some(right) = &args.right {
-        let title = format!("{} and {}", name(&args.left), name(right));
-        let files = PairFiles::Two([args.left.clone(), right.clone()]);
-        return Ok((vec![StoredPair::alone(name(&args.left), files)], title));
-    }
-    if args.side_by_side && args.left.is_file() {
-        let title = name(&args.left);
-        return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(args.left.clone()))], title));
-    }
-    if !args.left.is_dir() {
-        bail!("{} is no folder; give a left and a right image, or a folder", args.left.display());
-    }
-    let title = name(&args.left);
-    Ok((Dataset::recording(&args.left, args.side_by_side)?.pairs, title))
 }
 
 /// Positions of at most so many frames, evenly spaced, the first and the last among them.
