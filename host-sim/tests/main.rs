@@ -5,6 +5,7 @@ mod calibrate;
 mod calibration;
 mod command_line;
 mod compare;
+mod documented;
 mod explain;
 mod first_hour;
 mod flash_image;
