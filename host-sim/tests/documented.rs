@@ -214,7 +214,7 @@ fn prepared() -> TempDir {
     folder
 }
 
-/// What went wrong, if anything did. Pipes into other programs are cut off.
+/// Message of a command that fails. Pipes into other programs are cut off.
 fn failure(folder: &Path, line: &str) -> Option<String> {
     let line = line.replace("cargo run --release -- ", "linestereo ").replace("cargo run --release", "linestereo");
     let line = line.split(" | jq").next().unwrap();

@@ -121,7 +121,7 @@ impl<'a> SupportCurves<'a> {
     }
 }
 
-/// What an observer is told of a support point.
+/// Costs or evidence of a support point, for observers.
 pub(crate) enum Seen<'a> {
     Curves(SupportCurves<'a>),
     Evidence(&'a SupportEvidence),

@@ -1,4 +1,4 @@
-//! `linestereo quality`: how good depths are, on a flat wall.
+//! `linestereo quality`: depth quality on a flat wall.
 
 use super::input::InputArgs;
 use super::pairs::{named_bar, pairs_of};

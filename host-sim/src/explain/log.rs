@@ -1,4 +1,4 @@
-//! What an observer sees of a run: costs and outcome of every segment and support point.
+//! Observer of a run that keeps costs and outcome of every segment and support point.
 
 use super::curve::Curve;
 use linestereo::Rejection;

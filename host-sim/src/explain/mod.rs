@@ -1,4 +1,4 @@
-//! Why a pixel, the segment next to it and the support point next to it have a disparity, or none.
+//! Reasons for the disparity, or the lack of one, of a pixel, and of the segment and the support point next to it.
 //!
 //! In: what an observer sees of a run, a pixel of the left image. Out: the tests in their order, each in plain words, and the cost curves.
 //!
@@ -17,10 +17,12 @@ mod support;
 
 pub use curve::{Curve, Mark, Plot};
 pub use log::CurveLog;
+pub use segment::meaning;
 
 use crate::engine::{Engine, FrameResult};
 use core::fmt;
-use linestereo::{Params, Support};
+use linestereo::{ImagePosition, Params, Support};
+use std::collections::HashMap;
 
 /// Distance of a segment up to which it is taken for the one that is meant, px.
 pub const REACH: f64 = 4.0;
@@ -46,7 +48,7 @@ impl Step {
     }
 }
 
-/// Why one thing has a disparity, or none.
+/// Reasons for the disparity of one thing, or for the lack of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Account {
     /// The thing, with its place.
@@ -61,18 +63,44 @@ pub struct Account {
     pub plots: Vec<Plot>,
 }
 
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let outcome = match self.passed {
+            Some(true) => "passed",
+            Some(false) => "FAILED",
+            None => "",
+        };
+        writeln!(f, "{:<17} {outcome:<6} {}", self.name, self.words)
+    }
+}
+
 impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.subject)?;
-        for Step { name, passed, words } in &self.steps {
-            let outcome = match passed {
-                Some(true) => "passed",
-                Some(false) => "FAILED",
-                None => "",
-            };
-            writeln!(f, "  {name:<17} {outcome:<6} {words}")?;
-        }
+        self.steps.iter().try_for_each(|step| write!(f, "  {step}"))?;
         writeln!(f, "  {}: {}", if self.accepted { "accepted" } else { "rejected" }, self.verdict)
+    }
+}
+
+/// The tests of each segment of a pair, in lines.
+#[derive(Clone, Debug, Default)]
+pub struct SegmentTexts(HashMap<[ImagePosition; 2], String>);
+
+impl SegmentTexts {
+    /// Of every segment that was tested in the pair that was matched last, with what `log` saw of it.
+    pub fn new(log: &CurveLog, engine: &mut Engine, params: &Params, result: &FrameResult) -> Self {
+        let matched = engine.matched();
+        let text = |index: usize| {
+            let account = segment::account(index, 0.0, log, matched.candidates(), params, result);
+            (log.segments[index].segment.ends, account.steps.iter().map(Step::to_string).collect::<String>())
+        };
+        Self((0..log.segments.len()).map(text).filter(|(_, text)| !text.is_empty()).collect())
+    }
+
+    /// Of the segment with these ends, in any order.
+    #[must_use]
+    pub fn of(&self, [a, b]: [ImagePosition; 2]) -> Option<&str> {
+        self.0.get(&[a, b]).or_else(|| self.0.get(&[b, a])).map(String::as_str)
     }
 }
 

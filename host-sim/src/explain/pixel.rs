@@ -9,7 +9,7 @@ use linestereo::{Confidence, Params};
 /// Largest gap of the left-right check that evidence holds, px.
 const FARTHEST: f64 = 4.0;
 
-/// Why the pixel has a depth on demand, or none.
+/// Reasons for the depth on demand of a pixel, or for the lack of it.
 pub(super) fn account(pixel: (u16, u16), engine: &mut Engine, params: &Params) -> Account {
     let answer = engine.depth_at(pixel, None);
     let found = engine.matched().pixel_evidence(pixel, None);

@@ -33,7 +33,7 @@ fn distance(tested: &TestedSegment, [x, y]: [f64; 2]) -> f64 {
     (x - x0 - t * dx).hypot(y - y0 - t * dy)
 }
 
-/// Why the segment has a match, or none.
+/// Reasons for the match of a segment, or for the lack of it.
 pub(super) fn account(
     index: usize,
     distance: f64,
@@ -59,7 +59,7 @@ pub(super) fn account(
     }
     let found = candidate.and_then(|candidate| match_of(candidate, result));
     let verdict = match (reason, found) {
-        (Some(reason), _) => refusal(reason).to_owned(),
+        (Some(reason), _) => meaning(reason).to_owned(),
         (None, Some(found)) => answer(found),
         (None, None) => "it is among the matches".to_owned(),
     };
@@ -297,8 +297,9 @@ fn answer(found: &Match) -> String {
     )
 }
 
-/// What each reason means.
-fn refusal(reason: Rejection) -> &'static str {
+/// Meaning of a reason, in a sentence.
+#[must_use]
+pub fn meaning(reason: Rejection) -> &'static str {
     match reason {
         Rejection::LessProminent => {
             "another segment in the same square has more extent and contrast; this one was not matched (--cell)"

@@ -17,7 +17,7 @@ pub(super) fn nearest((x, y): (u16, u16), points: &Support<'_>) -> Option<usize>
     points.iter().map(|(pixel, _)| away(pixel)).enumerate().min_by_key(|&(_, away)| away).map(|(index, _)| index)
 }
 
-/// Pixel of the point, and why it has a disparity, or none.
+/// Pixel of the point, and the reasons for its disparity, or for the lack of it.
 pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params: &Params) -> ((u16, u16), Account) {
     let list: Vec<((u16, u16), &SupportPoint)> = points.iter().collect();
     let (pixel, point) = list[index];
