@@ -10,6 +10,7 @@
 //! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
 //! explain                   why a pixel has a depth, or none
 //! board, evaluate           boards driven; scores against truth
+//! faults                    damaged pairs, and what is answered of them
 //! rivals, fitting           other methods on the same frames; the confidence models fitted
 //! calibration, planning     rigs from photos; rigs from wishes
 //! draw, report              pictures; a page
@@ -23,6 +24,7 @@ pub mod draw;
 pub mod engine;
 pub mod evaluate;
 pub mod explain;
+pub mod faults;
 pub mod fitting;
 pub mod input;
 pub mod interruption;

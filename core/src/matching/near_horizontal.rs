@@ -30,7 +30,7 @@ const SIDE_ROWS: [[i32; 2]; 2] = [[-2, -5], [2, 5]];
 /// reach across the edge.
 const RISE_Q1: i32 = 7;
 /// Largest uniqueness ratio, best / second-best, of a half, Q8: a half that shows nothing, beside one that does, is of another surface.
-const MAX_HALF_RATIO_Q8: i32 = 256;
+const MAX_HALF_RATIO_Q8: i32 = 230;
 /// Distance between the centres of the two sides' windows, px.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.

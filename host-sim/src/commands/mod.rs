@@ -15,6 +15,7 @@ pub mod eval;
 mod eval_objects;
 pub mod eval_pixels;
 pub mod explain;
+pub mod faults;
 pub mod fit_confidence;
 pub mod flash_image;
 pub mod frames;
@@ -81,6 +82,7 @@ enum Command {
     Eval(Box<eval::Args>),
     EvalPixels(eval_pixels::Args),
     Explain(Box<explain::Args>),
+    Faults(faults::Args),
     Compare(Box<compare::Args>),
     FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
@@ -127,6 +129,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::EvalPixels(args)) => eval_pixels::run(args),
         Some(Command::Explain(args)) => explain::run(args),
+        Some(Command::Faults(args)) => faults::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),

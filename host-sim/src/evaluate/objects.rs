@@ -86,6 +86,12 @@ impl ObjectCase {
         }
     }
 
+    /// Its true pixels.
+    #[must_use]
+    pub fn mask(&self) -> &Mask {
+        &self.mask
+    }
+
     /// How well what is given, and what it is refined to, overlap with the true pixels: 1 is the same.
     fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
         let Some(region) = self.region() else { return [0.0; 2] };

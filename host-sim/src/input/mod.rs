@@ -38,7 +38,7 @@ pub use error::{DisparityFault, FrameError, LayoutFault};
 pub use folder::find_scenes;
 pub use layout::Layout;
 pub use perturb::Perturbation;
-pub(crate) use perturb::SplitMix64;
+pub(crate) use perturb::{SplitMix64, blur};
 pub use resample::{area_average, halves, resampled_height};
 pub use scene_file::{has_truth, load_scene};
 pub use scene_info::SceneInfo;

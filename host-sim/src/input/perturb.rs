@@ -89,7 +89,7 @@ fn move_down(image: &GrayImage, offset: f64) -> GrayImage {
 }
 
 /// Gaussian blur, cut off at 3 sigma, the border repeated.
-fn blur(image: &GrayImage, sigma: f64) -> GrayImage {
+pub(crate) fn blur(image: &GrayImage, sigma: f64) -> GrayImage {
     let radius = (3.0 * sigma).ceil() as i32;
     let weights: Vec<f64> = (-radius..=radius).map(|i| (-f64::from(i * i) / (2.0 * sigma * sigma)).exp()).collect();
     let total: f64 = weights.iter().sum();
@@ -134,12 +134,12 @@ impl SplitMix64 {
     }
 
     /// Uniform in 0 .. 1, never 0.
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         ((self.next() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
     /// Two independent standard normal numbers (Box and Muller).
-    fn normal_pair(&mut self) -> [f64; 2] {
+    pub(crate) fn normal_pair(&mut self) -> [f64; 2] {
         let radius = (-2.0 * self.uniform().ln()).sqrt();
         let angle = core::f64::consts::TAU * self.uniform();
         [radius * angle.cos(), radius * angle.sin()]

@@ -67,6 +67,11 @@ impl Mask {
         count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
     }
 
+    /// Adds the pixels of another mask of the same size.
+    pub fn join(&mut self, other: &Self) {
+        self.pixels.iter_mut().zip(&other.pixels).for_each(|(own, other)| *own |= other);
+    }
+
     fn at(&self, x: usize, y: usize) -> bool {
         self.pixels[y * usize::from(self.dims.width) + x]
     }
