@@ -4,7 +4,7 @@
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
-use crate::health::PairHealth;
+use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
@@ -99,6 +99,13 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn segments(&self) -> &[Match] {
         self.scratch.matches
+    }
+
+    /// What its health is checked by.
+    #[must_use]
+    pub fn findings(&self) -> Findings<'_> {
+        let range = self.summary.range;
+        Findings { matches: self.segments(), counts: self.counts(), support: self.support(), range }
     }
 
     /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.

@@ -101,9 +101,7 @@ impl Matcher {
         if areas.is_none() {
             self.row_offset_q5 = Some(matched.summary.row_offset_q5);
         }
-        health.range = Some(matched.summary.range);
-        let found = (matched.segments(), matched.counts());
-        self.monitor.check_matches(&self.limits, (left, right), found, &mut health);
+        self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
         observer.on_event(StageEvent::Health(&health));
         matched.summary.health = health;
         Ok(matched)

@@ -40,9 +40,7 @@ impl Rig {
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         if !health.is_refused() {
             let matched = self.engine.run_in_place(left, right).unwrap();
-            health.range = Some(matched.summary().range());
-            let found = (matched.segments(), matched.counts());
-            self.monitor.check_matches(&self.limits, (left, right), found, &mut health);
+            self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
         }
         health
     }

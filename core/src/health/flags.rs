@@ -3,7 +3,7 @@
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
 
-/// Set of flags; empty without a fault. Bits 20 to 23 are reserved, higher ones stay unused.
+/// Set of flags; empty without a fault. Bits from 24 on stay unused.
 ///
 /// ```
 /// use linestereo::HealthFlags;
@@ -46,7 +46,7 @@ impl HealthFlags {
     pub const EXPOSURES_DIFFER: Self = Self(1 << 12);
     /// The images were captured too far apart in time: the pair is refused.
     pub const SKEW: Self = Self(1 << 13);
-    /// Rows do not match: the rig is not the calibrated one any more.
+    /// Rows do not match: the rig is not the calibrated one any more. The matcher corrects it, up to [`HealthFlags::ROWS_FAR`].
     pub const ROWS_OFF: Self = Self(1 << 14);
     /// The difference of rows has changed against its long mean: the rig moves.
     pub const ROWS_DRIFT: Self = Self(1 << 15);
@@ -60,8 +60,20 @@ impl HealthFlags {
     /// Something is nearer than the disparity range allows: it is matched wrongly.
     pub const RANGE_SMALL: Self = Self(1 << 19);
 
-    /// Flags with which matches may be wrong or outdated. The others (exposure, drift of rows, a smaller view) reduce the number of matches, or
-    /// warn.
+    /// Most of what is matched has no parallax: one camera is delivered twice, or a pattern covers both images, or all of the scene is far.
+    pub const NO_PARALLAX: Self = Self(1 << 20);
+
+    /// Both images show something at the same pixels: noise of columns, a fixed pattern, dirt on a common window, overlaid text.
+    pub const SAME_PIXEL: Self = Self(1 << 21);
+
+    /// The lower part of one image is moved sideways.
+    pub const TORN: Self = Self(1 << 22);
+
+    /// Rows are further apart than the matcher corrects.
+    pub const ROWS_FAR: Self = Self(1 << 23);
+
+    /// Flags with which matches may be wrong or outdated. The others (exposure, rows that are corrected, their drift, a smaller view) reduce the
+    /// number of matches, or warn.
     pub const UNFIT: Self = Self(
         Self::LEFT_DEAD.0
             | Self::RIGHT_DEAD.0
@@ -70,15 +82,18 @@ impl HealthFlags {
             | Self::LEFT_FROZEN.0
             | Self::RIGHT_FROZEN.0
             | Self::SKEW.0
-            | Self::ROWS_OFF.0
             | Self::ROWS_UNEVEN.0
             | Self::FEW_MATCHES.0
             | Self::BEYOND_INFINITY.0
-            | Self::RANGE_SMALL.0,
+            | Self::RANGE_SMALL.0
+            | Self::NO_PARALLAX.0
+            | Self::SAME_PIXEL.0
+            | Self::TORN.0
+            | Self::ROWS_FAR.0,
     );
 
     /// Every flag with its name.
-    pub const NAMES: [(Self, &'static str); 20] = [
+    pub const NAMES: [(Self, &'static str); 24] = [
         (Self::LEFT_EXPOSURE, "left_exposure"),
         (Self::RIGHT_EXPOSURE, "right_exposure"),
         (Self::LEFT_SATURATED, "left_saturated"),
@@ -99,6 +114,10 @@ impl HealthFlags {
         (Self::FEW_MATCHES, "few_matches"),
         (Self::BEYOND_INFINITY, "beyond_infinity"),
         (Self::RANGE_SMALL, "range_small"),
+        (Self::NO_PARALLAX, "no_parallax"),
+        (Self::SAME_PIXEL, "same_pixel"),
+        (Self::TORN, "torn"),
+        (Self::ROWS_FAR, "rows_far"),
     ];
 
     /// The set as bits.

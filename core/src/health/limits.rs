@@ -29,15 +29,18 @@ pub struct HealthLimits {
     /// Largest difference of rows, 1/256 px, smoothed. Default 51 (0.2 px): below it no score of captured pairs changes but the number of
     /// segments (5 % fewer at 0.25 px); at half a pixel 15 % are lost; beyond 2 px the matcher finds nothing.
     pub row_offset_q8: u16,
+    /// Largest difference of rows with which matches are used, 1/256 px, smoothed. Default 384 (1.5 px): the matcher looks for it within 2 px.
+    pub row_limit_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
-    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 51.
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 36.
     pub row_spread_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
     /// Number of pairs over which the difference of rows is smoothed, and of its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),
-    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 50.
+    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 200:
+    /// captured pairs have 420 at least, those of a robot's camera 250.
     pub matched_permille: u16,
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
@@ -45,6 +48,10 @@ pub struct HealthLimits {
     pub min_beyond_range: u16,
     /// Least share of these among the windows compared, per thousand. Default 20.
     pub beyond_range_permille: u16,
+    /// Largest share of credible support points without parallax, per thousand. Default 500.
+    pub still_permille: u16,
+    /// Largest likeness of both images at the same pixels, per thousand. Default 50.
+    pub pattern_permille: i16,
     /// Number of consecutive pairs without a fault until its flag is cleared. Default 3.
     pub clear_after: u8,
 }
@@ -62,14 +69,17 @@ impl HealthLimits {
         view_permille: 500,
         exposure_ratio_q8: 448,
         row_offset_q8: 51,
+        row_limit_q8: 384,
         row_drift_q8: 38,
-        row_spread_q8: 51,
+        row_spread_q8: 36,
         min_row_samples: 6,
         row_pairs: (8, 256),
-        matched_permille: 50,
+        matched_permille: 200,
         least_disparity_q6: -64,
         min_beyond_range: 3,
         beyond_range_permille: 20,
+        still_permille: 500,
+        pattern_permille: 50,
         clear_after: 3,
     };
 

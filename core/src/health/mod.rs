@@ -5,7 +5,8 @@
 //! ```text
 //! before matching: HealthMonitor::check_images          skew, levels, saturation, dead, covered and frozen cameras, valid view
 //!                  PairHealth::is_refused                captured too far apart: not to be matched
-//! after it:        HealthMonitor::check_matches          difference of rows (rows), few matches, matches beyond infinity and beyond the range
+//! after it:        HealthMonitor::check_matches          difference of rows (rows), few matches, matches beyond infinity and beyond the range,
+//!                                                        what is at the same pixel of both images (still), torn images (tear)
 //! ```
 //! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`] pairs in a row were free of it; a pair in
 //! which the quantity cannot be measured (no edges to compare rows with) does not change it. Differences of rows are smoothed first:
@@ -33,15 +34,20 @@ mod camera;
 mod flags;
 mod limits;
 mod rows;
+mod still;
+mod tear;
 
 use crate::image::Gray;
 use crate::result::{Counts, Match, Rejection};
 pub use crate::support::RangeCheck;
+use crate::support::Support;
 use crate::units::quotient;
 pub use camera::CameraHealth;
 pub use flags::HealthFlags;
 pub use limits::{HealthLimits, Skewed};
 pub use rows::Rows;
+pub use still::Still;
+pub use tear::Tear;
 
 /// Least number of pairs with a measured difference of rows before a drift is computed.
 const SETTLED: u16 = 16;
@@ -76,6 +82,23 @@ pub struct PairHealth {
     pub least_disparity_q6: Option<i16>,
     /// Windows that match beyond the disparity range; `None` until the pair is matched.
     pub range: Option<RangeCheck>,
+    /// Likeness of both images at the same pixels; `None` with too few credible support points.
+    pub still: Option<Still>,
+    /// A row at which an image is torn.
+    pub tear: Option<Tear>,
+}
+
+/// Results of a pair that its health is checked by.
+#[derive(Clone, Copy, Debug)]
+pub struct Findings<'a> {
+    /// Matched segments, most confident first.
+    pub matches: &'a [Match],
+    /// Numbers of segments found, matched and rejected.
+    pub counts: &'a Counts,
+    /// Support points.
+    pub support: Support<'a>,
+    /// Windows that match beyond the disparity range.
+    pub range: RangeCheck,
 }
 
 impl PairHealth {
@@ -153,31 +176,52 @@ impl HealthMonitor {
         }
     }
 
-    /// Checks the matches of the pair and [`PairHealth::range`], and adds to its health.
+    /// Checks the results of the pair, and adds to its health.
     pub fn check_matches(
         &mut self,
         limits: &HealthLimits,
-        (left, right): (Gray<'_>, Gray<'_>),
-        (matches, counts): (&[Match], &Counts),
+        images: [Gray<'_>; 2],
+        found: &Findings<'_>,
         health: &mut PairHealth,
     ) {
         let mut now = HealthFlags::GOOD;
-        let mut tested = HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
-        let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
-        let matched = u32::from(counts.matched);
-        let few = matched * 1000 < u32::from(compared) * u32::from(limits.matched_permille);
+        let mut tested = HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY | HealthFlags::TORN;
+        let compared = found.counts.segments_left.saturating_sub(found.counts.rejected(Rejection::LessProminent));
+        let few = u32::from(found.counts.matched) * 1000 < u32::from(compared) * u32::from(limits.matched_permille);
         now |= HealthFlags::FEW_MATCHES.when(compared >= MIN_COMPARED && few);
 
-        health.least_disparity_q6 = third_least_q6(matches);
+        health.least_disparity_q6 = third_least_q6(found.matches);
         let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
         now |= HealthFlags::BEYOND_INFINITY.when(beyond);
 
+        health.range = Some(found.range);
         // A fault of a camera leaves windows without a match as well.
-        if let Some(range) = health.range.filter(|_| health.now.and(CAMERA_FLAGS) == HealthFlags::GOOD) {
+        if health.now.and(CAMERA_FLAGS) == HealthFlags::GOOD {
             tested |= HealthFlags::RANGE_SMALL;
-            now |= HealthFlags::RANGE_SMALL.when(is_small(&range, limits));
+            now |= HealthFlags::RANGE_SMALL.when(is_small(&found.range, limits));
         }
+        health.still = still::measure(images, found.support);
+        if let Some(still) = health.still {
+            tested |= HealthFlags::NO_PARALLAX | HealthFlags::SAME_PIXEL;
+            now |= HealthFlags::NO_PARALLAX.when(still.still_permille > limits.still_permille);
+            now |= HealthFlags::SAME_PIXEL.when(still.pattern_permille > limits.pattern_permille);
+        }
+        health.tear = tear::find(images, found.support);
+        now |= HealthFlags::TORN.when(health.tear.is_some());
+        let (rows_now, rows_tested) = self.check_rows(limits, images, found.matches, health);
+        health.now |= now | rows_now;
+        health.flags = self.hold(limits, now | rows_now, tested | rows_tested);
+    }
 
+    /// Measures the difference of rows and adds it to the health; returns the flags raised and those tested.
+    fn check_rows(
+        &mut self,
+        limits: &HealthLimits,
+        [left, right]: [Gray<'_>; 2],
+        matches: &[Match],
+        health: &mut PairHealth,
+    ) -> (HealthFlags, HealthFlags) {
+        let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);
         let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= limits.min_row_samples);
         if let Some(rows) = found {
             let is_uneven = rows.spread_q8 > limits.row_spread_q8;
@@ -186,21 +230,22 @@ impl HealthMonitor {
             health.rows = Some(rows);
             if !is_uneven {
                 self.smooth(limits, rows.offset_q8);
-                tested |= HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;
+                tested |= HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR | HealthFlags::ROWS_DRIFT;
             }
         }
         if self.pairs > 0 {
             let offset_q8 = (self.short_q16 + 128) >> 8;
             health.row_offset_q8 = i16::try_from(offset_q8).ok();
-            now |= tested.and(HealthFlags::ROWS_OFF).when(offset_q8.unsigned_abs() > u32::from(limits.row_offset_q8));
+            let is_beyond = |limit_q8: u16| offset_q8.unsigned_abs() > u32::from(limit_q8);
+            now |= tested.and(HealthFlags::ROWS_OFF).when(is_beyond(limits.row_offset_q8));
+            now |= tested.and(HealthFlags::ROWS_FAR).when(is_beyond(limits.row_limit_q8));
         }
         if self.pairs >= SETTLED {
             let drift_q8 = (self.short_q16 - self.long_q16 + 128) >> 8;
             health.row_drift_q8 = i16::try_from(drift_q8).ok();
             now |= tested.and(HealthFlags::ROWS_DRIFT).when(drift_q8.unsigned_abs() > u32::from(limits.row_drift_q8));
         }
-        health.now |= now;
-        health.flags = self.hold(limits, now, tested);
+        (now, tested)
     }
 
     /// Faults of one camera's image; `camera` is 0 or 1: its flags are those of the left one, shifted by it.

@@ -278,6 +278,22 @@ impl<'a> Support<'a> {
         Self { grid: Grid::new(params, dims), detail_q8, points }
     }
 
+    /// Number of points, matched or not.
+    pub(crate) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Rows of points `apart` rows from each other: pixel row of the upper one, its points, those of the lower one.
+    pub(crate) fn row_pairs(
+        &self,
+        apart: usize,
+    ) -> impl Iterator<Item = (i32, &'a [SupportPoint], &'a [SupportPoint])> + use<'a> {
+        let columns = self.grid.columns.max(1);
+        let rows = self.points.chunks_exact(columns);
+        let below = rows.clone().skip(apart);
+        rows.zip(below).enumerate().map(|(row, (above, below))| (Grid::y(row), above, below))
+    }
+
     /// Every point with its pixel `(x, y)`, row by row, matched or not.
     pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;

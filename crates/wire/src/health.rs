@@ -10,7 +10,7 @@
 
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
-use linestereo::health::{CameraHealth, RangeCheck, Rows};
+use linestereo::health::{CameraHealth, RangeCheck, Rows, Still, Tear};
 use linestereo::{Counts, HealthFlags, PairHealth};
 use serde::{Deserialize, Serialize};
 
@@ -184,6 +184,30 @@ pub struct PairReport {
     pub least_disparity_q6: Option<i16>,
     /// [`PairHealth::range`].
     pub range: Option<RangeReport>,
+    /// [`PairHealth::still`].
+    pub still: Option<StillReport>,
+    /// [`PairHealth::tear`].
+    pub tear: Option<TearReport>,
+}
+
+/// The core's [`Still`], number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StillReport {
+    /// Credible support points without parallax, per thousand.
+    pub still_permille: u16,
+    /// Likeness of both images at the same pixels, per thousand.
+    pub pattern_permille: i16,
+}
+
+/// The core's [`Tear`], number for number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TearReport {
+    /// The last row above it, px.
+    pub row: u16,
+    /// Change of the disparities below it, px.
+    pub shift: i16,
 }
 
 /// The core's [`RangeCheck`], number for number.
@@ -240,6 +264,10 @@ impl From<&PairHealth> for PairReport {
             row_drift_q8: health.row_drift_q8,
             least_disparity_q6: health.least_disparity_q6,
             range: health.range.map(range),
+            still: health
+                .still
+                .map(|Still { still_permille, pattern_permille }| StillReport { still_permille, pattern_permille }),
+            tear: health.tear.map(|Tear { row, shift }| TearReport { row, shift }),
         }
     }
 }

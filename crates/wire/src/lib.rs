@@ -64,7 +64,7 @@ pub use command::{
 pub use frame::{
     Counts, FrameHead, FrameTimes, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments,
 };
-pub use health::{CameraReport, Health, PairReport, RangeReport, RowsReport};
+pub use health::{CameraReport, Health, PairReport, RangeReport, RowsReport, StillReport, TearReport};
 pub use message::{Answer, BoardName, Hello, MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
 pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};

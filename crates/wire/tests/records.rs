@@ -181,6 +181,8 @@ fn the_layout_of_this_version_is_exactly_this() {
         row_drift_q8: None,
         least_disparity_q6: Some(6),
         range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
+        still: Some(StillReport { still_permille: 16, pattern_permille: -17 }),
+        tear: Some(TearReport { row: 18, shift: -19 }),
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));

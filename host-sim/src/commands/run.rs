@@ -69,7 +69,8 @@ JSON:
              \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
              \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"samples\":n},
              \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d,
-             \"range\":{\"windows\":n, \"beyond\":k, \"disparity_px\":d}},
+             \"range\":{\"windows\":n, \"beyond\":k, \"disparity_px\":d},
+             \"still\":{\"share\":s, \"pattern\":p}, \"tear\":{\"row\":y, \"shift_px\":d}},
    \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
                \"confidence\":c, \"reason\":null|\"...\"}],
    \"sectors\":[{\"index\":0, \"direction_deg\":a, \"state\":\"obstacle|free|unknown|outside\",
@@ -89,6 +90,9 @@ JSON:
               the number of matches that could say; row_offset_px smooths it over pairs
   range       windows that were also compared beyond the disparity range, those that match better there, and
               up to which disparity
+  still       share of credible support points below 0.75 px; pattern: how alike both images are at the same
+              pixels where the scene has parallax, beyond what it explains
+  tear        the row below which one image is moved sideways, and by how much
   queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
               no_texture, left_right, not_unique, low_confidence, unhealthy_pair)
   sectors     with --sectors: 0 is ahead, then clockwise; distance along the ground; free means that credible

@@ -1,7 +1,7 @@
 //! The health of a pair, for people and for JSON.
 
 use linestereo::HealthFlags;
-use linestereo_wire::{CameraReport, Health, PairReport, RangeReport, RowsReport};
+use linestereo_wire::{CameraReport, Health, PairReport, RangeReport, RowsReport, TearReport};
 use serde::Serialize;
 
 /// Remedy for each flag, in the order of [`Health::NAMES`].
@@ -34,7 +34,7 @@ const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ),
     ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
     ("skew", "captured too far apart, not matched: trigger both cameras together"),
-    ("rows_off", "rows do not match: were the images rectified? then the rig has moved: calibrate again"),
+    ("rows_off", "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again"),
     ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
     ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
     (
@@ -43,6 +43,16 @@ const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ),
     ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
     ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
+    (
+        "no_parallax",
+        "most of the picture is at the same pixel of both images: is one camera delivered twice? or all that is seen is far",
+    ),
+    (
+        "same_pixel",
+        "something is at the same pixel of both images: a window or lens with dirt, overlaid text, noise of the sensor: remove it, subtract it",
+    ),
+    ("torn", "the lower part of one image is moved sideways: a cable or a buffer loses bytes"),
+    ("rows_far", "rows differ by more than is corrected: calibrate again"),
 ];
 
 /// Remedies, a line per flag.
@@ -86,6 +96,20 @@ struct Numbers {
     row_drift_px: Option<f64>,
     least_disparity_px: Option<f64>,
     range: Option<Range>,
+    still: Option<Still>,
+    tear: Option<Tear>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Still {
+    share: f64,
+    pattern: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Tear {
+    row: u16,
+    shift_px: i16,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -141,6 +165,11 @@ impl From<&PairReport> for Numbers {
                 beyond,
                 disparity_px: disparity,
             }),
+            still: pair.still.map(|still| Still {
+                share: f64::from(still.still_permille) / 1000.0,
+                pattern: f64::from(still.pattern_permille) / 1000.0,
+            }),
+            tear: pair.tear.map(|TearReport { row, shift }| Tear { row, shift_px: shift }),
         }
     }
 }

@@ -108,6 +108,8 @@ fn longest_report() -> PairReport {
         row_drift_q8: Some(i16::MIN),
         least_disparity_q6: Some(i16::MIN),
         range: Some(RangeReport { windows: u16::MAX, beyond: u16::MAX, disparity: u16::MAX }),
+        still: Some(StillReport { still_permille: u16::MAX, pattern_permille: i16::MIN }),
+        tear: Some(TearReport { row: u16::MAX, shift: i16::MIN }),
     }
 }
 
