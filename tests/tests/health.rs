@@ -3,7 +3,7 @@
 //! Exact scenes are rendered here; captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside it):
 //! without them the tests that need them say so and pass.
 
-use linestereo::health::HealthMonitor;
+use linestereo::health::{Findings, HealthMonitor};
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, Rectification, View};
@@ -583,20 +583,15 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     let mut monitor = HealthMonitor::new();
     let mut health = monitor.check_images(&HealthLimits::DEFAULT, left, right, None);
     let matched = engine.run_in_place(left, right).unwrap();
-    health.range = Some(matched.summary().range());
-    let found = (matched.segments(), matched.counts());
-    monitor.check_matches(&HealthLimits::DEFAULT, (left, right), found, &mut health);
+    let found = matched.findings();
+    monitor.check_matches(&HealthLimits::DEFAULT, [left, right], &found, &mut health);
     assert_eq!(health, expected);
     // Images of other sizes, the smallest, and no matches at all: nothing fails.
     let tiny = painted(16, 16, |x, y| (x * y) as u8);
     let (a, b) = (tiny.view().unwrap(), pair.left.view().unwrap());
     let mut health = HealthMonitor::new().check_images(&HealthLimits::DEFAULT, a, b, None);
-    HealthMonitor::new().check_matches(
-        &HealthLimits::DEFAULT,
-        (a, b),
-        (matched.segments(), &Counts::default()),
-        &mut health,
-    );
+    let found = Findings { counts: &Counts::default(), ..found };
+    HealthMonitor::new().check_matches(&HealthLimits::DEFAULT, [a, b], &found, &mut health);
     assert_eq!(health.rows, None);
 }
 

@@ -4,9 +4,9 @@
 //!
 //! ```text
 //! rows of points one below the other, and one apart: histogram of the differences of disparity, bins of 1/2 px
-//!     a peak at 1.5 px or more that holds half of the points: the rows may be torn between these two
+//!     a peak at 1.5 px or more that holds a third of the points: the rows may be torn between these two
 //! images: at each row between them, sum of |row - row below| along the columns, as it is and with the row below moved by the shift
-//!     torn, where the moved row is below 5/8 of the other
+//!     torn, where the moved row is below 3/4 of the other
 //! ```
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
@@ -25,7 +25,7 @@ const BINS: usize = 2 * REACH as usize + 1;
 /// Least shift, half px.
 const MIN_SHIFT: i32 = 3;
 /// Least number of points in both rows.
-const MIN_POINTS: u32 = 10;
+const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
 const MARGIN: i32 = 4;
 /// Least mean difference of neighbouring rows for them to say something, grey levels.
@@ -64,7 +64,7 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
     None
 }
 
-/// The change of disparity that half of the points share, px; `None` if there is none, or it is small.
+/// The change of disparity that a third of the points share, px; `None` if there is none, or it is small.
 fn common_shift(differences_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let mut bins = [0_u8; BINS];
     let mut points = 0;
@@ -83,7 +83,7 @@ fn common_shift(differences_q6: impl Iterator<Item = i32>) -> Option<i32> {
         }
     }
     let (count, shift) = peak;
-    (points >= MIN_POINTS && 2 * count >= points).then_some((shift + shift.signum()) / 2)
+    (points >= MIN_POINTS && 3 * count >= points).then_some((shift + shift.signum()) / 2)
 }
 
 /// The row between `from` and `to` below which one image continues when moved by the shift.
@@ -109,7 +109,7 @@ fn is_torn(image: Gray<'_>, y: i32, shift: i32) -> bool {
         return false;
     };
     let as_it_is = difference(upper, lower);
-    as_it_is >= MIN_DIFFERENCE * length as u32 && 8 * difference(upper, shifted) < 5 * as_it_is
+    as_it_is >= MIN_DIFFERENCE * length as u32 && 4 * difference(upper, shifted) < 3 * as_it_is
 }
 
 /// Sum of absolute differences.
@@ -122,12 +122,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_of_the_points_have_to_share_a_shift() {
+    fn a_third_of_the_points_have_to_share_a_shift() {
         let differences = |count: usize, q6: i32| core::iter::repeat_n(q6, count);
         assert_eq!(common_shift(differences(12, -256)), Some(-4));
         assert_eq!(common_shift(differences(12, 250).chain(differences(12, 0))), Some(4));
-        assert_eq!(common_shift(differences(9, -256)), None, "too few");
+        assert_eq!(common_shift(differences(7, -256)), None, "too few");
         assert_eq!(common_shift(differences(12, 64)), None, "a slope");
-        assert_eq!(common_shift(differences(12, -256).chain((0..13).map(|n| 300 * n))), None, "not half of them");
+        assert_eq!(common_shift(differences(12, -256).chain((0..25).map(|n| 60 * n))), None, "not a third of them");
     }
 }

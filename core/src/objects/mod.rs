@@ -7,7 +7,7 @@
 //! region_support: hypotheses whose windows lie in it, each with a weight
 //! surface: the plane of disparity with the largest support (in a box: the nearest one with enough support)
 //! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px more; refused where the weight is small,
-//!          where it lies on the outline only, where a second surface has as much support
+//!          where it lies on the outline only, where a second surface has as much support, where it has no parallax (below 0.75 px)
 //! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's / 48)^2 + (range of their disparities / 8)^2
 //! ```
 //! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's.
@@ -54,11 +54,14 @@ pub enum NoDepth {
     OnlyOutline,
     /// The pair is not fit to be used.
     UnhealthyPair,
+    /// Its pixels are the same in both images: it is too far for a depth, or no part of the scene (dirt, overlaid text).
+    NoParallax,
 }
 
 impl NoDepth {
     /// Every reason.
-    pub const ALL: [Self; 4] = [Self::LittleSupport, Self::TwoSurfaces, Self::OnlyOutline, Self::UnhealthyPair];
+    pub const ALL: [Self; 5] =
+        [Self::LittleSupport, Self::TwoSurfaces, Self::OnlyOutline, Self::UnhealthyPair, Self::NoParallax];
 
     /// The reason in snake case, as in JSON and tables.
     #[must_use]
@@ -68,6 +71,7 @@ impl NoDepth {
             Self::TwoSurfaces => "two_surfaces",
             Self::OnlyOutline => "only_outline",
             Self::UnhealthyPair => "unhealthy_pair",
+            Self::NoParallax => "no_parallax",
         }
     }
 }
@@ -79,6 +83,7 @@ impl fmt::Display for NoDepth {
             Self::TwoSurfaces => "two surfaces explain the region equally well",
             Self::OnlyOutline => "hypotheses on the outline only: they may belong to what is beside the region",
             Self::UnhealthyPair => "the pair is not fit to be used",
+            Self::NoParallax => "the same pixels in both images: too far for a depth, or dirt, or overlaid text",
         })
     }
 }
@@ -109,6 +114,8 @@ pub struct ObjectDepth {
     pub confidence: Confidence,
 }
 
+/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth.
+const STILL_Q6: i32 = 48;
 /// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
 const LEAST_WEIGHT_Q8: i32 = 282;
 
@@ -137,11 +144,19 @@ impl ObjectQuery<'_> {
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
-        match refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8) {
+        let refusal = refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8)
+            .or_else(|| has_no_parallax(&surface, self.rig.as_ref()).then_some(NoDepth::NoParallax));
+        match refusal {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
         }
     }
+}
+
+/// True when the surface is at the same pixels of both images, in a rig where that means far away.
+fn has_no_parallax(surface: &Surface, rig: Option<&Rig>) -> bool {
+    let offset_q6 = rig.map_or(0, Rig::offset_q6);
+    surface.centre_q6.abs() < STILL_Q6 && offset_q6.abs() < i64::from(STILL_Q6)
 }
 
 /// Reason why the surface is refused, if it is.

@@ -81,7 +81,7 @@ JSON:
   feature     null when no segment of the right image is alike
   objects     with --objects; label: the mask's value, or the object's position in the file (from 0);
               disparity and depth at its centre, null with a reason: little_support, two_surfaces,
-              only_outline, unhealthy_pair; support: segments that support it
+              only_outline, unhealthy_pair, no_parallax; support: segments that support it
   health      what is wrong with the pair, and the numbers behind it; null is not known
   level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
               detail: mean grey step between samples; view: share of the usable pixels

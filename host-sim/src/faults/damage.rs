@@ -16,6 +16,8 @@ pub enum Family {
     SamePixel,
     /// Rows of one image that moved along themselves.
     MovedRows,
+    /// Rows moved in proportion to their number: a plane added to all disparities, as another attitude of the camera would.
+    Sheared,
     /// Rows, rotation, focal length: the calibration does not hold.
     Geometry,
     /// A periodic texture on the objects themselves.
@@ -44,10 +46,11 @@ pub enum Evidence {
 
 impl Family {
     /// Every family, in the order of the table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Undamaged,
         Self::SamePixel,
         Self::MovedRows,
+        Self::Sheared,
         Self::Geometry,
         Self::Repetition,
         Self::Detail,
@@ -63,6 +66,7 @@ impl Family {
             Self::Undamaged => "undamaged",
             Self::SamePixel => "the same at the same pixel",
             Self::MovedRows => "rows that moved",
+            Self::Sheared => "rolling shutter of one camera",
             Self::Geometry => "geometry",
             Self::Repetition => "repetition on objects",
             Self::Detail => "less detail",
@@ -77,7 +81,7 @@ impl Family {
     pub const fn evidence(self) -> Evidence {
         match self {
             Self::Frozen => Evidence::Sequence,
-            Self::Sideways => Evidence::Other,
+            Self::Sheared | Self::Sideways => Evidence::Other,
             _ => Evidence::Pair,
         }
     }
@@ -204,9 +208,9 @@ impl Damage {
         (F::MovedRows, D::Torn(4.0)),
         (F::MovedRows, D::Torn(-4.0)),
         (F::MovedRows, D::Torn(2.0)),
-        (F::MovedRows, D::RollingShutter(8.0)),
-        (F::MovedRows, D::RollingShutter(-8.0)),
-        (F::MovedRows, D::RollingShutter(4.0)),
+        (F::Sheared, D::RollingShutter(8.0)),
+        (F::Sheared, D::RollingShutter(-8.0)),
+        (F::Sheared, D::RollingShutter(4.0)),
         (F::MovedRows, D::LostSync(4.0)),
         (F::Geometry, D::Focal(5.0)),
         (F::Geometry, D::Focal(2.0)),

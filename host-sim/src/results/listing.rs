@@ -147,17 +147,8 @@ impl Object {
             nearest_m: found.nearest.and_then(finite_metres),
             support: found.support,
             confidence: five_decimals(found.confidence.to_num()),
-            reason: found.disparity.err().map(reason_name),
+            reason: found.disparity.err().map(NoDepth::name),
         }
-    }
-}
-
-fn reason_name(reason: NoDepth) -> &'static str {
-    match reason {
-        NoDepth::LittleSupport => "little_support",
-        NoDepth::TwoSurfaces => "two_surfaces",
-        NoDepth::OnlyOutline => "only_outline",
-        NoDepth::UnhealthyPair => "unhealthy_pair",
     }
 }
 
