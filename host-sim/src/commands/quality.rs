@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
         progress.set_message(pair.name.clone());
         let (loaded, setup, matcher) = player.load(pair).with_context(|| pair.name.clone())?;
         let matched = matcher.run(setup, &loaded, pair.images.times_us()).with_context(|| pair.name.clone())?;
-        flags = flags | matched.result.health;
+        flags |= matched.result.health;
         points.push(matched.result.points);
         last = Some(matched.images);
         progress.inc(1);

@@ -59,6 +59,9 @@ pub struct PageSetup {
     pub many: bool,
 }
 
+/// Ends, position of the reason in the list of reasons, tests.
+type RejectedData<'a> = (f64, f64, f64, f64, usize, Option<&'a str>);
+
 #[derive(Serialize)]
 struct FrameData<'a> {
     name: String,
@@ -67,8 +70,7 @@ struct FrameData<'a> {
     /// Colours span these disparities, px.
     range: [f32; 2],
     segments: Vec<Vec<Value>>,
-    /// Ends, position of the reason in the list of reasons, tests.
-    rejected: Vec<(f64, f64, f64, f64, usize, Option<&'a str>)>,
+    rejected: Vec<RejectedData<'a>>,
     /// x, y, disparity.
     points: Vec<(u16, u16, f64, Option<f64>)>,
     objects: Vec<ObjectData>,
@@ -223,7 +225,7 @@ fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     ]
 }
 
-fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> (f64, f64, f64, f64, usize, Option<&'a str>) {
+fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> RejectedData<'a> {
     let [a, b] = lost.ends;
     let px = |value: linestereo::Position| hundredths(value.to_num());
     (px(a.x), px(a.y), px(b.x), px(b.y), lost.reason as usize, tests)
