@@ -34,6 +34,7 @@ const EXPLAINED: u8 = 20;
 
 /// Windows of the left image compared with disparities beyond the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeCheck {
     /// Number of windows.
     pub windows: u16,
