@@ -26,6 +26,13 @@ impl Autopilot {
         Self { vehicle, obstacles: Obstacles::new(), view: None }
     }
 
+    /// Another vehicle from now on: what is known of obstacles is forgotten.
+    pub fn set_vehicle(&mut self, vehicle: Vehicle) {
+        if vehicle != self.vehicle {
+            (self.vehicle, self.view) = (vehicle, None);
+        }
+    }
+
     /// Pairs are seen so from now on; if it is another view than before, nothing is known any more.
     pub fn set_view(&mut self, plan: Option<ObstaclePlan>) {
         if plan == self.view.as_ref().map(|(plan, _)| *plan) {

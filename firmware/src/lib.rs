@@ -11,7 +11,8 @@
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! host_lines      one or two lines to a host, of which either may be deaf
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
-//! rig_store       the rig in two slots of a flash
+//! slot_store      the rig and settings in two slots of a flash each
+//! settings        settings as numbered values and as an image
 //! memory          frames, rectifiers, scratch memory and output
 //! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
 //! fence, once     memory that kernels must not touch; what a static hands out once
@@ -36,8 +37,9 @@ pub mod once;
 pub mod painter;
 pub mod ports;
 pub mod programs;
-pub mod rig_store;
 pub mod session;
+pub mod settings;
+pub mod slot_store;
 pub mod startup;
 pub mod vehicle;
 

@@ -148,7 +148,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub autopilot: A,
     /// The cameras: a [`PairSource`].
     pub pairs: P,
-    /// Where the rig is kept: a `rig_store::RigKeeper`, if there is one.
+    /// Where the rig and settings are kept: a `slot_store::Keeper`, if there is one.
     pub flash: Option<F>,
     /// A [`Watchdog`].
     pub watchdog: W,

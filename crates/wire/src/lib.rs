@@ -54,6 +54,7 @@ mod object;
 mod packet;
 mod rig_fault;
 mod send;
+mod settings;
 
 pub use board_state::{CaptureReport, Reset, ResetCause};
 pub use case::{CaseReport, DIGESTS, MachineReport, Silicon};
@@ -70,3 +71,4 @@ pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionB
 pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};
 pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use send::{PointStream, SendError, send, send_frame, send_objects};
+pub use settings::{KeptReport, SETTINGS, Setting, SettingValue, SettingValues};

@@ -9,7 +9,6 @@ fn live() -> linestereo_boards::Exit {
     use linestereo_firmware::ports::{Peripherals, Watchdog as _};
     use linestereo_firmware::programs::live::{Live, Turn};
     use linestereo_firmware::session::Session;
-    use linestereo_firmware::vehicle::VEHICLE;
 
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
@@ -18,7 +17,7 @@ fn live() -> linestereo_boards::Exit {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    (session.reset, session.vehicle) = (reset, VEHICLE);
+    session.reset = reset;
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
         let turn = live.turn(memory, &mut pairs);

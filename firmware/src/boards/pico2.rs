@@ -23,7 +23,7 @@ mod wired {
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
     use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, KeptRig, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
+        Autopilot, FrameWatchdog, Kept, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
@@ -87,8 +87,8 @@ mod wired {
     }
 
     /// What the board gives to `live`. Once.
-    pub fn peripherals()
-    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, KeptRig<FLASH>, FrameWatchdog>> {
+    pub fn peripherals() -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog>>
+    {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());

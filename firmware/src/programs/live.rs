@@ -172,8 +172,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             let mut took_long = false;
             for &byte in bytes.iter().take(count) {
                 if let Some(Ok(command)) = self.decoder.push(byte) {
-                    took_long |= matches!(command.request, Request::SetRig(_) | Request::Photograph);
+                    took_long |= matches!(
+                        command.request,
+                        Request::SetRig(_) | Request::Photograph | Request::KeepSettings | Request::ResetSettings
+                    );
                     self.serve(&command, memory, camera);
+                    self.autopilot.set_vehicle(self.session.vehicle);
                 }
             }
             // One a turn: the watchdog is fed in between.
@@ -190,6 +194,14 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
                 let hello = self.session.hello();
                 self.write(&Message::Hello(hello));
                 self.write(&Message::Answer(answer));
+            }
+            Reply::Settings(answer) => {
+                self.write_by(|port, session| {
+                    session.report_settings(|message| {
+                        let _ = send(message, &mut packets(port));
+                    });
+                    let _ = send(&Message::Answer(answer), &mut packets(port));
+                });
             }
             Reply::Photograph { command } => {
                 let taken = self.photograph(memory, camera);
@@ -302,7 +314,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         if self.has_skipped {
             return;
         }
-        self.write_by(|port| {
+        self.write_by(|port, _| {
             let mut write = packets(port);
             let _ = send_frame(&head, matches, &mut write);
             let _ = send_objects(head.sequence, objects, &mut write);
@@ -339,15 +351,15 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     }
 
     fn write(&mut self, message: &Message) {
-        self.write_by(|port| {
+        self.write_by(|port, _| {
             let _ = send(message, &mut packets(port));
         });
     }
 
     /// Writes, and counts the time that it takes.
-    fn write_by(&mut self, write: impl FnOnce(&mut P)) {
+    fn write_by(&mut self, write: impl FnOnce(&mut P, &Session<'_>)) {
         let before_us = self.time();
-        write(&mut self.port);
+        write(&mut self.port, &self.session);
         let took_us = saturated(self.time() - before_us);
         self.times.port_us = self.times.port_us.saturating_add(took_us);
     }

@@ -61,6 +61,10 @@ pub fn run(
                 write(&Message::Hello(session.hello()), output);
                 write(&Message::Answer(answer), output);
             }
+            Reply::Settings(answer) => {
+                session.report_settings(|message| write(message, output));
+                write(&Message::Answer(answer), output);
+            }
             Reply::Photograph { command } => {
                 write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);
             }

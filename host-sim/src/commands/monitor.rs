@@ -11,7 +11,8 @@ use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_wire::{
-    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
+    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request,
+    SettingValue, encode,
 };
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -36,6 +37,10 @@ Examples:
   linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
       the depth of an object in every frame, in px of the rectified left image; only_box= matches around the
       boxes alone, box=none asks no more
+  linestereo monitor --serial /dev/ttyACM0 --count 0 --send range_m=6 --send policy=silent --send keep
+      change settings and keep them over a reset
+  linestereo monitor --serial /dev/ttyACM0 --count 0 --send settings
+      every setting as it is, and whether it is kept; --send defaults goes back to those the board was built with
   linestereo monitor run.bin
       the same bytes again
 
@@ -44,7 +49,10 @@ so that what the board is, which rig it has and why it was reset stands above it
 go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
 NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, parts,
 min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
-(and offset_px).
+(and offset_px); of the vehicle yaw_deg, range_m, lowest_m, highest_m, system, rate_hz, policy (silent,
+block, unknown), block_cm (0: the rig's near limit), distance_sensor (on, off). What is not kept is lost with
+the next reset; keep erases flash, which takes up to 4 s, in which nothing is sent to an autopilot. Margins
+and focal_px with its others are not kept.
 
 Columns:
   frame, time    number and capture time of the pair, since ms after the one before
@@ -82,7 +90,7 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
+    /// Send start, stop, describe, settings, keep, defaults, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
     /// several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
@@ -185,6 +193,8 @@ struct Monitor {
     next_id: u16,
     last_capture: Option<u64>,
     last_hello: Option<Hello>,
+    /// Those of a list that is not complete yet.
+    settings: Vec<SettingValue>,
     /// Flags of the last frame.
     health: Health,
     has_summary: bool,
@@ -204,6 +214,7 @@ impl Monitor {
             next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
             last_capture: None,
             last_hello: None,
+            settings: Vec::new(),
             health: Health::GOOD,
             has_summary: args.count != Some(0),
             screen: Screen::new(args, args.count != Some(0)),
@@ -292,6 +303,14 @@ impl Monitor {
             Some(Ok(
                 Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
             )) => Ok(()),
+            Some(Ok(Message::Setting(value))) => {
+                self.settings.push(value);
+                Ok(())
+            }
+            Some(Ok(Message::Kept(report))) => {
+                let settings = core::mem::take(&mut self.settings);
+                Ok(self.screen.note(&requests::listing(&settings, &report))?)
+            }
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => {
                 let is_news = self.last_hello.as_ref() != Some(&hello);

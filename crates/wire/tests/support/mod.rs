@@ -267,6 +267,10 @@ pub(crate) fn messages() -> Vec<Message> {
             digests: [u32::MAX; DIGESTS],
         }),
     ]);
+    list.extend([
+        Message::Setting(SettingValue { number: u8::MAX, value: f32::MIN }),
+        Message::Kept(KeptReport { is_kept: true, slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)] }),
+    ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
@@ -292,10 +296,14 @@ pub(crate) fn commands() -> Vec<Command> {
         .into_iter()
         .chain(updates)
         .chain(pairs);
+    let sets = [(0, -0.5), (u8::MAX, f32::MAX)].map(|(number, value)| Request::Set(SettingValue { number, value }));
+    let settings = [Request::Settings, Request::KeepSettings, Request::ResetSettings];
     requests
         .chain(rigs)
         .chain(regions)
-        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
+        .chain(sets)
+        .chain(settings)
+        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX].into_iter().cycle())
         .map(|(request, id)| Command { id, request })
         .collect()
 }

@@ -6,7 +6,7 @@
 //! dcmi      the camera interface and its DMA: rows in a ring, interrupts -> signals of the capture path
 //! camera    two MT9V034 on one bus, their mode, what frames have to be like
 //! ports     the host's lines (USB, UART) and the autopilot's UART
-//! rig       two sectors of the flash that keep the rig
+//! kept      sectors of the flash that keep the rig and settings
 //! reset     why the chip was reset; the independent watchdog
 //! silicon   which chip it is and how it is set up
 //! ```
@@ -16,7 +16,7 @@
 //! named where they are used; what `embassy-stm32` does is left to it.
 
 use crate::ports::Peripherals;
-use crate::rig_store::RigStore;
+use crate::slot_store::BoardStore;
 
 /// Peripherals of a board with one of these chips, for `live`.
 pub type Board<P> = Peripherals<
@@ -24,15 +24,15 @@ pub type Board<P> = Peripherals<
     ports::HostPort,
     ports::AutopilotPort,
     P,
-    RigStore<rig::RigFlash>,
+    BoardStore<kept::KeptFlash>,
     reset::IndependentDog,
 >;
 
 pub mod camera;
 pub mod clocks;
 pub mod dcmi;
+pub mod kept;
 pub mod memory;
 pub mod ports;
 pub mod reset;
-pub mod rig;
 pub mod silicon;

@@ -1,0 +1,225 @@
+//! Settings of hosts and autopilots, and what is left of them after a reset.
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use linestereo::Dims;
+use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::session::{Reply, Session};
+use linestereo_firmware::settings::{self, KeptSettings};
+use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
+use linestereo_firmware::vehicle::Vehicle;
+use linestereo_mavlink::Policy;
+use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
+use linestereo_wire::*;
+
+/// Flash of four blocks.
+#[derive(Clone, Debug)]
+struct Flash(Vec<u8>);
+
+impl ErrorType for Flash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 512;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.0[from as usize..to as usize].fill(0xff);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        for (old, new) in self.0[offset as usize..].iter_mut().zip(bytes) {
+            *old &= new;
+        }
+        Ok(())
+    }
+}
+
+fn store() -> BoardStore<Flash> {
+    BoardStore::new(Flash(vec![0xff; 2048]), [0, 512], [1024, 1536]).unwrap()
+}
+
+fn outcome(session: &mut Session<'_>, memory: &mut Workspace, request: Request) -> Outcome {
+    match session.command(&Command { id: 1, request }, memory) {
+        Reply::Answer(answer) => answer.outcome,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Numbers of settings.
+const MAX_DISPARITY: u8 = 1;
+const CELL: u8 = 5;
+const RANGE_M: u8 = 10;
+const RATE_HZ: u8 = 14;
+const POLICY: u8 = 15;
+const BLOCK_CM: u8 = 16;
+
+fn set((number, value): (u8, f32)) -> Request {
+    Request::Set(SettingValue { number, value })
+}
+
+fn value(session: &Session<'_>, number: u8) -> f32 {
+    session.values()[usize::from(number)]
+}
+
+fn changes() -> Vec<Request> {
+    let params = ParamUpdate { cell: Some(16), ..ParamUpdate::default() };
+    let of = RegionBox { label: 7, left: 1, top: 2, right: 100, bottom: 90 };
+    let regions = Regions { boxes: [of].into_iter().collect(), only: true };
+    let values = [(RANGE_M, 6.0), (POLICY, 0.0), (RATE_HZ, 20.0), (BLOCK_CM, 250.0), (MAX_DISPARITY, 48.0)];
+    values.map(set).into_iter().chain([Request::SetParams(params), Request::SetRegions(regions)]).collect()
+}
+
+/// Everything that is said of the settings.
+fn report(session: &Session<'_>) -> (SettingValues, KeptReport, usize) {
+    (session.values(), session.kept(), session.areas().map_or(0, |areas| areas.len()))
+}
+
+#[test]
+fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    let built = report(&session);
+    assert_eq!(built, (settings::built(), KeptReport { is_kept: true, slots: [Err(RigFault::Empty); 2] }, 0));
+    for request in changes() {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    assert_eq!((session.kept().is_kept, value(&session, CELL), value(&session, MAX_DISPARITY)), (false, 16.0, 48.0));
+    assert_eq!((session.vehicle.policy, session.vehicle.block_cm), (Policy::Silent, Some(250)));
+
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(report(&session), built, "nobody has asked to keep them");
+    for request in changes().into_iter().chain([Request::KeepSettings]) {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    let kept = report(&session);
+    assert_eq!((kept.1, kept.2), (KeptReport { is_kept: true, slots: [Ok(0), Err(RigFault::Empty)] }, 1));
+
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(report(&session), kept);
+    assert_eq!(
+        session.vehicle,
+        Vehicle { range_m: 6.0, policy: Policy::Silent, rate_hz: 20, block_cm: Some(250), ..Vehicle::DEFAULT }
+    );
+
+    assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
+    assert_eq!(session.values(), built.0);
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!((session.values(), session.areas()), (built.0, None));
+}
+
+#[test]
+fn every_setting_is_the_one_that_is_set() {
+    let mut session = Session::new(BOARD);
+    let sets = [-1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0, 300.0, 1.0];
+    let mut expected = settings::built();
+    for (number, (expected_value, value)) in (0..).zip(expected.clone().iter().zip(sets)) {
+        assert_ne!(*expected_value, value, "{number}");
+        session.set(number, value).unwrap();
+        expected[usize::from(number)] = value;
+        assert_eq!(session.values(), expected, "{number}");
+    }
+    // All confidences come back as they were.
+    for bits in (6554..=u16::MAX).step_by(97) {
+        let update = ParamUpdate { min_confidence_q16: Some(bits), ..ParamUpdate::default() };
+        let mut memory = Box::new(Workspace::new());
+        assert_eq!(outcome(&mut session, &mut memory, Request::SetParams(update)), Outcome::Accepted);
+        let before = session.values();
+        session.set(RATE_HZ, 11.0).unwrap();
+        session.set(RATE_HZ, 12.0).unwrap();
+        assert_eq!((before, f32::from(bits) / 65_536.0), (session.values(), before[7]));
+    }
+}
+
+#[test]
+fn numbers_names_and_ranges_are_those_of_the_table() {
+    for (number, (setting, built)) in (0..).zip(Setting::ALL.iter().zip(settings::built())) {
+        assert!(setting.takes(built) && setting.name.len() <= 16, "{setting:?}");
+        assert_eq!(Setting::number(setting.name.to_uppercase().as_bytes()), Some(number));
+        for (value, is_taken) in [(setting.least, true), (setting.largest, true), (f32::NAN, false)] {
+            assert_eq!(Setting::check(number, value).is_ok(), is_taken, "{setting:?}");
+        }
+        assert_eq!(setting.takes(setting.least + 0.25), !setting.is_whole);
+        for value in [setting.least - 1.0, setting.largest + 1.0] {
+            assert!(Session::new(BOARD).set(number, value).is_err(), "{setting:?}");
+        }
+    }
+    assert_eq!(Setting::check(18, 0.0), Err(Refusal::Unsupported));
+}
+
+#[test]
+fn what_is_refused_is_named_and_changes_nothing() {
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::new(BOARD);
+    session.set(11, 0.5).unwrap();
+    let before = report(&session);
+    let cases = [
+        (set((RANGE_M, 0.05)), "range_m is 0.05, allowed are 0.1 to 600"),
+        (set((9, f32::NAN)), "yaw_deg is NaN, allowed are -180 to 180"),
+        (set((12, 0.25)), "highest_m is 0.25, allowed are 0.5 to 1000"),
+        (set((RATE_HZ, 21.0)), "rate_hz is 21, allowed are whole numbers from 10 to 20"),
+        (set((RATE_HZ, 12.5)), "rate_hz is 12.5, allowed are whole numbers from 10 to 20"),
+        (set((BLOCK_CM, 1000.0)), "block_cm is 1000, allowed are whole numbers from 0 to 1000"),
+        (set((3, 1000.0)), "edge_gradient is 1000, allowed are 4 to 48"),
+        (set((18, 1.0)), "this board cannot do that"),
+        (Request::KeepSettings, "the board's flash does not keep it"),
+    ];
+    for (request, says) in cases {
+        let Outcome::Refused(refusal) = outcome(&mut session, &mut memory, request) else { panic!("{says}") };
+        assert_eq!(refusal.to_string(), says);
+    }
+    assert_eq!(report(&session), before);
+}
+
+/// A rig for these disparities.
+fn rig(max_disparity: u16) -> Request {
+    let dims = Dims { width: 128, height: 96 };
+    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
+    let pair = Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
+    Request::SetRig(
+        RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap().encode(0).into_iter().collect(),
+    )
+}
+
+#[test]
+fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    for request in [rig(40)].into_iter().chain(changes()).chain([Request::KeepSettings]) {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    let of = |session: &Session<'_>| (value(session, MAX_DISPARITY), value(session, CELL));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(of(&session), (48.0, 16.0), "as they were kept");
+    assert_eq!(outcome(&mut session, &mut memory, rig(32)), Outcome::Accepted);
+    assert_eq!(of(&session), (32.0, 16.0));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(of(&session), (32.0, 16.0), "as before the reset");
+    assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
+    assert_eq!(of(&session), (32.0, 20.0), "the rig's");
+}
+
+#[test]
+fn kept_settings_that_this_program_does_not_take_are_named() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut values = [None; SETTINGS];
+    (values[5], values[10]) = (Some(16.0), Some(0.0));
+    store.store_settings(&KeptSettings { rig: None, values, regions: Regions::default() }).unwrap();
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(session.kept().slots, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]);
+    assert_eq!(session.values(), settings::built());
+}
