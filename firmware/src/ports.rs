@@ -144,7 +144,7 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub clock: C,
     /// The host's port: a [`ByteSource`] and [`ByteSink`].
     pub host: H,
-    /// The autopilot's port: a [`ByteSink`].
+    /// The autopilot's port: a [`ByteSource`] and [`ByteSink`].
     pub autopilot: A,
     /// The cameras: a [`PairSource`].
     pub pairs: P,

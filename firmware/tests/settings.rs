@@ -1,13 +1,17 @@
 //! Settings of hosts and autopilots, and what is left of them after a reset.
 
+use crate::support::port::Port;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::painter::Painter;
+use linestereo_firmware::ports::ByteSink as _;
+use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_firmware::settings::{self, KeptSettings};
 use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
 use linestereo_firmware::vehicle::Vehicle;
-use linestereo_mavlink::Policy;
+use linestereo_mavlink::{Fields, Mavlink, Policy, Sender};
 use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
 use linestereo_wire::*;
 
@@ -222,4 +226,121 @@ fn kept_settings_that_this_program_does_not_take_are_named() {
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(session.kept().slots, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]);
     assert_eq!(session.values(), settings::built());
+}
+
+/// PARAM_REQUEST_LIST, PARAM_REQUEST_READ and PARAM_SET of a ground station.
+enum Ask<'n> {
+    List,
+    Read(&'n str),
+    Set(&'n str, f32),
+}
+
+/// A message of these fields.
+struct Raw<const ID: u32, const EXTRA: u8>(Vec<u8>);
+
+impl<const ID: u32, const EXTRA: u8> Mavlink for Raw<ID, EXTRA> {
+    const ID: u32 = ID;
+    const CRC_EXTRA: u8 = EXTRA;
+
+    fn put(&self, fields: &mut Fields) {
+        fields.put(&self.0);
+    }
+}
+
+fn frame(ask: &Ask<'_>) -> Vec<u8> {
+    let mut station = Sender { system: 255, component: 190, sequence: 0 };
+    let mut bytes = Vec::new();
+    let mut write = |frame: &[u8]| {
+        bytes.extend_from_slice(frame);
+        Ok::<(), ()>(())
+    };
+    let name = |name: &str| [name.as_bytes(), &vec![0; 16 - name.len()]].concat();
+    let sent = match ask {
+        Ask::List => station.send(&Raw::<21, 159>(vec![1, 196]), &mut write),
+        Ask::Read(of) => station.send(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name(of)].concat()), &mut write),
+        Ask::Set(of, value) => {
+            let fields = [value.to_le_bytes().to_vec(), vec![1, 196], name(of), vec![9]].concat();
+            station.send(&Raw::<23, 168>(fields), &mut write)
+        }
+    };
+    sent.unwrap();
+    bytes
+}
+
+/// Name, value, number and count of each PARAM_VALUE.
+fn values(mut bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
+    let mut found = Vec::new();
+    while let [0xfd, length, _, _, _, 1, 196, id, 0, 0, rest @ ..] = bytes {
+        let (payload, after) = rest.split_at((*length).into());
+        if *id == 22 {
+            let number = |at: usize| u16::from_le_bytes([payload[at], payload[at + 1]]);
+            let name = String::from_utf8(payload[8..24].to_vec()).unwrap().trim_end_matches('\0').to_owned();
+            found.push((name, f32::from_le_bytes(payload[..4].try_into().unwrap()), number(6), number(4)));
+        }
+        bytes = &after[2..];
+    }
+    assert!(bytes.is_empty(), "{bytes:?}");
+    found
+}
+
+#[test]
+fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    // A turn takes two looks at the clock at least, 50 ms.
+    let (host, autopilot) = (Port::with_look(25_000), Port::default());
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    let mut live = Live::start(session, host.clone(), host.clone()).with_autopilot(autopilot.clone());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut ask = |asks: &[Ask<'_>], turns: usize| {
+        asks.iter().for_each(|ask| autopilot.give(&frame(ask)));
+        for _ in 0..turns {
+            live.turn(&mut *memory, &mut camera);
+        }
+        values(&autopilot.bytes())
+    };
+    let names = Setting::ALL.map(|of| of.name.to_uppercase());
+    let all = ask(&[Ask::List], 10);
+    let count = SETTINGS as u16;
+    assert_eq!(
+        all.iter().map(|of| (of.0.as_str(), of.2, of.3)).collect::<Vec<_>>(),
+        (0..count).zip(&names).map(|(index, name)| (name.as_str(), index, count)).collect::<Vec<_>>()
+    );
+    assert!(ask(&[], 10).is_empty(), "once");
+
+    let one = |name: &str, value: f32| {
+        let index = names.iter().position(|of| of == name).unwrap() as u16;
+        vec![(name.to_owned(), value, index, count)]
+    };
+    assert_eq!(ask(&[Ask::Read("RANGE_M")], 1), one("RANGE_M", 10.0));
+    assert_eq!(ask(&[Ask::Read("NOTHING")], 1), []);
+    assert_eq!(ask(&[Ask::Set("RANGE_M", 6.5)], 1), one("RANGE_M", 6.5));
+    // Refused: the answer is the value that still counts.
+    for (name, value, old) in [
+        ("RANGE_M", 0.0, 6.5),
+        ("CELL", 7.0, 20.0),
+        ("CELL", 16.5, 20.0),
+        ("POLICY", 3.0, 1.0),
+        ("SYSTEM", 256.0, 1.0),
+        ("MAX_DISPARITY", f32::NAN, 64.0),
+    ] {
+        assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, old), "{name} {value}");
+    }
+    // Each that is set is the one that is read, and no other changes.
+    let sets = [7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0, 300.0, 1.0];
+    for (name, value) in names.iter().zip(sets).skip(1) {
+        assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, value));
+    }
+    let listed: Vec<f32> = ask(&[Ask::List], 10).iter().map(|of| of.1).collect();
+    assert_eq!(listed[1..], sets[1..]);
+    ask(&[], 30); // more than a second without another one: they go into the flash
+    // Many requests at once cost several turns, and none is lost.
+    let many: Vec<Ask<'_>> = (0..20).map(|_| Ask::Read("CELL")).collect();
+    let first = ask(&many, 1).len();
+    assert!((4..=8).contains(&first), "{first}");
+    assert_eq!(first + ask(&[], 10).len(), 20);
+
+    let mut memory = Box::new(Workspace::new());
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(session.values()[1..], sets[1..]);
+    assert!(host.room().free > 0);
 }

@@ -1,7 +1,7 @@
 //! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB of flash. Two HM01B0 with four data wires each.
 //!
 //! ```text
-//! GP0         UART 0, to an autopilot
+//! GP0, 1      UART 0, to and from an autopilot
 //! GP2 .. 8    left camera: D0, D1, D2, D3, PCLKO, LVLD, FVLD          GP16, 17   SDA, SCL of the left camera (I2C 0)
 //! GP9 .. 15   right camera, the same                                  GP18, 19   SDA, SCL of the right camera (I2C 1)
 //! GP20        TRIG of both                                            GP21       MCLK of both, 6 MHz
@@ -121,7 +121,7 @@ mod wired {
         Some(Peripherals {
             clock,
             host: start_host(board.USB, BOARD.name),
-            autopilot: Autopilot::start(board.UART0, board.PIN_0),
+            autopilot: Autopilot::start(board.UART0, board.PIN_0, board.PIN_1),
             pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
             flash: keeper(board.FLASH),
             watchdog,

@@ -5,10 +5,11 @@ use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Dims, Match, ObjectDepth};
+use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND, MAX_PACKET,
-    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, send, send_frame,
-    send_objects,
+    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, Setting, send,
+    send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
@@ -31,6 +32,8 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     has_skipped: bool,
     /// Of the frame that is worked on.
     times: FrameTimes,
+    /// When an autopilot last set a parameter that is not yet in the flash.
+    unkept_us: Option<u64>,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -73,6 +76,19 @@ impl ByteSink for NoAutopilot {
     fn write(&mut self, _: &[u8]) {}
 }
 
+impl ByteSource for NoAutopilot {
+    fn read(&mut self, _: &mut [u8]) -> usize {
+        0
+    }
+}
+
+/// Most answers to an autopilot in one turn, but for those of the last few bytes.
+const ANSWERS: usize = 4;
+/// Most reads of an autopilot's port in one turn: what a line of 57600 baud carries in 0.2 s.
+const AUTOPILOT_READS: usize = 64;
+/// Parameters that an autopilot has set go into the flash when it has set no other for so long, microseconds: erasing takes up to seconds.
+const KEEP_AFTER_US: u64 = 1_000_000;
+
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Starts with a [`Message::Hello`].
     pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
@@ -92,6 +108,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo: None,
             has_skipped: false,
             times: FrameTimes::default(),
+            unkept_us: None,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -114,6 +131,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo,
             has_skipped,
             times,
+            unkept_us,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -131,14 +149,16 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo,
             has_skipped,
             times,
+            unkept_us,
         }
     }
 }
 
-impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
+impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P, A> {
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         self.serve_commands(memory, camera);
+        self.serve_autopilot();
         let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
@@ -215,6 +235,58 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             Reply::Pair { command, .. } => {
                 self.write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }));
             }
+        }
+    }
+
+    /// Answers what the autopilot asks, and keeps what it has set.
+    #[inline(never)]
+    fn serve_autopilot(&mut self) {
+        let Some(mut port) = self.autopilot_port.take() else { return };
+        let mut bytes = [0; 16];
+        let mut answers = 0;
+        for _ in 0..AUTOPILOT_READS {
+            let count = port.read(&mut bytes);
+            for &byte in bytes.iter().take(count) {
+                if let Some(message) = self.autopilot.receive(byte) {
+                    answers += 1;
+                    self.answer_autopilot(message, &mut port);
+                }
+            }
+            if count == 0 || answers >= ANSWERS {
+                break;
+            }
+        }
+        for _ in 0..ANSWERS {
+            let Some(number) = self.autopilot.listed else { break };
+            let is_one = self.autopilot.send_parameter(&self.session.values(), number, &mut port);
+            self.autopilot.listed = is_one.then_some(number.wrapping_add(1));
+        }
+        self.autopilot_port = Some(port);
+        let now_us = self.time_us; // of the last look
+        if self.unkept_us.take_if(|since_us| now_us.saturating_sub(*since_us) >= KEEP_AFTER_US).is_some() {
+            let _ = self.session.keep_settings(); // without flash they last until the next reset
+        }
+    }
+
+    fn answer_autopilot(&mut self, message: Received, port: &mut A) {
+        let number = match message {
+            Received::ParamList => {
+                self.autopilot.listed = Some(0);
+                return;
+            }
+            Received::ParamRead { index, id } => u8::try_from(index).ok().or_else(|| number(&id)),
+            Received::ParamSet { id, value } => {
+                let number = number(&id);
+                if number.is_some_and(|number| self.session.set(number, value).is_ok()) {
+                    self.unkept_us = Some(self.time_us);
+                    self.autopilot.set_vehicle(self.session.vehicle);
+                }
+                number
+            }
+            Received::Timesync(_) => return,
+        };
+        if let Some(number) = number {
+            self.autopilot.send_parameter(&self.session.values(), number, port);
         }
     }
 
@@ -363,6 +435,11 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let took_us = saturated(self.time() - before_us);
         self.times.port_us = self.times.port_us.saturating_add(took_us);
     }
+}
+
+/// Number of the setting that a parameter is.
+fn number(id: &ParamId) -> Option<u8> {
+    Setting::number(id.split(|&byte| byte == 0).next()?)
 }
 
 fn saturated(us: u64) -> u32 {
