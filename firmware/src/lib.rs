@@ -10,6 +10,7 @@
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! host_lines      one or two lines to a host, of which either may be deaf
+//! clock_sync      the board's time in another clock
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
 //! slot_store      the rig and settings in two slots of a flash each
 //! settings        settings as numbered values and as an image
@@ -29,6 +30,7 @@ pub mod boards;
 pub mod camera;
 pub mod capture;
 pub mod cases;
+pub mod clock_sync;
 pub mod fence;
 pub mod host_lines;
 pub mod log;

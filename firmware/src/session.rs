@@ -55,6 +55,10 @@ pub enum Reply {
     Describe(Answer),
     /// All settings, then the answer.
     Settings(Answer),
+    /// The time of the clock of pairs, then the answer.
+    Clock(Answer),
+    /// Times are in the host's clock from now on, which was so many microseconds when the board's was 0.
+    SetClock(Answer, u64),
     /// The next pair is wanted as it comes; the answer when it has come.
     Photograph {
         /// The id of the command.
@@ -125,9 +129,11 @@ impl<'a> Session<'a> {
         self.settings_slots = slots.map(|slot| slot.map_err(RigFault::from));
         let Some((slot, kept)) = newest else { return };
         let mut values = self.values();
-        let first = if kept.rig == self.rig_sequence() { 0 } else { settings::OF_RIG };
-        for (value, kept) in values.iter_mut().zip(kept.values).skip(first) {
-            *value = kept.unwrap_or(*value);
+        let has_its_rig = kept.rig == self.rig_sequence();
+        for (number, (value, kept)) in values.iter_mut().zip(kept.values).enumerate() {
+            if has_its_rig || number >= settings::OF_RIG {
+                *value = kept.unwrap_or(*value);
+            }
         }
         let taken = [self.use_values(&values), self.set_regions(&kept.regions)];
         self.is_kept = taken.iter().all(Result::is_ok);
@@ -178,6 +184,8 @@ impl<'a> Session<'a> {
                 return Reply::Answer(answer(self.set(*number, *value).into()));
             }
             Request::Settings => return Reply::Settings(answer(Outcome::Accepted)),
+            Request::ReadClock => return Reply::Clock(answer(Outcome::Accepted)),
+            Request::SetClock(offset_us) => return Reply::SetClock(answer(Outcome::Accepted), *offset_us),
             Request::KeepSettings => return Reply::Answer(answer(self.keep_settings().into())),
             Request::ResetSettings => return Reply::Answer(answer(self.reset_settings().into())),
         }
@@ -222,8 +230,10 @@ impl<'a> Session<'a> {
     #[inline(never)] // its images are on the stack only while it works
     pub fn keep_settings(&mut self) -> Result<(), Refusal> {
         let mut values = self.values().map(Some);
-        for (value, built) in values.iter_mut().zip(settings::built()).skip(settings::OF_RIG) {
-            *value = value.filter(|&value| value != built);
+        for (number, (value, built)) in values.iter_mut().zip(settings::built()).enumerate() {
+            if number >= settings::OF_RIG && *value == Some(built) {
+                *value = None;
+            }
         }
         let settings = KeptSettings { rig: self.rig_sequence(), values, regions: self.regions.clone() };
         let Some(keeper) = &mut self.keeper else { return Err(Refusal::NotKept) };

@@ -55,26 +55,26 @@ pub fn values(params: &Params, vehicle: &Vehicle) -> SettingValues {
 /// Probability 1 as [`Confidence`] bits.
 const ONE: f32 = 65_536.0;
 
-/// `params` with the values that they have settings for, and the vehicle. Each is as near to its value as its type allows: nothing is checked.
+/// `params` with the values that they have settings for, and the vehicle. The values are in their ranges ([`linestereo_wire::Setting::check`]).
 #[must_use]
 pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) {
     let [min_disparity, max_disparity, anchor, edge, extent, cell, reach, confidence, parts, vehicle @ ..] = *values;
     let params = Params {
-        min_disparity: min_disparity as i16,
-        max_disparity: max_disparity as u16,
-        anchor_gradient: anchor as u16,
-        edge_gradient: edge as u16,
-        min_extent: extent as u16,
-        cell: cell as u16,
-        reach: reach as u16,
-        min_confidence: Confidence::from_bits((confidence * ONE + 0.5) as u16),
+        min_disparity: min_disparity as i32 as i16,
+        max_disparity: max_disparity as i32 as u16,
+        anchor_gradient: anchor as i32 as u16,
+        edge_gradient: edge as i32 as u16,
+        min_extent: extent as i32 as u16,
+        cell: cell as i32 as u16,
+        reach: reach as i32 as u16,
+        min_confidence: Confidence::from_bits((confidence * ONE + 0.5).min(ONE - 1.0) as i32 as u16),
         parts: if parts > 0.0 { Parts::Support } else { Parts::Both },
         ..params
     };
     let [yaw_deg, range_m, lowest, highest, system, rate_hz, policy, block_cm, distance_sensor] = vehicle;
-    let policy = Policy::ALL.get(policy as usize).copied().unwrap_or(Policy::Block);
-    let block_cm = (block_cm > 0.0).then_some(block_cm as u16);
-    let (system, rate_hz, distance_sensor) = (system as u8, rate_hz as u8, distance_sensor > 0.0);
+    let policy = Policy::ALL.get(policy as i32 as usize).copied().unwrap_or(Policy::Block);
+    let block_cm = (block_cm > 0.0).then_some(block_cm as i32 as u16);
+    let (system, rate_hz, distance_sensor) = (system as i32 as u8, rate_hz as i32 as u8, distance_sensor > 0.0);
     let heights_m = [lowest, highest];
     (params, Vehicle { yaw_deg, range_m, heights_m, system, rate_hz, policy, block_cm, distance_sensor })
 }
@@ -103,24 +103,30 @@ impl SlotImage for KeptSettings {
     const BYTES: usize = 4 * WORDS + CRC_BYTES;
 
     fn put(&self, sequence: u32, bytes: &mut [u8]) {
-        let head =
-            [u32::from_le_bytes(MAGIC), word([VERSION, Self::BYTES as u16]), sequence, self.rig.unwrap_or(NOTHING)];
-        let values = self.values.map(|value| value.map_or(NOTHING, f32::to_bits));
         let Regions { boxes, only } = &self.regions;
-        let mut places = [[0; BOX]; MAX_REGIONS];
-        for (place, of) in places.iter_mut().zip(boxes) {
-            *place = [word([of.label, of.left]), word([of.top, of.right]), word([of.bottom, 0])];
-        }
-        let counts = [word([boxes.len() as u16, (*only).into()])];
-        let words = head.into_iter().chain(values).chain(counts).chain(places.into_iter().flatten());
-        let Some((content, [crc, ..])) = bytes.split_at_mut_checked(4 * WORDS).map(|(a, b)| (a, b.as_chunks_mut().0))
-        else {
-            return;
+        let mut words = [0; WORDS];
+        let mut places = words.iter_mut();
+        let mut put = |word| {
+            if let Some(place) = places.next() {
+                *place = word;
+            }
         };
-        for (place, word) in content.as_chunks_mut().0.iter_mut().zip(words) {
+        put(u32::from_le_bytes(MAGIC));
+        put(word([VERSION, Self::BYTES as u16]));
+        put(sequence);
+        put(self.rig.unwrap_or(NOTHING));
+        self.values.iter().for_each(|value| put(value.map_or(NOTHING, f32::to_bits)));
+        put(word([boxes.len() as u16, (*only).into()]));
+        for &RegionBox { label, left, top, right, bottom } in boxes {
+            [[label, left], [top, right], [bottom, 0]].into_iter().for_each(|pair| put(word(pair)));
+        }
+        let (places, _) = bytes.as_chunks_mut();
+        for (place, word) in places.iter_mut().zip(words) {
             *place = word.to_le_bytes();
         }
-        *crc = CRC_32.checksum(content).to_le_bytes();
+        if let Some((content, crc)) = bytes.get_mut(..Self::BYTES).and_then(<[u8]>::split_last_chunk_mut) {
+            *crc = CRC_32.checksum(content).to_le_bytes();
+        }
     }
 
     fn sequence(bytes: &[u8]) -> Result<u32, RigImageError> {

@@ -158,7 +158,7 @@ fn json_has_one_line_per_complete_frame() {
     let first = &lines[0];
     let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
     keys.sort();
-    assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size", "times_us"]);
+    assert_eq!(keys, ["capture_time_us", "clock", "counts", "health", "segments", "sequence", "size", "times_us"]);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
     assert_eq!(first["times_us"], serde_json::json!({"waiting": 11_000, "matching": 21_500, "port": 300}));

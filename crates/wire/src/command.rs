@@ -76,6 +76,10 @@ pub enum Request {
     KeepSettings,
     /// Go back to the settings that the board was built with and to the disparity range of its rig, in the flash as well.
     ResetSettings,
+    /// Say the time: `Message::Clock` and the answer.
+    ReadClock,
+    /// From now on give times in the host's clock: its time when the board's was 0, microseconds. To be measured anew every few seconds.
+    SetClock(u64),
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.

@@ -56,7 +56,7 @@ mod rig_fault;
 mod send;
 mod settings;
 
-pub use board_state::{CaptureReport, Reset, ResetCause};
+pub use board_state::{CaptureReport, Reset, ResetCause, TimeSource};
 pub use case::{CaseReport, DIGESTS, MachineReport, Silicon};
 pub use command::{
     Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,

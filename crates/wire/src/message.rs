@@ -43,6 +43,8 @@ pub enum Message {
     Setting(SettingValue),
     /// What is kept of the settings, for `Request::Settings`, before the answer.
     Kept(KeptReport),
+    /// Time of the board's own clock, in which pairs are captured, microseconds: for `Request::ReadClock`, before the answer.
+    Clock(u64),
 }
 
 impl Sealed for Message {}

@@ -1,6 +1,7 @@
 //! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
+use crate::clock_sync::ClockSync;
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
 use crate::session::{Reply, Session, failed_frame};
@@ -8,8 +9,8 @@ use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND, MAX_PACKET,
-    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, Setting, send,
-    send_frame, send_objects,
+    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, Setting, TimeSource,
+    send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
@@ -34,6 +35,7 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     times: FrameTimes,
     /// When an autopilot last set a parameter that is not yet in the flash.
     unkept_us: Option<u64>,
+    sync: ClockSync,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -109,6 +111,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             has_skipped: false,
             times: FrameTimes::default(),
             unkept_us: None,
+            sync: ClockSync::BOARD,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -132,6 +135,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             has_skipped,
             times,
             unkept_us,
+            sync,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -150,6 +154,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             has_skipped,
             times,
             unkept_us,
+            sync,
         }
     }
 }
@@ -158,7 +163,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         self.serve_commands(memory, camera);
-        self.serve_autopilot();
+        self.serve_autopilot(camera);
         let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
@@ -210,6 +215,16 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     fn serve(&mut self, command: &Command, memory: &mut impl Memory, camera: &mut impl PairSource) {
         match self.session.command(command, memory) {
             Reply::Answer(answer) => self.write(&Message::Answer(answer)),
+            Reply::Clock(answer) => {
+                let board_us = self.capture_clock(camera);
+                self.write(&Message::Clock(board_us));
+                self.write(&Message::Answer(answer));
+            }
+            Reply::SetClock(answer, offset_us) => {
+                let now_us = self.capture_clock(camera);
+                self.sync.set(TimeSource::Host, offset_us.cast_signed(), now_us);
+                self.write(&Message::Answer(answer));
+            }
             Reply::Describe(answer) => {
                 let hello = self.session.hello();
                 self.write(&Message::Hello(hello));
@@ -240,7 +255,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
 
     /// Answers what the autopilot asks, and keeps what it has set.
     #[inline(never)]
-    fn serve_autopilot(&mut self) {
+    fn serve_autopilot(&mut self, camera: &impl PairSource) {
         let Some(mut port) = self.autopilot_port.take() else { return };
         let mut bytes = [0; 16];
         let mut answers = 0;
@@ -249,7 +264,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             for &byte in bytes.iter().take(count) {
                 if let Some(message) = self.autopilot.receive(byte) {
                     answers += 1;
-                    self.answer_autopilot(message, &mut port);
+                    self.answer_autopilot(message, camera, &mut port);
                 }
             }
             if count == 0 || answers >= ANSWERS {
@@ -261,6 +276,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             let is_one = self.autopilot.send_parameter(&self.session.values(), number, &mut port);
             self.autopilot.listed = is_one.then_some(number.wrapping_add(1));
         }
+        if self.autopilot.has_view() {
+            let now_us = camera.clock_us().unwrap_or(self.time_us);
+            if let Some(question) = self.sync.question(now_us) {
+                self.autopilot.send(&question, &mut port);
+            }
+        }
         self.autopilot_port = Some(port);
         let now_us = self.time_us; // of the last look
         if self.unkept_us.take_if(|since_us| now_us.saturating_sub(*since_us) >= KEEP_AFTER_US).is_some() {
@@ -268,7 +289,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         }
     }
 
-    fn answer_autopilot(&mut self, message: Received, port: &mut A) {
+    fn answer_autopilot(&mut self, message: Received, camera: &impl PairSource, port: &mut A) {
         let number = match message {
             Received::ParamList => {
                 self.autopilot.listed = Some(0);
@@ -283,7 +304,13 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
                 }
                 number
             }
-            Received::Timesync(_) => return,
+            Received::Timesync(times) => {
+                let now_us = camera.clock_us().unwrap_or(self.time_us); // of the last look
+                if let Some(answer) = self.sync.receive(times, now_us) {
+                    self.autopilot.send(&answer, port);
+                }
+                return;
+            }
         };
         if let Some(number) = number {
             self.autopilot.send_parameter(&self.session.values(), number, port);
@@ -381,7 +408,8 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let (matches, objects) = found.unwrap_or_default();
         let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
         let times = core::mem::take(&mut self.times);
-        let head = FrameHead { sequence, health: head.health | skipped, times, ..head };
+        let (capture_time_us, clock) = self.sync.stamp(head.capture_time_us);
+        let head = FrameHead { sequence, health: head.health | skipped, times, capture_time_us, clock, ..head };
         self.has_skipped = !self.has_room(&head, matches, objects);
         if self.has_skipped {
             return;

@@ -65,7 +65,9 @@ pub fn run(
                 session.report_settings(|message| write(message, output));
                 write(&Message::Answer(answer), output);
             }
-            Reply::Photograph { command } => {
+            Reply::Photograph { command }
+            | Reply::Clock(Answer { command, .. })
+            | Reply::SetClock(Answer { command, .. }, _) => {
                 write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);
             }
             Reply::Pair { command, head, is_raw } => {
