@@ -156,6 +156,8 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+    /// Ends the program for the boot loader's, as soon as what waits for the host is sent; `None` where there is none.
+    pub bootloader: Option<fn() -> !>,
 }
 
 /// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.

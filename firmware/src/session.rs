@@ -39,6 +39,8 @@ pub struct Session<'a> {
     pub vehicle: Vehicle,
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+    /// Can the board leave its program for a boot loader?
+    pub has_bootloader: bool,
     report: RigReport,
     keeper: Option<&'a mut dyn Keeper>,
     /// Send results?
@@ -59,6 +61,8 @@ pub enum Reply {
     Clock(Answer),
     /// Times are in the host's clock from now on, which was so many microseconds when the board's was 0.
     SetClock(Answer, u64),
+    /// An answer, then the end of the program.
+    Leave(Answer),
     /// The next pair is wanted as it comes; the answer when it has come.
     Photograph {
         /// The id of the command.
@@ -92,6 +96,7 @@ impl<'a> Session<'a> {
             rig: None,
             vehicle: VEHICLE,
             reset: None,
+            has_bootloader: false,
             report: RigReport::NONE,
             keeper: None,
             running: false,
@@ -186,6 +191,8 @@ impl<'a> Session<'a> {
             Request::Settings => return Reply::Settings(answer(Outcome::Accepted)),
             Request::ReadClock => return Reply::Clock(answer(Outcome::Accepted)),
             Request::SetClock(offset_us) => return Reply::SetClock(answer(Outcome::Accepted), *offset_us),
+            Request::Bootloader if self.has_bootloader => return Reply::Leave(answer(Outcome::Accepted)),
+            Request::Bootloader => return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported))),
             Request::KeepSettings => return Reply::Answer(answer(self.keep_settings().into())),
             Request::ResetSettings => return Reply::Answer(answer(self.reset_settings().into())),
         }

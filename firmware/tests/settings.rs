@@ -6,7 +6,7 @@ use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::ByteSink as _;
-use linestereo_firmware::programs::live::Live;
+use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_firmware::settings::{self, KeptSettings};
 use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
@@ -424,4 +424,21 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
         "asked {asked} times, {time_us} us"
     );
     assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
+}
+
+#[test]
+fn a_board_leaves_for_its_boot_loader_after_the_answer() {
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    for (has_bootloader, expected) in [(false, Turn::Idle), (true, Turn::Leave)] {
+        let port = Port::with_look(1);
+        let mut session = Session::new(BOARD);
+        session.has_bootloader = has_bootloader;
+        let mut live = Live::start(session, port.clone(), port.clone());
+        port.received();
+        port.send(3, Request::Bootloader);
+        assert_eq!(live.turn(&mut *memory, &mut camera), expected);
+        let outcome = if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
+        assert_eq!(port.received(), [Message::Answer(Answer { command: 3, outcome })]);
+    }
 }

@@ -80,6 +80,8 @@ pub enum Request {
     ReadClock,
     /// From now on give times in the host's clock: its time when the board's was 0, microseconds. To be measured anew every few seconds.
     SetClock(u64),
+    /// Leave the program for the boot loader, which takes another one over USB; after the answer.
+    Bootloader,
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.

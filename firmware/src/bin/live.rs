@@ -12,20 +12,22 @@ fn live() -> linestereo_boards::Exit {
 
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
-    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset } = board;
+    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset, bootloader } = board;
     let mut session = match &mut flash {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    session.reset = reset;
+    (session.reset, session.has_bootloader) = (reset, bootloader.is_some());
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
         let turn = live.turn(memory, &mut pairs);
         if turn.is_work() {
             watchdog.feed();
         }
-        if turn == Turn::Idle {
-            rest();
+        match (turn, bootloader) {
+            (Turn::Leave, Some(enter)) => enter(),
+            (Turn::Idle, _) => rest(),
+            _ => {}
         }
     }
 }

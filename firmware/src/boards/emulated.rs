@@ -20,6 +20,7 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         watchdog: NoWatchdog,
         rest: || {}, // no interrupt is enabled that would end it
         reset: None,
+        bootloader: None,
     })
 }
 

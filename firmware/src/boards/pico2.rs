@@ -34,6 +34,7 @@ mod wired {
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
+    use embassy_time::{Duration, block_for};
     use linestereo::Dims;
     use linestereo_wire::Reset;
 
@@ -86,6 +87,18 @@ mod wired {
         })
     }
 
+    /// What waits for the host is sent by then.
+    const FAREWELL: Duration = Duration::from_millis(200);
+
+    /// Ends the program for the boot ROM's, which shows the board as a drive (RP2350 datasheet, 5.4.8.24).
+    fn enter_bootloader() -> ! {
+        block_for(FAREWELL);
+        embassy_rp::rom_data::reset_to_usb_boot(0, 0);
+        loop {
+            cortex_m::asm::nop(); // it takes 10 ms
+        }
+    }
+
     /// What the board gives to `live`. Once.
     pub fn peripherals() -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog>>
     {
@@ -127,6 +140,7 @@ mod wired {
             watchdog,
             rest: cortex_m::asm::wfe,
             reset: Some(reset),
+            bootloader: Some(enter_bootloader),
         })
     }
 }

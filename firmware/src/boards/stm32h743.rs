@@ -15,6 +15,7 @@ pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 mod on_board {
+    use crate::boards::stm32h7::bootloader;
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
@@ -85,6 +86,7 @@ mod on_board {
 
     /// Caches and clocks, for every program; and why the chip was reset.
     fn start() -> (Peripherals, Option<Reset>) {
+        bootloader::follow_word();
         memory::prepare();
         let reset = reset::cause();
         clocks::take_over();
@@ -136,6 +138,7 @@ mod on_board {
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
-        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
+        let bootloader = Some(bootloader::enter as fn() -> !);
+        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset, bootloader })
     }
 }

@@ -36,6 +36,7 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     /// When an autopilot last set a parameter that is not yet in the flash.
     unkept_us: Option<u64>,
     sync: ClockSync,
+    leaves: bool,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -57,13 +58,15 @@ pub enum Turn {
     Finished,
     /// No pair came.
     Missing,
+    /// The host wants the boot loader: the program is to end.
+    Leave,
 }
 
 impl Turn {
     /// Does the board do its work? What a watchdog is fed by: cameras that deliver nothing for long are to be reset.
     #[must_use]
     pub const fn is_work(self) -> bool {
-        matches!(self, Self::Idle | Self::Finished)
+        matches!(self, Self::Idle | Self::Finished | Self::Leave)
     }
 }
 
@@ -112,6 +115,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             times: FrameTimes::default(),
             unkept_us: None,
             sync: ClockSync::BOARD,
+            leaves: false,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -136,6 +140,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             times,
             unkept_us,
             sync,
+            leaves,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -155,6 +160,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             times,
             unkept_us,
             sync,
+            leaves,
         }
     }
 }
@@ -163,6 +169,9 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         self.serve_commands(memory, camera);
+        if self.leaves {
+            return Turn::Leave;
+        }
         self.serve_autopilot(camera);
         let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
@@ -215,6 +224,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     fn serve(&mut self, command: &Command, memory: &mut impl Memory, camera: &mut impl PairSource) {
         match self.session.command(command, memory) {
             Reply::Answer(answer) => self.write(&Message::Answer(answer)),
+            Reply::Leave(answer) => {
+                self.write(&Message::Answer(answer));
+                self.leaves = true;
+            }
             Reply::Clock(answer) => {
                 let board_us = self.capture_clock(camera);
                 self.write(&Message::Clock(board_us));

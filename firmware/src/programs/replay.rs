@@ -66,6 +66,7 @@ pub fn run(
                 write(&Message::Answer(answer), output);
             }
             Reply::Photograph { command }
+            | Reply::Leave(Answer { command, .. })
             | Reply::Clock(Answer { command, .. })
             | Reply::SetClock(Answer { command, .. }, _) => {
                 write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);

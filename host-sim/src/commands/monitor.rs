@@ -58,7 +58,8 @@ block, unknown), block_cm (0: the rig's near limit), distance_sensor (on, off). 
 the next reset; keep erases flash, which takes up to 4 s, in which nothing is sent to an autopilot. Margins
 and focal_px with its others are not kept.
 sync has times of frames in this computer's clock (since 1970) as long as monitor runs, else they count from
-the board's start; with --json the field clock says which.
+the board's start; with --json the field clock says which. bootloader ends the program for the boot
+loader, to be flashed over USB.
 
 Columns:
   frame, time    number and capture time of the pair, since ms after the one before
@@ -96,7 +97,7 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, sync, settings, keep, defaults, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
+    /// Send start, stop, describe, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
     /// several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,

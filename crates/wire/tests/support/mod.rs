@@ -300,7 +300,7 @@ pub(crate) fn commands() -> Vec<Command> {
         .chain(updates)
         .chain(pairs);
     let sets = [(0, -0.5), (u8::MAX, f32::MAX)].map(|(number, value)| Request::Set(SettingValue { number, value }));
-    let clocks = [Request::ReadClock, Request::SetClock(u64::MAX)];
+    let clocks = [Request::ReadClock, Request::SetClock(u64::MAX), Request::Bootloader];
     let settings = [Request::Settings, Request::KeepSettings, Request::ResetSettings];
     requests
         .chain(rigs)

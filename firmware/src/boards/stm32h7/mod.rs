@@ -8,6 +8,7 @@
 //! ports     the host's lines (USB, UART) and the autopilot's UART
 //! kept      sectors of the flash that keep the rig and settings
 //! reset     why the chip was reset; the independent watchdog
+//! bootloader    into the chip's own boot loader, or the board's
 //! silicon   which chip it is and how it is set up
 //! ```
 //! Interrupts, highest priority first: clock (0), camera interface and VSYNC (1), UARTs (4), USB (6), the tasks of the ports (8). The program runs below all of them and sleeps while it waits for rows.
@@ -28,6 +29,7 @@ pub type Board<P> = Peripherals<
     reset::IndependentDog,
 >;
 
+pub mod bootloader;
 pub mod camera;
 pub mod clocks;
 pub mod dcmi;
