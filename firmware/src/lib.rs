@@ -10,6 +10,7 @@
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! host_lines      one or two lines to a host, of which either may be deaf
+//! indicator       codes of a board's light
 //! clock_sync      the board's time in another clock
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
 //! slot_store      the rig and settings in two slots of a flash each
@@ -33,6 +34,7 @@ pub mod cases;
 pub mod clock_sync;
 pub mod fence;
 pub mod host_lines;
+pub mod indicator;
 pub mod log;
 pub mod memory;
 pub mod once;

@@ -4,8 +4,9 @@ use crate::support::port::Port;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::ByteSink as _;
+use linestereo_firmware::ports::{ByteSink as _, CapturedPair, PairSource};
 use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_firmware::settings::{self, KeptSettings};
@@ -441,4 +442,31 @@ fn a_board_leaves_for_its_boot_loader_after_the_answer() {
         let outcome = if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
         assert_eq!(port.received(), [Message::Answer(Answer { command: 3, outcome })]);
     }
+}
+
+#[test]
+fn the_light_follows_the_pairs() {
+    /// A camera that delivers a pair, then none.
+    struct Once(Option<Painter>);
+
+    impl PairSource for Once {
+        fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+            self.0.take()?.next_pair(memory, rectified)
+        }
+    }
+
+    let port = Port::with_look(0);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Once(Some(Painter::new(Dims { width: 128, height: 96 })));
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut lit_at = |live: &mut Live<'_, Port, Port>, ms: u32| {
+        port.pass(1000 * ms);
+        live.turn(&mut *memory, &mut camera);
+        live.is_lit()
+    };
+    assert!(lit_at(&mut live, 100) && !lit_at(&mut live, 300), "a short flash: nobody wants pairs");
+    port.send(1, Request::Start);
+    assert!(lit_at(&mut live, 0), "0.4 s: fit, between two gaps");
+    assert!(!lit_at(&mut live, 0), "no pair comes any more");
+    assert!(lit_at(&mut live, 250) && !lit_at(&mut live, 250));
 }

@@ -4,6 +4,7 @@
 //! GP0, 1      UART 0, to and from an autopilot
 //! GP2 .. 8    left camera: D0, D1, D2, D3, PCLKO, LVLD, FVLD          GP16, 17   SDA, SCL of the left camera (I2C 0)
 //! GP9 .. 15   right camera, the same                                  GP18, 19   SDA, SCL of the right camera (I2C 1)
+//! GP25        the board's light
 //! GP20        TRIG of both                                            GP21       MCLK of both, 6 MHz
 //! ```
 //! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
@@ -30,7 +31,7 @@ mod wired {
         Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
-    use crate::ports::{BarePeripherals, FrameStart, PairSource, Peripherals};
+    use crate::ports::{BarePeripherals, FrameStart, Light, PairSource, Peripherals};
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
@@ -87,6 +88,16 @@ mod wired {
         })
     }
 
+    /// The green light of the board.
+    #[expect(missing_debug_implementations, reason = "the HAL's pin has none")]
+    pub struct OnboardLight(Output<'static>);
+
+    impl Light for OnboardLight {
+        fn set(&mut self, is_on: bool) {
+            self.0.set_level(if is_on { Level::High } else { Level::Low });
+        }
+    }
+
     /// What waits for the host is sent by then.
     const FAREWELL: Duration = Duration::from_millis(200);
 
@@ -100,8 +111,8 @@ mod wired {
     }
 
     /// What the board gives to `live`. Once.
-    pub fn peripherals() -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog>>
-    {
+    pub fn peripherals()
+    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog, OnboardLight>> {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
@@ -141,6 +152,7 @@ mod wired {
             rest: cortex_m::asm::wfe,
             reset: Some(reset),
             bootloader: Some(enter_bootloader),
+            light: OnboardLight(Output::new(board.PIN_25, Level::Low)),
         })
     }
 }

@@ -18,6 +18,7 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::kept::KeptFlash;
+    use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
@@ -177,7 +178,19 @@ mod on_board {
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
         let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
+        let light = Light([Output::new(p.PK6, Level::High, Speed::Low)]);
         let bootloader = Some(bootloader::enter as fn() -> !);
-        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset, bootloader })
+        Some(crate::ports::Peripherals {
+            clock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest,
+            reset,
+            bootloader,
+            light,
+        })
     }
 }

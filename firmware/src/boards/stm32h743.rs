@@ -20,6 +20,7 @@ mod on_board {
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
     use crate::boards::stm32h7::kept::KeptFlash;
+    use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
@@ -138,7 +139,19 @@ mod on_board {
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
+        let light = Light([output(p.PE3.into()), output(p.PB0.into())]);
         let bootloader = Some(bootloader::enter as fn() -> !);
-        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset, bootloader })
+        Some(crate::ports::Peripherals {
+            clock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest,
+            reset,
+            bootloader,
+            light,
+        })
     }
 }

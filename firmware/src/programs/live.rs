@@ -2,6 +2,7 @@
 
 use crate::autopilot::Autopilot;
 use crate::clock_sync::ClockSync;
+use crate::indicator::{self, Status};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
 use crate::session::{Reply, Session, failed_frame};
@@ -37,6 +38,7 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     unkept_us: Option<u64>,
     sync: ClockSync,
     leaves: bool,
+    status: Status,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -116,6 +118,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             unkept_us: None,
             sync: ClockSync::BOARD,
             leaves: false,
+            status: Status::Waiting,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -141,6 +144,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             unkept_us,
             sync,
             leaves,
+            status,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -161,6 +165,7 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             unkept_us,
             sync,
             leaves,
+            status,
         }
     }
 }
@@ -177,7 +182,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
             None if self.session.running || has_listener => self.match_pair(memory, camera),
-            None => Turn::Idle,
+            None => {
+                self.status = Status::Waiting;
+                Turn::Idle
+            }
         };
         let now_us = self.time();
         if let Some(port) = &mut self.autopilot_port {
@@ -187,6 +195,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             self.report_losses(losses, now_us);
         }
         turn
+    }
+
+    /// Is the board's light on?
+    #[must_use]
+    pub fn is_lit(&self) -> bool {
+        indicator::is_lit(self.session.reset.map(|reset| reset.cause), self.status, (self.time_us / 1000) as u32)
     }
 
     /// Reports to a host that wants results what the cameras lost, when that has changed.
@@ -414,6 +428,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
 
     /// Numbers a frame and sends it, if the host wants results.
     fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectDepth])>) {
+        self.status = Status::of(head.health);
         if !self.session.running {
             return;
         }

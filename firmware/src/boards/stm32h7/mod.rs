@@ -8,6 +8,7 @@
 //! ports     the host's lines (USB, UART) and the autopilot's UART
 //! kept      sectors of the flash that keep the rig and settings
 //! reset     why the chip was reset; the independent watchdog
+//! light         the board's light
 //! bootloader    into the chip's own boot loader, or the board's
 //! silicon   which chip it is and how it is set up
 //! ```
@@ -27,6 +28,7 @@ pub type Board<P> = Peripherals<
     P,
     BoardStore<kept::KeptFlash>,
     reset::IndependentDog,
+    light::Light,
 >;
 
 pub mod bootloader;
@@ -34,6 +36,7 @@ pub mod camera;
 pub mod clocks;
 pub mod dcmi;
 pub mod kept;
+pub mod light;
 pub mod memory;
 pub mod ports;
 pub mod reset;
