@@ -1,6 +1,6 @@
 //! Settings of a board as numbered values, and as an image for two slots of a flash.
 //!
-//! In: parameters and vehicle. Out: [`SettingValues`] and back, and a [`SlotImage`] and back.
+//! In: parameters and vehicle. Out: [`SettingValues`] and back, and [`KeptSettings::BYTES`] bytes and back.
 //!
 //! ```text
 //! offset  bytes            words of 32 bits, little endian; the first twelve bytes and the last four are as in a rig image
@@ -14,7 +14,6 @@
 //!    284      4  CRC-32    of all bytes before it
 //! ```
 
-use crate::slot_store::{HEAD, SlotImage};
 use crate::vehicle::{VEHICLE, Vehicle};
 use linestereo::{Confidence, Params, Parts};
 use linestereo_mavlink::Policy;
@@ -94,15 +93,19 @@ const MAGIC: [u8; 4] = *b"LSST";
 const VERSION: u16 = 1;
 /// A word that says nothing; of a value it would not be a number.
 const NOTHING: u32 = u32::MAX;
+/// Words before those of the settings.
+const HEAD: usize = 3;
 /// Words of a box.
 const BOX: usize = 3;
 /// Words before the checksum.
-const WORDS: usize = HEAD / 4 + 1 + SETTINGS + 1 + MAX_REGIONS * BOX;
+const WORDS: usize = HEAD + 1 + SETTINGS + 1 + MAX_REGIONS * BOX;
 
-impl SlotImage for KeptSettings {
-    const BYTES: usize = 4 * WORDS + CRC_BYTES;
+impl KeptSettings {
+    /// Size of an image, bytes.
+    pub const BYTES: usize = 4 * WORDS + CRC_BYTES;
 
-    fn put(&self, sequence: u32, bytes: &mut [u8]) {
+    /// Writes the image at the start of `bytes`, which are [`KeptSettings::BYTES`] or more.
+    pub fn put(&self, sequence: u32, bytes: &mut [u8]) {
         let Regions { boxes, only } = &self.regions;
         let mut words = [0; WORDS];
         let mut places = words.iter_mut();
@@ -129,13 +132,14 @@ impl SlotImage for KeptSettings {
         }
     }
 
-    fn sequence(bytes: &[u8]) -> Result<u32, RigImageError> {
+    /// The sequence number of a whole image of this version.
+    pub fn sequence(bytes: &[u8]) -> Result<u32, RigImageError> {
         if bytes.iter().all(|&byte| byte == 0xff) {
             return Err(RigImageError::Empty);
         }
         let (content, crc) = bytes.split_last_chunk().ok_or(RigImageError::Damaged)?;
         let mut words = words(content);
-        let [magic, layout, sequence] = [(); HEAD / 4].map(|()| words.next().unwrap_or(0));
+        let [magic, layout, sequence] = [(); HEAD].map(|()| words.next().unwrap_or(0));
         if magic != u32::from_le_bytes(MAGIC) {
             return Err(RigImageError::Foreign);
         }
@@ -146,9 +150,10 @@ impl SlotImage for KeptSettings {
         if found == VERSION { Ok(sequence) } else { Err(RigImageError::OtherVersion { found }) }
     }
 
-    fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
+    /// Decodes an image; its numbers are as unchecked as those of a command.
+    pub fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
         Self::sequence(bytes)?;
-        let mut words = words(bytes).skip(HEAD / 4);
+        let mut words = words(bytes).skip(HEAD);
         let mut next = || words.next().unwrap_or(0);
         let mut kept = || Some(next()).filter(|&word| word != NOTHING);
         let (rig, values) = (kept(), [(); SETTINGS].map(|()| kept().map(f32::from_bits)));

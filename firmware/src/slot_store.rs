@@ -80,7 +80,7 @@ pub trait SlotImage: Sized {
 }
 
 /// Bytes before the content of an image: magic, version, length, sequence number.
-pub(crate) const HEAD: usize = 12;
+const HEAD: usize = 12;
 
 impl SlotImage for RigImage {
     const BYTES: usize = Self::BYTES;
@@ -93,6 +93,22 @@ impl SlotImage for RigImage {
 
     fn sequence(bytes: &[u8]) -> Result<u32, RigImageError> {
         RigImageHead::check(bytes).map(|head| head.sequence)
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
+        Self::decode(bytes)
+    }
+}
+
+impl SlotImage for KeptSettings {
+    const BYTES: usize = Self::BYTES;
+
+    fn put(&self, sequence: u32, bytes: &mut [u8]) {
+        self.put(sequence, bytes);
+    }
+
+    fn sequence(bytes: &[u8]) -> Result<u32, RigImageError> {
+        Self::sequence(bytes)
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {

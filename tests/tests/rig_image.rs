@@ -5,9 +5,7 @@ use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Dims, Params};
 use linestereo_firmware::settings::KeptSettings;
-use linestereo_firmware::slot_store::{
-    BoardStore, Keeper as _, LayoutError, RigStore, Slot, SlotError, SlotImage, StoreError,
-};
+use linestereo_firmware::slot_store::{BoardStore, Keeper as _, LayoutError, RigStore, Slot, SlotError, StoreError};
 use linestereo_rig::{
     Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View,
 };
