@@ -350,7 +350,9 @@ fn settings_are_shown_and_the_board_follows_this_computers_clock() {
         assert!(shown.contains(line), "{shown}");
     }
     let (log, ..) = thread.join().unwrap();
-    let [set, Request::Settings, Request::ReadClock, Request::SetClock(offset_us), Request::Start] = &log[1..] else {
+    let [set, Request::Settings, Request::ReadClock, Request::SetClock(offset_us), Request::Describe, Request::Start] =
+        &log[..]
+    else {
         panic!("{log:?}")
     };
     assert_eq!(*set, Request::Set(SettingValue { number: 10, value: 6.0 }));

@@ -6,7 +6,7 @@
 
 use super::{Run, bytes_of, host, mavlink_ids, rig};
 use linestereo_tests::board::image;
-use linestereo_wire::{Health, KeptReport, Message, Request, ResetCause, RigFault, SettingValue};
+use linestereo_wire::{Health, Request, ResetCause};
 use serde_json::{Value, json};
 
 fn execute(scenario: &Value) -> Option<Run> {
@@ -18,11 +18,8 @@ fn execute(scenario: &Value) -> Option<Run> {
     Some(run)
 }
 
-/// The setting `range_m`.
-const RANGE: SettingValue = SettingValue { number: 10, value: 6.5 };
-
-/// Pairs, a row that is too short, a row that is missing, a VSYNC that is stuck, a photograph, a rig and settings that are erased and written, an
-/// autopilot. Then power is lost, and comes back.
+/// Pairs, a row that is too short, a row that is missing, a VSYNC that is stuck, a photograph, a rig that is erased and written, an autopilot. Then
+/// power is lost, and comes back.
 #[test]
 fn seconds_of_a_pico_2() {
     // Number of each in `CaptureReport::KINDS`.
@@ -35,8 +32,6 @@ fn seconds_of_a_pico_2() {
         (160_000, Request::Start),
         (2_000_000, Request::Photograph),
         (2_700_000, Request::SetRig(bytes)),
-        (3_900_000, Request::Set(RANGE)),
-        (3_910_000, Request::KeepSettings),
     ];
     let faults: Vec<_> = FAULTS.iter().map(|(eye, frame, kind, _)| json!([eye, frame, kind])).collect();
     let scenario = json!({ "until_us": 5_000_000, "host": host(&requests), "faults": faults });
@@ -67,9 +62,9 @@ fn seconds_of_a_pico_2() {
     assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us < 50), "one trigger");
     run.assert_photograph();
 
-    // The rig was erased, written, and is used: pairs are rectified as their rows come. So were the settings.
+    // The rig was erased, written, and is used: pairs are rectified as their rows come.
     run.assert_all_accepted();
-    assert_eq!(run.result["erases"], 2);
+    assert_eq!(run.result["erases"], 1);
     let rectified = frames.iter().filter(|head| head.capture_time_us > 3_200_000);
     assert!(rectified.clone().count() > 8 && rectified.clone().all(|head| head.segments > 100), "{frames:?}");
     let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
@@ -85,16 +80,12 @@ fn seconds_of_a_pico_2() {
     assert!(unfed_us < 0.5 * 8e6, "{unfed_us} us");
     run.assert_executed();
 
-    // Power is lost and comes back: the rig and the settings are there.
-    let commands = host(&[(100_000, Request::Describe), (110_000, Request::Settings)]);
+    // Power is lost and comes back: the rig is there.
+    let commands = host(&[(100_000, Request::Describe)]);
     let again = execute(&json!({ "until_us": 1_500_000, "flash": run.result["flash"], "host": commands })).unwrap();
     let hello = again.hellos().next().unwrap();
     assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
     assert_eq!(hello.rig.slots[0], Ok(0));
-    let records: Vec<_> = again.records.iter().map(|(_, record)| record).collect();
-    assert!(records.contains(&&Message::Setting(RANGE)), "{records:?}");
-    let kept = KeptReport { is_kept: true, slots: [Ok(0), Err(RigFault::Foreign)] };
-    assert!(records.contains(&&Message::Kept(kept)), "{records:?}");
 }
 
 /// A fault of the processor ends the program, and the next run names it; cameras that send nothing any more let the watchdog reset the board.
