@@ -212,6 +212,7 @@ pub struct TearReport {
 
 /// The core's [`RangeCheck`], number for number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeReport {
     /// Windows compared with disparities beyond the range.
     pub windows: u16,
