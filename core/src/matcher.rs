@@ -83,6 +83,16 @@ impl Matcher {
         scratch: ScratchView<'a>,
         observer: &mut impl Observer,
     ) -> Result<Matched<'a>, RunError> {
+        self.run_observed(pair, areas, scratch, observer)
+    }
+
+    fn run_observed<'a>(
+        &mut self,
+        pair: Pair<'a>,
+        areas: Option<&[Area]>,
+        scratch: ScratchView<'a>,
+        observer: &mut dyn Observer,
+    ) -> Result<Matched<'a>, RunError> {
         let Pair { left, right, times_us } = pair;
         let mut scratch = self.plan.checked([left, right], scratch)?;
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);

@@ -44,14 +44,14 @@ impl Plan {
         Ok(self.run_stages(images, focus, self.checked(images, scratch)?, observer))
     }
 
-    /// Runs every stage, in memory that was [checked](Self::checked) for these images.
-    #[inline(never)]
+    /// Runs every stage, in memory that was [checked](Self::checked) for these images. The observer is a trait object: compiled here, once, and
+    /// not for each kind of observer in the package that has it, at that one's level of optimization.
     pub(crate) fn run_stages<'a>(
         &self,
         images: [Gray<'a>; 2],
         focus: &Focus<'_>,
         mut m: ScratchView<'a>,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Matched<'a> {
         m.clear();
         let regions = SearchRegions::new(focus, self.dims);
@@ -111,13 +111,14 @@ impl Plan {
     }
 
     /// Detects the segments of both images and keeps the prominent ones of the left. Returns the row offset, 1/32 px.
+    #[inline(never)] // its variables are on the stack only while it runs
     fn find_segments(
         &self,
         [left, right]: [Gray<'_>; 2],
         (focus, regions): (&Focus<'_>, &SearchRegions),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> i16 {
         let lines = LineParams {
             anchor: self.params.anchor_gradient.into(),
@@ -160,12 +161,13 @@ impl Plan {
 
     /// Matches the support points. Returns the detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8, and
     /// what was found beyond the range.
+    #[inline(never)] // its variables are on the stack only while it runs
     fn match_support(
         &self,
         images: [Gray<'_>; 2],
         (row_offset, regions): (i32, &SearchRegions),
         m: &mut ScratchView<'_>,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset, model: self.support_model };
@@ -178,13 +180,14 @@ impl Plan {
     }
 
     /// Matches each left segment; then computes the evidence between segments and support points nearby.
+    #[inline(never)] // its variables are on the stack only while it runs
     fn match_segments(
         &self,
         images: [Gray<'_>; 2],
         (row_offset, detail_q8, regions): (i32, i16, &SearchRegions),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) {
         let support = Support::new(&self.params, self.dims, m.support, detail_q8);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
@@ -203,8 +206,10 @@ impl Plan {
             counts.searched_fully += u16::from(!matched.directed);
             match matched.outcome {
                 Ok(candidate) => {
-                    observer.on_event(StageEvent::Segment(Ok((&candidate, &m.work.evidence))));
                     let _ = m.candidates.push(candidate); // `keep_prominent` kept no more than its capacity
+                    if let Some(candidate) = m.candidates.last() {
+                        observer.on_event(StageEvent::Segment(Ok((candidate, &m.work.evidence))));
+                    }
                 }
                 Err(reason) => {
                     observer.on_event(StageEvent::Segment(Err(reason)));

@@ -191,6 +191,7 @@ impl Rig {
 }
 
 /// Rounded to nearest, halves away from zero.
+#[inline(never)] // 100 bytes at each of 19 places that run once a rig
 #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; callers check the range")]
 pub(crate) fn nearest(v: f32) -> i64 {
     let whole = v as i64;

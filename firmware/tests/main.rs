@@ -1,6 +1,7 @@
 //! The firmware's parts on a PC, with fakes in place of boards, a module a topic: `cargo test -p linestereo-firmware TOPIC`.
 
 mod camera;
+mod capacities;
 mod capture;
 mod frame_times;
 mod host_lines;

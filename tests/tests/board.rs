@@ -291,7 +291,7 @@ fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
 
 #[test]
 fn raw_pairs_give_the_json_of_the_pc() {
-    for (board, raws) in Board::MEASURED.into_iter().zip([[(320, 240), (640, 480)], [(160, 120), (400, 300)]]) {
+    for (board, raws) in Board::MEASURED.into_iter().zip([[(320, 240), (480, 360)], [(160, 120), (400, 300)]]) {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
             let (left, right) = boxes(width, height);

@@ -6,6 +6,8 @@
 //! callers add at most two curves: fits `u16`; larger inputs wrap. Hamming distances are at most 8 per point, and at
 //! most 31 points are summed per curve before widening: 248 fits `u8`; more points wrap.
 
+use core::cell::Cell;
+
 /// Value of a zero gradient.
 pub const FLAT: u8 = 32;
 /// Disparities of a block of a curve.
@@ -125,44 +127,73 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
 
 /// Cost of a window of ranks along the columns in which it is searched: entry i is half the sum, modulo 256, of absolute differences to
 /// `columns[i..i + 8]`, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
+///
+/// Ranks below 32 are compared four at a time: with a high bit set before the subtraction, no byte borrows from the next one, and 32 such
+/// differences cannot carry.
 pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
-    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
-        let ranks = window.as_flattened().iter().zip(columns.as_flattened());
-        let sum = ranks.fold(0_u8, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)));
-        *cost = ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8;
+    const LARGE: u32 = 0xe0e0_e0e0;
+    let reference = window.map(u32::from_ne_bytes);
+    for (costs, columns) in costs.chunks_mut(LANES).zip((0..).step_by(LANES).map_while(|start| columns.get(start..))) {
+        let mut words = [0; LANES + STRIP - 1];
+        words.iter_mut().zip(columns).for_each(|(word, column)| *word = u32::from_ne_bytes(*column));
+        let is_small = words.iter().chain(&reference).fold(0, |all, word| all | word) & LARGE == 0;
+        let places = words.windows(STRIP).filter_map(|words| words.first_chunk());
+        for ((cost, columns), words) in costs.iter_mut().zip(columns.windows(STRIP)).zip(places) {
+            let sum = if is_small { small_differences(&reference, words) } else { differences(window, columns) };
+            *cost = ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8;
+        }
     }
+}
+
+/// Sum of absolute differences modulo 256.
+fn differences(window: &[RankColumn; STRIP], columns: &[RankColumn]) -> u8 {
+    let ranks = window.as_flattened().iter().zip(columns.as_flattened());
+    ranks.fold(0, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)))
+}
+
+/// [`differences`] of ranks below 32, four in each word.
+#[inline]
+fn small_differences(left: &[u32; STRIP], right: &[u32; STRIP]) -> u8 {
+    const ONES: u32 = 0x0101_0101;
+    let (mut sums, mut counts) = (0_u32, 0_u32);
+    for (left, right) in left.iter().zip(right) {
+        // 128 + left - right in each byte: its high bit says that left is not below right.
+        let apart = (left | ONES << 7).wrapping_sub(*right);
+        let not_below = apart >> 7 & ONES;
+        // Below, the other bits are one less than the difference when they are inverted.
+        sums = sums.wrapping_add(apart ^ (0x7f * ONES).wrapping_add(not_below));
+        counts = counts.wrapping_add(not_below);
+    }
+    let total = |bytes: u32| (bytes.wrapping_mul(ONES) >> 24) as u8;
+    total(sums).wrapping_add((4 * STRIP) as u8).wrapping_sub(total(counts))
 }
 
 /// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
 /// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2.
 /// Returns the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
 ///
-/// Computed as `costs[d] - max(gain[d], gain[d - 1] - P1, gain[d + 1] - P1)` with `gain = lowest + P2 - path`, none of them below 0.
+/// Computed as `costs[d] - reach + min(path[d], path[d - 1] + P1, path[d + 1] + P1, reach)` with `reach = lowest + P2`: one by one, since who
+/// takes these has no vectors; sixteen at once take twice as many instructions there.
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    let reach = lowest.saturating_add(JUMP_PENALTY);
+    let reach = u32::from(lowest.saturating_add(JUMP_PENALTY));
     let length = path.len().min(costs.len());
-    let Some(path) = path.get_mut(..length) else { return u8::MAX };
-    let mut lows = [u8::MAX; LANES];
-    // The last entry of the previous block, before its update.
-    let mut before = u8::MAX;
-    for (start, costs) in (0..).step_by(LANES).zip(costs.chunks(LANES)) {
-        let Some(rest) = path.get_mut(start..) else { break };
-        let mut padded = [u8::MAX; LANES + 2];
-        padded.iter_mut().skip(1).zip(&*rest).for_each(|(padded, &cost)| *padded = cost);
-        padded[0] = before;
-        before = padded[LANES];
-        let gains = padded.map(|path| reach.saturating_sub(path));
-        let (left, same, right) = (lanes(&gains, 0), lanes(&gains, 1), lanes(&gains, 2));
-        let mut most = [0; LANES];
-        for ((most, &same), (&left, &right)) in most.iter_mut().zip(&same).zip(left.iter().zip(&right)) {
-            *most = left.max(right).saturating_sub(STEP_PENALTY).max(same);
-        }
-        for (((path, most), &cost), low) in rest.iter_mut().zip(most).zip(costs).zip(&mut lows) {
-            *path = cost.wrapping_sub(most);
-            *low = (*low).min(*path);
-        }
+    let path = Cell::from_mut(path.get_mut(..length).unwrap_or_default()).as_slice_of_cells();
+    let Some((last, others)) = path.split_last() else { return u8::MAX };
+    // The entry before the current one, before its update; beyond the ends there is none below `reach`.
+    let (mut before, mut low) = (u32::from(u8::MAX), u32::from(u8::MAX));
+    let mut step = |path: &Cell<u8>, cost: u8, after: u32| {
+        let here = u32::from(path.get());
+        let least = (before.min(after) + u32::from(STEP_PENALTY)).min(here).min(reach);
+        let new = u32::from(cost).wrapping_add(least).wrapping_sub(reach) & 0xff;
+        path.set(new as u8);
+        (before, low) = (here, low.min(new));
+    };
+    let (last_cost, costs) = costs.get(..length).and_then(<[u8]>::split_last).unwrap_or((&0, &[])); // as many as of the path
+    for ((path, after), &cost) in others.iter().zip(path.iter().skip(1)).zip(costs) {
+        step(path, cost, after.get().into());
     }
-    lowest_byte(&lows)
+    step(last, *last_cost, u8::MAX.into());
+    low as u8
 }
 
 /// Adds two curves to a third, saturating, over the length of the shortest; returns the lowest sum.
@@ -173,12 +204,6 @@ pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
         lowest = lowest.min(*sum);
     }
     lowest
-}
-
-/// Sixteen consecutive bytes.
-#[inline(always)]
-fn lanes(bytes: &[u8; LANES + 2], first: usize) -> [u8; LANES] {
-    bytes.get(first..).and_then(|bytes| bytes.first_chunk()).copied().unwrap_or([u8::MAX; LANES])
 }
 
 /// The lowest byte; [`u8::MAX`] without bytes.
@@ -443,11 +468,16 @@ pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
     (sum as u32 >> 21) as u8
 }
 
-/// Number of columns that may be read in rows of this width: the next power of two, at least 256. Pixels behind a row may be read, but none
-/// beyond that.
+/// Number of columns that may be read in rows of this width: 512, 1024, 4096 or the next power of two. Pixels behind a row may be read, but
+/// none beyond that. Few sizes, because a kernel holds its code once for each.
 #[must_use]
 pub const fn columns(width: usize) -> usize {
-    if width < 256 { 256 } else { width.next_power_of_two() }
+    match width {
+        0..=512 => 512,
+        513..=1024 => 1024,
+        1025..=4096 => 4096,
+        _ => width.next_power_of_two(),
+    }
 }
 
 /// [`bilinear`] at [`CELL`] pixels between the inner two of each four consecutive knots: columns by the parabola whose second difference is the

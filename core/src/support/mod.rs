@@ -352,29 +352,28 @@ impl<'a> Support<'a> {
     pub(crate) fn range_around(&self, area: Area) -> Option<(i32, i32)> {
         let reach = |from: u16, to: u16| (i32::from(from) - GUIDE_REACH, i32::from(to) - 1 + GUIDE_REACH);
         let ((left, right), (top, bottom)) = (reach(area.left, area.right), reach(area.top, area.bottom));
-        let is_near = |at: i32, from: i32, to: i32| {
-            (from + GUIDE_REACH - UNIQUE_REACH..=to - GUIDE_REACH + UNIQUE_REACH).contains(&at)
-        };
-        let mut range = None::<(i32, i32)>;
-        let (mut near, mut near_and_unique) = (0_u32, 0_u32);
+        let (farther, columns) = (GUIDE_REACH - UNIQUE_REACH, self.grid.columns_within(left, right));
+        let near_rows = self.grid.rows_within(top + farther, bottom - farther);
+        let near_columns = self.grid.columns_within(left + farther, right - farther);
+        let (mut low_q6, mut high_q6) = (i16::MAX, i16::MIN);
+        let (mut near, mut near_and_unique) = (0, 0);
         for row in self.grid.rows_within(top, bottom) {
-            let in_row = is_near(Grid::y(row), top, bottom);
-            for column in self.grid.columns_within(left, right) {
-                let Some(point) = self.points.get(row * self.grid.columns + column) else { continue };
-                // A unique point is matched.
-                let is_unique = point.uniqueness_q8 >= UNIQUE_Q8;
-                if in_row && is_near(self.grid.x(column), left, right) {
-                    near += 1;
-                    near_and_unique += u32::from(is_unique);
-                }
-                if is_unique {
-                    let disparity = (i32::from(point.disparity_q6) + 32) >> 6;
-                    let (low, high) = range.unwrap_or((disparity, disparity));
-                    range = Some((low.min(disparity), high.max(disparity)));
-                }
+            let start = row * self.grid.columns;
+            let points = |columns: &Range<usize>| {
+                self.points.get(start + columns.start..start + columns.end).unwrap_or(&[]).iter()
+            };
+            // A unique point is matched.
+            let is_unique = |point: &&SupportPoint| point.uniqueness_q8 >= UNIQUE_Q8;
+            for point in points(&columns).filter(is_unique) {
+                (low_q6, high_q6) = (low_q6.min(point.disparity_q6), high_q6.max(point.disparity_q6));
+            }
+            if near_rows.contains(&row) {
+                near += near_columns.len();
+                near_and_unique += points(&near_columns).filter(is_unique).count();
             }
         }
-        range.filter(|_| 2 * near_and_unique >= near)
+        let pixels = |disparity_q6: i16| (i32::from(disparity_q6) + 32) >> 6;
+        (low_q6 <= high_q6 && 2 * near_and_unique >= near).then(|| (pixels(low_q6), pixels(high_q6)))
     }
 
     /// The evidence of the point at `index`, completed with that by its neighbours.

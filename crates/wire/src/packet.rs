@@ -76,8 +76,13 @@ impl Flavor for Payload<'_> {
     type Output = usize;
 
     fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        self.digest.update(&[byte]);
-        self.cobs.push(&[byte]).map_err(|_| postcard::Error::SerializeBufferFull)
+        self.try_extend(&[byte])
+    }
+
+    #[inline(never)] // of every number of every record
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        self.digest.update(bytes);
+        self.cobs.push(bytes).map_err(|_| postcard::Error::SerializeBufferFull)
     }
 
     fn finalize(mut self) -> postcard::Result<usize> {

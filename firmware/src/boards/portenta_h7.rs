@@ -9,6 +9,8 @@ pub const BOARD: Board = Board::PORTENTA_H7;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
+pub(super) use on_board::ROW;
+#[cfg(all(target_os = "none", feature = "portenta-h7"))]
 pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
@@ -43,6 +45,9 @@ mod on_board {
     use embassy_time::{Duration, block_for};
     use linestereo_wire::Reset;
     use static_cell::StaticCell;
+
+    /// What a row of its camera interface is.
+    pub(in crate::boards) const ROW: Row = Row::Both;
 
     bind_interrupts!(struct Interrupts {
         OTG_HS => usb::InterruptHandler<USB_OTG_HS>;
@@ -168,13 +173,13 @@ mod on_board {
         let data = (p.PH9, p.PH10, p.PH11, p.PH12, p.PH14, p.PI4, p.PI6, p.PI7);
         let pins = CameraPins::new(data, (p.PI5, p.PA4, p.PA6));
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface, Row::Both.layout())?;
+        let stream = DcmiStream::start(interface, ROW.layout())?;
         let eyes = &*EYES.init(SideBySide::new(stream));
         let trigger = Trigger::new(output(p.PG7.into())).ok();
         // One pin resets both.
         let resets = (ResetPin(output(p.PC13.into())), NoReset);
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
-        let capture = Capture::new(Row::Both.limits(), FrameStart::Triggered);
+        let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
         let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());

@@ -11,6 +11,8 @@ pub const BOARD: Board = Board::STM32H743;
 pub type Workspace = workspace!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
+pub(super) use on_board::ROW;
+#[cfg(all(target_os = "none", feature = "stm32h743"))]
 pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
@@ -40,6 +42,9 @@ mod on_board {
     use linestereo_rig::CameraSide;
     use linestereo_wire::Reset;
     use static_cell::StaticCell;
+
+    /// What a row of its camera interface is.
+    pub(in crate::boards) const ROW: Row = Row::One;
 
     bind_interrupts!(struct Interrupts {
         OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
@@ -129,12 +134,12 @@ mod on_board {
         let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);
         let pins = CameraPins::new(data, (p.PB7, p.PA4, p.PA6));
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface, Row::One.layout())?;
+        let stream = DcmiStream::start(interface, ROW.layout())?;
         let switch = BusSwitch { select: output(p.PD15.into()), trigger: output(p.PD14.into()) };
         let eyes = &*EYES.init(InTurn::new(stream, switch, DIMS.height));
         let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));
         let sensors = sensors(p.I2C1, (p.PB8, p.PB9), resets, None, SENSOR_HZ);
-        let capture = Capture::new(Row::One.limits(), FrameStart::Triggered);
+        let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let flash = KeptFlash::slots(p.FLASH);

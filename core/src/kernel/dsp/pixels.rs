@@ -41,10 +41,8 @@ pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
     // there are columns, and one more.
     unsafe {
         match columns {
-            256 => pixels::<8>(rows, runs, out),
             512 => pixels::<9>(rows, runs, out),
             1024 => pixels::<10>(rows, runs, out),
-            2048 => pixels::<11>(rows, runs, out),
             _ => pixels::<12>(rows, runs, out),
         }
     }
@@ -175,10 +173,8 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     // there are as many bytes as there are columns, and one more.
     unsafe {
         match columns {
-            256 => paint_cells::<8>(cells, out),
             512 => paint_cells::<9>(cells, out),
             1024 => paint_cells::<10>(cells, out),
-            2048 => paint_cells::<11>(cells, out),
             _ => paint_cells::<12>(cells, out),
         }
     }

@@ -41,14 +41,11 @@ impl Row {
         }
     }
 
-    /// 80 KiB: as many rows as the program may be behind. Rectifying takes longer than reading out when both sensors send at once.
+    /// 128 rows: as many as the program may be behind, 3.5 ms. Rectifying takes longer than reading out when both sensors send at once; with one,
+    /// up to the strongest lenses it does not fall behind by half of a frame.
     #[must_use]
     pub const fn layout(self) -> RingLayout {
-        let rows = match self {
-            Self::Both => 128,
-            Self::One => 256,
-        };
-        RingLayout { rows, row_bytes: self.bytes() as u32, band: 8 }
+        RingLayout { rows: 128, row_bytes: self.bytes() as u32, band: 8 }
     }
 
     /// What frames have to be like.

@@ -20,6 +20,7 @@
 //! an STM32H743.
 
 use super::clocks::now_us;
+use crate::boards::selected::ROW;
 use crate::capture::{Bands, Dma, Events, RingLayout, Signal, Stream};
 use core::cell::{RefCell, UnsafeCell};
 use embassy_stm32::dcmi::{D0Pin, D1Pin, D2Pin, D3Pin, D4Pin, D5Pin, D6Pin, D7Pin, HSyncPin, PixClkPin, VSyncPin};
@@ -30,9 +31,10 @@ use embassy_stm32::pac::dma::vals::{Dir, Dmdis, Pl, Size};
 use embassy_stm32::pac::interrupt;
 use embassy_stm32::{Peri, peripherals, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use heapless::Vec;
 
-/// Bytes of the ring: 128 rows of 640, or 256 of 320.
-const RING_BYTES: usize = 80 * 1024;
+/// Bytes of the ring.
+const RING_BYTES: usize = ROW.layout().bytes() as usize;
 /// Signals that wait for the program: four frames of a signal every eight rows.
 const QUEUE: usize = 128;
 /// Request of the DCMI (RM0433, table 121).
@@ -51,7 +53,8 @@ unsafe impl Sync for Ring {}
 #[unsafe(link_section = ".rings")]
 static RING: Ring = Ring(UnsafeCell::new([0; RING_BYTES]));
 
-static STATE: CriticalSectionMutex<RefCell<Option<State>>> = CriticalSectionMutex::new(RefCell::new(None));
+/// Empty until the stream is started. A list, because the bytes of an `Option` that is `None` are not all zero, and would lie in flash.
+static STATE: CriticalSectionMutex<RefCell<Vec<State, 1>>> = CriticalSectionMutex::new(RefCell::new(Vec::new()));
 
 struct State {
     bands: Bands<QUEUE>,
@@ -120,14 +123,14 @@ pub struct DcmiStream {
 
 impl DcmiStream {
     /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are high.
-    /// `None` when the ring is larger than the memory for it, or VSYNC is a pin below 5, which has an interrupt of its own.
+    /// `None` when it was started before, the ring is larger than the memory for it, or VSYNC is a pin below 5, which has an interrupt of its own.
     pub fn start(interface: CameraInterface, layout: RingLayout) -> Option<Self> {
         if layout.bytes() as usize > RING_BYTES || !layout.row_bytes.is_multiple_of(4) || interface.pins.vsync.1 < 5 {
             return None;
         }
         let (port, pin) = interface.pins.vsync;
         let vsync_line = usize::from(pin);
-        STATE.lock(|state| *state.borrow_mut() = Some(State { bands: Bands::new(layout), vsync_line }));
+        STATE.lock(|state| state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line })).ok()?;
         rcc::enable_and_reset::<peripherals::DCMI>();
         pac::DMAMUX1.ccr(STREAM).write(|mux| mux.set_dmareq_id(DCMI_REQUEST));
         cortex_m::interrupt::free(|_| {
@@ -151,16 +154,16 @@ impl Stream for DcmiStream {
     }
 
     fn next_signal(&mut self) -> Option<Signal> {
-        STATE.lock(|state| state.borrow_mut().as_mut()?.bands.next_signal())
+        STATE.lock(|state| state.borrow_mut().first_mut()?.bands.next_signal())
     }
 
     fn written(&self) -> u32 {
         let written = |state: &State| state.bands.written(offset(self.layout));
-        STATE.lock(|state| state.borrow().as_ref().map_or(0, written))
+        STATE.lock(|state| state.borrow().first().map_or(0, written))
     }
 
     fn is_in_frame(&self) -> bool {
-        STATE.lock(|state| state.borrow().as_ref().is_some_and(|state| state.bands.is_in_frame()))
+        STATE.lock(|state| state.borrow().first().is_some_and(|state| state.bands.is_in_frame()))
     }
 
     fn copy(&self, row: u32, from: usize, into: &mut [u8]) {
@@ -248,7 +251,7 @@ fn serve() {
     let now_us = now_us();
     STATE.lock(|state| {
         let mut state = state.borrow_mut();
-        let Some(State { bands, vsync_line }) = state.as_mut() else { return };
+        let Some(State { bands, vsync_line }) = state.first_mut() else { return };
         let vsync_line = *vsync_line;
         let layout = bands.layout();
         let events = pac::DCMI.ris().read();

@@ -43,12 +43,14 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Rand
             let contents = Contents::ALL[random.below(6)];
             let ranks = &mut rooms.image.contents;
             contents.fill(random, ranks);
-            // As often ranks as bytes that are none.
-            if round % 2 == 0 {
-                ranks.iter_mut().for_each(|byte| *byte %= 5);
-            }
             let mut window = [[0; RANK_ROWS]; STRIP];
             Contents::ALL[random.below(6)].fill(random, window.as_flattened_mut());
+            // As often ranks, or what the portable kernel takes by fours, as any bytes.
+            if let Some(&below) = [5, 32].get(round % 4) {
+                for bytes in [&mut ranks[..], window.as_flattened_mut()] {
+                    bytes.iter_mut().for_each(|byte| *byte %= below);
+                }
+            }
             let needed = length + STRIP - 1;
             let long = match random.below(8) {
                 0 => random.below(needed + 1),
