@@ -68,6 +68,16 @@ impl Curve {
         self.len
     }
 
+    /// First disparity, px, and the costs from there on; none where nothing was computed.
+    pub(crate) fn listed(&self) -> Option<(i32, &[u16])> {
+        self.costs.get(..self.len).filter(|costs| !costs.is_empty()).map(|costs| (self.first, costs))
+    }
+
+    /// Becomes a curve without disparities.
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+
     pub(crate) fn at(&self, d: i32) -> Option<u16> {
         let index = usize::try_from(d - self.first).ok()?;
         if index < self.len { self.costs.get(index).copied() } else { None }

@@ -129,12 +129,15 @@ pub mod diagnostics {
     pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::lines::Segment;
-    pub use crate::matching::{Candidate, Side};
+    pub use crate::matching::{
+        Candidate, CurveKind, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, SegmentCurves,
+        Side,
+    };
     pub use crate::observe::{Observer, Stage, StageDigests, StageEvent};
-    pub use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE, PixelEvidence, PixelKind};
+    pub use crate::query::{FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8};
     pub use crate::result::Techniques;
     pub use crate::side_pixels::ValidPixels;
     pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
-    pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH};
+    pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
     pub use crate::{kernel, lines};
 }

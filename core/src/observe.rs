@@ -6,10 +6,10 @@ use crate::evidence::SegmentEvidence;
 use crate::fnv::Fnv;
 use crate::health::PairHealth;
 use crate::lines::Segment;
-use crate::matching::Candidate;
+use crate::matching::{Candidate, SegmentCurves};
 use crate::result::{Match, Point, Rejection};
-use crate::support::SupportPoint;
 use crate::support::evidence::SupportEvidence;
+use crate::support::{SupportCurves, SupportPoint};
 use core::hash::{Hash, Hasher};
 
 /// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] occur alternately, once per left segment;
@@ -121,6 +121,20 @@ pub trait Observer {
     /// Called with the index in the grid and the evidence, neighbours left out, of each support point that has a disparity.
     #[inline]
     fn support_point(&mut self, _index: usize, _evidence: &SupportEvidence) {}
+
+    /// Called with the index in the grid and the costs of each support point that is compared, before [`Observer::support_point`].
+    #[inline]
+    fn support_curves(&mut self, _index: usize, _curves: &SupportCurves<'_>) {}
+
+    /// True where [`Observer::segment_curves`] is to be called.
+    #[inline]
+    fn wants_segment_curves(&self) -> bool {
+        false
+    }
+
+    /// Called with the costs of each left segment, as far as they were computed, before its [`StageEvent::Segment`].
+    #[inline]
+    fn segment_curves(&mut self, _curves: &SegmentCurves<'_>) {}
 }
 
 /// No observer.

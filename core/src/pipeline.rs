@@ -6,7 +6,7 @@ use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
-use crate::matching::{self, MatchContext, row_offset, surroundings};
+use crate::matching::{self, MatchContext, SegmentCurves, row_offset, surroundings};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
@@ -171,8 +171,9 @@ impl Plan {
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
         let matching = support::Matching { images, grid, row_offset, model: self.support_model };
-        let found = matching.run(regions.areas(), m.rows, m.support, |index, evidence| {
-            observer.support_point(index, evidence);
+        let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
+            support::Seen::Curves(curves) => observer.support_curves(index, &curves),
+            support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
         });
         observer.on_event(StageEvent::Support(m.support));
         found
@@ -195,7 +196,13 @@ impl Plan {
         for segment in m.left.iter() {
             band.advance_for(segment, |planes| observer.row(planes));
             observer.on_event(StageEvent::Rows);
+            if observer.wants_segment_curves() {
+                m.work.clear_curves();
+            }
             let matched = matching::match_segment(segment, &context, &band, m.work);
+            if observer.wants_segment_curves() {
+                observer.segment_curves(&SegmentCurves::new(segment, m.work));
+            }
             counts.searched_fully += u16::from(!matched.directed);
             match matched.outcome {
                 Ok(candidate) => {

@@ -131,13 +131,15 @@ impl Rig {
         (z != INFINITE_DEPTH).then_some([along(at.x.to_bits(), cx)?, along(at.y.to_bits(), cy)?, z])
     }
 
-    /// f*B in px*m, 1/65536.
-    pub(crate) fn focal_baseline_q16(&self) -> i64 {
+    /// Focal length times baseline, px*m in Q16.
+    #[must_use]
+    pub fn focal_baseline_q16(&self) -> i64 {
         self.focal_baseline_q16
     }
 
-    /// The disparity offset, 1/64 px.
-    pub(crate) fn offset_q6(&self) -> i64 {
+    /// Offset that is added to every disparity, 1/64 px.
+    #[must_use]
+    pub fn offset_q6(&self) -> i64 {
         self.offset_q6
     }
 

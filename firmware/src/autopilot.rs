@@ -1,6 +1,7 @@
 //! Obstacles of every pair to an autopilot, as MAVLink on a port of its own.
 //!
-//! In: the view of the rig, and of every pair its matches and health. Out: frames on a port, paced by [`AutopilotStream`].
+//! In: the view of the rig, and of every pair its matches and health; bytes of the autopilot. Out: frames on a port, paced by
+//! [`AutopilotStream`]; requests that are answered ([`Received`]).
 //!
 //! # Cost
 //! 0.6 KB; instructions in `docs/board-numbers.toml`.
@@ -9,7 +10,8 @@ use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::{HealthFlags, Matched};
-use linestereo_mavlink::AutopilotStream;
+use linestereo_mavlink::{AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender};
+use linestereo_wire::{SETTINGS, Setting, SettingValues};
 
 /// Obstacles by direction, and their stream to an autopilot. Silent until there is a rig.
 #[derive(Clone, Debug)]
@@ -17,13 +19,53 @@ pub struct Autopilot {
     vehicle: Vehicle,
     obstacles: Obstacles,
     view: Option<(ObstaclePlan, AutopilotStream)>,
+    receiver: Receiver,
+    /// Of answers while there is no view.
+    sender: Sender,
+    /// The next of the parameters that are to be listed.
+    pub listed: Option<u8>,
 }
 
 impl Autopilot {
     /// Nothing seen, no rig.
     #[must_use]
     pub const fn new(vehicle: Vehicle) -> Self {
-        Self { vehicle, obstacles: Obstacles::new(), view: None }
+        let sender = Sender { system: vehicle.system, component: AutopilotParams::DEFAULT.component, sequence: 0 };
+        Self { vehicle, obstacles: Obstacles::new(), view: None, receiver: Receiver::new(), sender, listed: None }
+    }
+
+    /// Another vehicle from now on: what is known of obstacles is forgotten.
+    pub fn set_vehicle(&mut self, vehicle: Vehicle) {
+        if vehicle != self.vehicle {
+            (self.vehicle, self.view, self.sender.system) = (vehicle, None, vehicle.system);
+        }
+    }
+
+    /// Takes a byte of the autopilot.
+    pub fn receive(&mut self, byte: u8) -> Option<Received> {
+        let Sender { system, component, .. } = self.sender;
+        self.receiver.push(byte, system, component)
+    }
+
+    /// Answers the autopilot.
+    pub fn send(&mut self, message: &impl Mavlink, port: &mut impl ByteSink) {
+        let Ok(()) = match &mut self.view {
+            Some((_, stream)) => stream.send(message, &mut packets(port)),
+            None => self.sender.send(message, &mut packets(port)),
+        };
+    }
+
+    /// Answers with a parameter: a setting as it is. `false` when there is none of this number.
+    pub fn send_parameter(&mut self, values: &SettingValues, number: u8, port: &mut impl ByteSink) -> bool {
+        let (Some(setting), Some(&value)) = (Setting::get(number), values.get(usize::from(number))) else {
+            return false;
+        };
+        let mut id = [0; 16];
+        for (place, byte) in id.iter_mut().zip(setting.name.bytes()) {
+            *place = byte.to_ascii_uppercase();
+        }
+        self.send(&ParamValue { id, value, index: number.into(), count: SETTINGS as u16 }, port);
+        true
     }
 
     /// Pairs are seen so from now on; if it is another view than before, nothing is known any more.

@@ -10,8 +10,11 @@
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! host_lines      one or two lines to a host, of which either may be deaf
+//! indicator       codes of a board's light
+//! clock_sync      the board's time in another clock
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
-//! rig_store       the rig in two slots of a flash
+//! slot_store      the rig and settings in two slots of a flash each
+//! settings        settings as numbered values and as an image
 //! memory          frames, rectifiers, scratch memory and output
 //! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
 //! fence, once     memory that kernels must not touch; what a static hands out once
@@ -28,16 +31,19 @@ pub mod boards;
 pub mod camera;
 pub mod capture;
 pub mod cases;
+pub mod clock_sync;
 pub mod fence;
 pub mod host_lines;
+pub mod indicator;
 pub mod log;
 pub mod memory;
 pub mod once;
 pub mod painter;
 pub mod ports;
 pub mod programs;
-pub mod rig_store;
 pub mod session;
+pub mod settings;
+pub mod slot_store;
 pub mod startup;
 pub mod vehicle;
 

@@ -137,18 +137,32 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
+/// A board's light.
+pub trait Light {
+    /// Switches it.
+    fn set(&mut self, is_on: bool);
+}
+
+/// A board without one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoLight;
+
+impl Light for NoLight {
+    fn set(&mut self, _: bool) {}
+}
+
 /// What a board gives to the program `live` after a reset.
 #[derive(Debug)]
-pub struct Peripherals<C, H, A, P, F, W> {
+pub struct Peripherals<C, H, A, P, F, W, L> {
     /// A [`Clock`].
     pub clock: C,
     /// The host's port: a [`ByteSource`] and [`ByteSink`].
     pub host: H,
-    /// The autopilot's port: a [`ByteSink`].
+    /// The autopilot's port: a [`ByteSource`] and [`ByteSink`].
     pub autopilot: A,
     /// The cameras: a [`PairSource`].
     pub pairs: P,
-    /// Where the rig is kept: a `rig_store::RigKeeper`, if there is one.
+    /// Where the rig and settings are kept: a `slot_store::Keeper`, if there is one.
     pub flash: Option<F>,
     /// A [`Watchdog`].
     pub watchdog: W,
@@ -156,6 +170,10 @@ pub struct Peripherals<C, H, A, P, F, W> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+    /// Ends the program for the boot loader's, as soon as what waits for the host is sent; `None` where there is none.
+    pub bootloader: Option<fn() -> !>,
+    /// A [`Light`].
+    pub light: L,
 }
 
 /// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.

@@ -1,8 +1,9 @@
 //! Commands of a host so far, and their answers: the same for a serial port and for a file.
 
 use crate::memory::{Memory, NoRoom, RunError};
-use crate::rig_store::{Loaded, RigKeeper, Slot};
-use crate::vehicle::Vehicle;
+use crate::settings::{self, KeptSettings};
+use crate::slot_store::{Keeper, Loaded, Slot};
+use crate::vehicle::{VEHICLE, Vehicle};
 use heapless::Vec;
 use linestereo::image::MIN_SIDE;
 use linestereo::obstacles::ObstaclePlan;
@@ -10,8 +11,8 @@ use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth
 use linestereo_boards::Board;
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Answer, Command, FrameHead, Health, Hello, MAX_REGIONS, Outcome, PairHead, Refusal, Regions, Request, Reset,
-    RigFault, RigInUse, RigReport, name,
+    Answer, Command, FrameHead, Health, Hello, KeptReport, MAX_REGIONS, Message, Outcome, PairHead, Refusal, Regions,
+    Request, Reset, RigFault, RigInUse, RigReport, Setting, SettingValue, SettingValues, name,
 };
 
 /// The state that commands change.
@@ -23,6 +24,9 @@ pub struct Session<'a> {
     directions: Option<(Dims, ObstaclePlan)>,
     /// Objects whose depths are wanted.
     regions: Regions,
+    /// A reset changes none of the settings.
+    is_kept: bool,
+    settings_slots: [Result<u32, RigFault>; 2],
     /// Plan for the size of the last pair, health and row offset of the pairs so far; `None` before the first.
     matcher: Option<Matcher>,
     /// The matcher's plan is one of these parameters.
@@ -35,8 +39,10 @@ pub struct Session<'a> {
     pub vehicle: Vehicle,
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
+    /// Can the board leave its program for a boot loader?
+    pub has_bootloader: bool,
     report: RigReport,
-    keeper: Option<&'a mut dyn RigKeeper>,
+    keeper: Option<&'a mut dyn Keeper>,
     /// Send results?
     pub running: bool,
     sequence: u32,
@@ -49,6 +55,14 @@ pub enum Reply {
     Answer(Answer),
     /// A description, then the answer.
     Describe(Answer),
+    /// All settings, then the answer.
+    Settings(Answer),
+    /// The time of the clock of pairs, then the answer.
+    Clock(Answer),
+    /// Times are in the host's clock from now on, which was so many microseconds when the board's was 0.
+    SetClock(Answer, u64),
+    /// An answer, then the end of the program.
+    Leave(Answer),
     /// The next pair is wanted as it comes; the answer when it has come.
     Photograph {
         /// The id of the command.
@@ -73,13 +87,16 @@ impl<'a> Session<'a> {
             board,
             params: Params::DEFAULT,
             directions: None,
-            regions: Regions { boxes: Vec::new(), only: false },
+            regions: NO_REGIONS,
+            is_kept: true,
+            settings_slots: RigReport::NONE.slots,
             matcher: None,
             is_planned: false,
             limits: HealthLimits::DEFAULT,
             rig: None,
-            vehicle: Vehicle::DEFAULT,
+            vehicle: VEHICLE,
             reset: None,
+            has_bootloader: false,
             report: RigReport::NONE,
             keeper: None,
             running: false,
@@ -87,22 +104,53 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The state after a reset of a board whose flash keeps rigs: the newest good one is used.
+    /// The state after a reset of a board whose flash keeps rigs and settings: the newest good ones are used.
     #[must_use]
-    #[inline(never)]
-    pub fn with_flash(board: Board, keeper: &'a mut dyn RigKeeper, memory: &mut impl Memory) -> Self {
+    pub fn with_flash(board: Board, keeper: &'a mut dyn Keeper, memory: &mut impl Memory) -> Self {
         let mut session = Self::new(board);
-        let Loaded { rig, slots } = keeper.load();
-        session.report.slots = slots.map(|slot| slot.map_err(RigFault::from));
-        if let Some((slot, image)) = rig {
-            let params = session.params_for(&image);
-            match params.and_then(|params| memory.set_rig(image.remap()).map(|()| params).map_err(Refusal::from)) {
-                Ok(params) => session.use_rig(&image, params, Some(slot)),
-                Err(_) => *slot.of(&mut session.report.slots) = Err(RigFault::TooLarge),
-            }
-        }
+        session.load_rig(keeper, memory);
+        session.load_settings(keeper);
         session.keeper = Some(keeper);
         session
+    }
+
+    #[inline(never)] // its images are on the stack only while it works
+    fn load_rig(&mut self, keeper: &mut dyn Keeper, memory: &mut impl Memory) {
+        let Loaded { newest, slots } = keeper.load_rig();
+        self.report.slots = slots.map(|slot| slot.map_err(RigFault::from));
+        if let Some((slot, image)) = newest {
+            let params = self.params_for(&image);
+            match params.and_then(|params| memory.set_rig(image.remap()).map(|()| params).map_err(Refusal::from)) {
+                Ok(params) => self.use_rig(&image, params, Some(slot)),
+                Err(_) => *slot.of(&mut self.report.slots) = Err(RigFault::TooLarge),
+            }
+        }
+    }
+
+    /// Takes the kept settings. If this program does not take one, none of the values is taken and the slot says so.
+    #[inline(never)]
+    fn load_settings(&mut self, keeper: &mut dyn Keeper) {
+        let Loaded { newest, slots } = keeper.load_settings();
+        self.settings_slots = slots.map(|slot| slot.map_err(RigFault::from));
+        let Some((slot, kept)) = newest else { return };
+        let mut values = self.values();
+        let has_its_rig = kept.rig == self.rig_sequence();
+        for (number, (value, kept)) in values.iter_mut().zip(kept.values).enumerate() {
+            if has_its_rig || number >= settings::OF_RIG {
+                *value = kept.unwrap_or(*value);
+            }
+        }
+        let taken = [self.use_values(&values), self.set_regions(&kept.regions)];
+        self.is_kept = taken.iter().all(Result::is_ok);
+        if !self.is_kept {
+            *slot.of(&mut self.settings_slots) = Err(RigFault::OutOfRange);
+        }
+    }
+
+    /// The number of the rig in flash that is in use.
+    fn rig_sequence(&self) -> Option<u32> {
+        let slot = self.report.in_use?.slot?;
+        self.report.slots.get(usize::from(slot)).copied()?.ok()
     }
 
     /// What the board is.
@@ -129,6 +177,7 @@ impl<'a> Session<'a> {
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
                 Ok((params, _)) => {
                     self.set_params(params);
+                    self.is_kept = false;
                 }
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
@@ -136,6 +185,16 @@ impl<'a> Session<'a> {
             Request::SetRig(bytes) => return Reply::Answer(answer(self.set_rig(bytes, memory).into())),
             Request::SetRegions(regions) => return Reply::Answer(answer(self.set_regions(regions).into())),
             Request::RawPair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: true },
+            Request::Set(SettingValue { number, value }) => {
+                return Reply::Answer(answer(self.set(*number, *value).into()));
+            }
+            Request::Settings => return Reply::Settings(answer(Outcome::Accepted)),
+            Request::ReadClock => return Reply::Clock(answer(Outcome::Accepted)),
+            Request::SetClock(offset_us) => return Reply::SetClock(answer(Outcome::Accepted), *offset_us),
+            Request::Bootloader if self.has_bootloader => return Reply::Leave(answer(Outcome::Accepted)),
+            Request::Bootloader => return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported))),
+            Request::KeepSettings => return Reply::Answer(answer(self.keep_settings().into())),
+            Request::ResetSettings => return Reply::Answer(answer(self.reset_settings().into())),
         }
         Reply::Answer(answer(Outcome::Accepted))
     }
@@ -146,6 +205,80 @@ impl<'a> Session<'a> {
         self.directions = None;
     }
 
+    /// Values of all settings.
+    #[must_use]
+    pub fn values(&self) -> SettingValues {
+        settings::values(&self.params, &self.vehicle)
+    }
+
+    /// Changes a setting.
+    #[inline(never)]
+    pub fn set(&mut self, number: u8, value: f32) -> Result<(), Refusal> {
+        let mut values = self.values();
+        *values.get_mut(usize::from(number)).ok_or(Refusal::Unsupported)? = value;
+        self.use_values(&values)
+    }
+
+    #[inline(never)] // a plan is on the stack only while it works
+    fn use_values(&mut self, values: &SettingValues) -> Result<(), Refusal> {
+        for (number, &value) in (0..).zip(values) {
+            Setting::check(number, value)?;
+        }
+        let (params, vehicle) = settings::with_values(self.params, values);
+        params.plan(self.board.largest)?;
+        vehicle.check()?;
+        self.set_params(params);
+        self.vehicle = vehicle;
+        self.is_kept = false;
+        Ok(())
+    }
+
+    /// Writes the settings into the flash.
+    #[inline(never)] // its images are on the stack only while it works
+    pub fn keep_settings(&mut self) -> Result<(), Refusal> {
+        let mut values = self.values().map(Some);
+        for (number, (value, built)) in values.iter_mut().zip(settings::built()).enumerate() {
+            if number >= settings::OF_RIG && *value == Some(built) {
+                *value = None;
+            }
+        }
+        let settings = KeptSettings { rig: self.rig_sequence(), values, regions: self.regions.clone() };
+        let Some(keeper) = &mut self.keeper else { return Err(Refusal::NotKept) };
+        self.is_kept = keeper.store_settings(&settings).is_ok();
+        self.settings_slots = keeper.load_settings().slots.map(|slot| slot.map_err(RigFault::from));
+        if self.is_kept { Ok(()) } else { Err(Refusal::NotKept) }
+    }
+
+    /// Goes back to the settings that the board was built with and to the disparity range of its rig, in the flash as well if there is one.
+    #[inline(never)]
+    fn reset_settings(&mut self) -> Result<(), Refusal> {
+        let mut params = Params::DEFAULT;
+        if let Some(bytes) = &self.rig
+            && let Ok(image) = RigImage::decode(bytes)
+            && let Ok(with_rig) = image.params(params)
+        {
+            params = with_rig;
+        }
+        self.set_params(params);
+        (self.vehicle, self.regions) = (VEHICLE, NO_REGIONS);
+        self.is_kept = true;
+        if self.keeper.is_some() { self.keep_settings() } else { Ok(()) }
+    }
+
+    /// What is kept of the settings.
+    #[must_use]
+    pub fn kept(&self) -> KeptReport {
+        KeptReport { is_kept: self.is_kept, slots: self.settings_slots }
+    }
+
+    /// Every setting and what is kept of them, as records.
+    pub fn report_settings(&self, mut write: impl FnMut(&Message)) {
+        for (number, value) in (0..).zip(self.values()) {
+            write(&Message::Setting(SettingValue { number, value }));
+        }
+        write(&Message::Kept(self.kept()));
+    }
+
     /// Takes the objects whose depths are wanted from now on.
     fn set_regions(&mut self, regions: &Regions) -> Result<(), Refusal> {
         let outside = (0..).zip(&regions.boxes).find(|(_, of)| of.region(self.board.largest).is_err());
@@ -153,6 +286,7 @@ impl<'a> Session<'a> {
             return Err(Refusal::Region(index));
         }
         self.regions = regions.clone();
+        self.is_kept = false;
         Ok(())
     }
 
@@ -220,8 +354,8 @@ impl<'a> Session<'a> {
     /// Writes a rig into the flash, if there is one.
     fn keep(&mut self, image: &RigImage) -> Result<Option<Slot>, Refusal> {
         let Some(keeper) = &mut self.keeper else { return Ok(None) };
-        let kept = keeper.store(image);
-        self.report.slots = keeper.load().slots.map(|slot| slot.map_err(RigFault::from));
+        let kept = keeper.store_rig(image);
+        self.report.slots = keeper.load_rig().slots.map(|slot| slot.map_err(RigFault::from));
         kept.map(Some).map_err(|_| Refusal::NotKept)
     }
 
@@ -295,6 +429,8 @@ impl<'a> Session<'a> {
         sequence
     }
 }
+
+const NO_REGIONS: Regions = Regions { boxes: Vec::new(), only: false };
 
 /// The head of a frame that could not be matched.
 #[must_use]

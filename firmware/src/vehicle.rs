@@ -1,10 +1,11 @@
-//! Settings of a vehicle. A robot starts without a host, so it is chosen before a build: change [`VEHICLE`],
+//! Settings of a vehicle. A robot starts without a host: they are kept in flash ([`crate::settings`]), or chosen before a build: change [`VEHICLE`],
 //! build, flash. `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo_mavlink::{AutopilotParams, Policy};
+use linestereo_wire::{Refusal, SETTINGS, Setting};
 
-/// What `live` takes.
+/// Settings of `live` where nobody has changed them.
 pub const VEHICLE: Vehicle = Vehicle { ..Vehicle::DEFAULT };
 
 /// How the cameras sit on a vehicle, and what its autopilot gets of obstacles.
@@ -57,24 +58,51 @@ impl Vehicle {
         AutopilotParams { system, rate_hz, policy, block_cm, distance_sensor, ..near }
     }
 
-    /// Are all numbers in their ranges?
-    const fn is_valid(&self) -> bool {
-        let Self { yaw_deg, range_m, heights_m: [low, high], rate_hz, .. } = *self;
+    /// Its settings, in the order of [`Setting::ALL`].
+    #[must_use]
+    pub const fn values(&self) -> [f32; SETTINGS - Setting::VEHICLE] {
+        let Self { yaw_deg, range_m, heights_m: [lowest, highest], rate_hz, .. } = *self;
         let block_cm = match self.block_cm {
             Some(block_cm) => block_cm as f32,
             None => 0.0,
         };
-        -180.0 <= yaw_deg
-            && yaw_deg <= 180.0
-            && 0.1 <= range_m
-            && range_m <= 600.0
-            && -1000.0 <= low
-            && low <= high
-            && high <= 1000.0
-            && 10 <= rate_hz
-            && rate_hz <= 20
-            && block_cm < 100.0 * range_m
+        let (system, policy, distance_sensor) = (self.system as f32, self.policy as u8, self.distance_sensor as u8);
+        [yaw_deg, range_m, lowest, highest, system, rate_hz as f32, policy as f32, block_cm, distance_sensor as f32]
     }
+
+    /// Settings that depend on another one: heights in their order, a block within the range.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let [_, range_m, lowest, highest, _, _, _, block_cm, _] = self.values();
+        let refusal = |of: usize, value, least, largest| {
+            Err(Refusal::Setting { number: (Setting::VEHICLE + of) as u8, value, least, largest })
+        };
+        if !is_ordered(lowest, highest) {
+            return refusal(3, highest, lowest, 1000.0);
+        }
+        if is_within(block_cm, range_m) { Ok(()) } else { refusal(7, block_cm, 0.0, 100.0 * range_m) }
+    }
+
+    /// Are all numbers in their ranges?
+    const fn is_valid(&self) -> bool {
+        let values = self.values();
+        let (mut rest, mut settings) = (values.as_slice(), Setting::ALL.split_at(Setting::VEHICLE).1);
+        while let ([value, values @ ..], [setting, others @ ..]) = (rest, settings) {
+            if !setting.takes(*value) {
+                return false;
+            }
+            (rest, settings) = (values, others);
+        }
+        let [_, range_m, lowest, highest, _, _, _, block_cm, _] = values;
+        is_ordered(lowest, highest) && is_within(block_cm, range_m)
+    }
+}
+
+const fn is_ordered(lowest: f32, highest: f32) -> bool {
+    lowest <= highest
+}
+
+const fn is_within(block_cm: f32, range_m: f32) -> bool {
+    block_cm < 100.0 * range_m
 }
 
 const _: () = assert!(VEHICLE.is_valid(), "a number of VEHICLE is outside of its range");

@@ -8,6 +8,7 @@ mod host_lines;
 mod i2c;
 mod pio;
 mod programs;
+mod settings;
 mod source;
 mod stereo;
 mod stream;

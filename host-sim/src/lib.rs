@@ -8,6 +8,7 @@
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
 //! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
+//! explain                   why a pixel has a depth, or none
 //! board, evaluate           boards driven; scores against truth
 //! faults                    damaged pairs, and what is answered of them
 //! rivals, fitting           other methods on the same frames; the confidence models fitted
@@ -22,6 +23,7 @@ pub mod commands;
 pub mod draw;
 pub mod engine;
 pub mod evaluate;
+pub mod explain;
 pub mod faults;
 pub mod fitting;
 pub mod input;

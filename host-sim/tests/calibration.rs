@@ -93,7 +93,7 @@ impl Placed {
 }
 
 /// A point of the left camera in the right one.
-fn in_right(rig: &Calibration, point: [f64; 3]) -> [f64; 3] {
+pub(crate) fn in_right(rig: &Calibration, point: [f64; 3]) -> [f64; 3] {
     let v = turned(rows_of(rig.rotation()), point);
     [0, 1, 2].map(|i| v[i] + rig.translation()[i])
 }
@@ -282,7 +282,7 @@ fn placed_point(placed: &Placed, at: [f64; 2]) -> [f64; 3] {
 }
 
 /// A photo of a board: each pixel is the mean of 3x3 rays, dark 40, light 210, grey beyond the board.
-struct Photographer {
+pub(crate) struct Photographer {
     dims: Dims,
     rays: Vec<[f64; 3]>,
 }
@@ -290,7 +290,7 @@ struct Photographer {
 const RAYS: usize = 3;
 
 impl Photographer {
-    fn new(rig: &Calibration, eye: CameraSide) -> Self {
+    pub(crate) fn new(rig: &Calibration, eye: CameraSide) -> Self {
         let camera = rig.camera(eye);
         let dims = camera.dims();
         let (width, height) = (usize::from(dims.width), usize::from(dims.height));
@@ -304,7 +304,19 @@ impl Photographer {
     }
 
     /// The plane of the board is given by the first corner and the directions of rows and columns, in this camera's coordinates.
-    fn take(&self, board: &Board, [first, right, down]: [[f64; 3]; 3]) -> GrayImage {
+    fn take(&self, board: &Board, plane: [[f64; 3]; 3]) -> GrayImage {
+        self.take_plane(plane, |[x, y]| {
+            let (col, row) = (x / 0.025 + 1.0, y / 0.025 + 1.0);
+            let outside = |v: f64, corners: usize| v < 0.0 || v >= corners as f64 + 1.0;
+            if outside(col, board.cols()) || outside(row, board.rows()) {
+                return 180.0;
+            }
+            if (col.floor() + row.floor()) as i64 % 2 == 0 { 40.0 } else { 210.0 }
+        })
+    }
+
+    /// A plane of which the grey is known by metres along its two directions.
+    pub(crate) fn take_plane(&self, [first, right, down]: [[f64; 3]; 3], paint: impl Fn([f64; 2]) -> f64) -> GrayImage {
         let cross = |a: [f64; 3], b: [f64; 3]| {
             [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         };
@@ -313,12 +325,7 @@ impl Photographer {
         let grey = |ray: &[f64; 3]| {
             let scale = dot(normal, first) / dot(normal, *ray);
             let on = [0, 1, 2].map(|i| ray[i] * scale - first[i]);
-            let (col, row) = (dot(on, right) / 0.025 + 1.0, dot(on, down) / 0.025 + 1.0);
-            let outside = |v: f64, corners: usize| v < 0.0 || v >= corners as f64 + 1.0;
-            if outside(col, board.cols()) || outside(row, board.rows()) {
-                return 180.0;
-            }
-            if (col.floor() + row.floor()) as i64 % 2 == 0 { 40.0 } else { 210.0 }
+            paint([dot(on, right), dot(on, down)])
         };
         let width = usize::from(self.dims.width);
         let pixel = |i: usize| {
@@ -337,7 +344,7 @@ fn mirrored(image: &GrayImage) -> GrayImage {
 }
 
 /// Photos of one rig at 320x240.
-fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImage; 2]>) {
+pub(crate) fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImage; 2]>) {
     let dims = Dims { width: 320, height: 240 };
     let lens = Lens::BrownConrady { k: [-0.28, 0.1, 0.0], p: [3e-4, -2e-4] };
     let camera = |focal: f64, centre: [f64; 2]| Camera::new(dims, [focal; 2], centre, 0.0, lens).unwrap();

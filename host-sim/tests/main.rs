@@ -5,6 +5,8 @@ mod calibrate;
 mod calibration;
 mod command_line;
 mod compare;
+mod documented;
+mod explain;
 mod first_hour;
 mod flash_image;
 #[cfg(unix)]
@@ -15,6 +17,7 @@ mod monitor;
 mod on_board;
 mod photograph;
 mod plan_rig;
+mod quality;
 mod rectify;
 mod region_files;
 mod registry;

@@ -10,6 +10,7 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Command as Process, Output};
 use std::thread;
+use std::time::{SystemTime, UNIX_EPOCH};
 use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -158,7 +159,7 @@ fn json_has_one_line_per_complete_frame() {
     let first = &lines[0];
     let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
     keys.sort();
-    assert_eq!(keys, ["capture_time_us", "counts", "health", "segments", "sequence", "size", "times_us"]);
+    assert_eq!(keys, ["capture_time_us", "clock", "counts", "health", "segments", "sequence", "size", "times_us"]);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
     assert_eq!(first["times_us"], serde_json::json!({"waiting": 11_000, "matching": 21_500, "port": 300}));
@@ -256,7 +257,21 @@ impl<P: Read + Write> Board<P> {
                     self.port.write_all(&packet(&hello())).unwrap();
                     Outcome::Accepted
                 }
-                Request::Start | Request::Stop | Request::SetRegions(_) => Outcome::Accepted,
+                Request::ReadClock => {
+                    self.port.write_all(&packet(&Message::Clock(BOARD_US))).unwrap();
+                    Outcome::Accepted
+                }
+                Request::Settings => {
+                    for (number, value) in [(5, 16.0), (15, 1.0)] {
+                        self.port.write_all(&packet(&Message::Setting(SettingValue { number, value }))).unwrap();
+                    }
+                    let slots = [Ok(4), Err(RigFault::Empty)];
+                    self.port.write_all(&packet(&Message::Kept(KeptReport { is_kept: true, slots }))).unwrap();
+                    Outcome::Accepted
+                }
+                Request::Start | Request::Stop | Request::SetRegions(_) | Request::SetClock(_) | Request::Set(_) => {
+                    Outcome::Accepted
+                }
                 _ => Outcome::Refused(linestereo_wire::Refusal::Unsupported),
             };
             // An answer to somebody else, then the answer.
@@ -316,6 +331,32 @@ fn a_board_is_described_set_started_and_watched() {
     let update = ParamUpdate { max_disparity: Some(96), cell: Some(24), ..ParamUpdate::default() };
     assert_eq!(log, [Request::Describe, Request::SetParams(update), Request::Start]);
     assert_eq!(params, Params { max_disparity: 96, cell: 24, ..Params::default() });
+}
+
+/// Time of a board's clock.
+const BOARD_US: u64 = 3_000_000;
+
+#[test]
+fn settings_are_shown_and_the_board_follows_this_computers_clock() {
+    let folder = TempDir::new().unwrap();
+    let (address, thread) = board(0, 1);
+    let send = ["--send", "range_m=6", "--send", "settings", "--send", "sync", "--send", "start"];
+    let before = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
+    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "1"], &send[..]].concat());
+    let after = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
+    for line in ["accepted: range_m=6\n", "settings (kept; slots: image 4, empty): cell=16 policy=block\n"] {
+        assert!(shown.contains(line), "{shown}");
+    }
+    let (log, ..) = thread.join().unwrap();
+    let [set, Request::Settings, Request::ReadClock, Request::SetClock(offset_us), Request::Describe, Request::Start] =
+        &log[..]
+    else {
+        panic!("{log:?}")
+    };
+    assert_eq!(*set, Request::Set(SettingValue { number: 10, value: 6.0 }));
+    assert!((before..after).contains(&(offset_us + BOARD_US)), "{offset_us}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use linestereo::Area;
 use linestereo::{Dims, Params, Rejection, Rig};
 use linestereo_baselines::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::explain::{CurveLog, SegmentTexts};
 use linestereo_sim::input::regions::{Object, Pixels};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
@@ -19,12 +20,14 @@ struct Run {
     result: FrameResult,
     rejected: Vec<Rejected>,
     objects: Vec<(Object, listing::Object)>,
+    tests: SegmentTexts,
 }
 
 fn run(seed: u64) -> Run {
     let rendering = rendered(Kind::Boxes, DIMS, 1.0, seed);
     let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
-    let mut engine = Engine::new(&Params { rig: Some(rig), ..Params::default() }, DIMS).unwrap();
+    let params = Params { rig: Some(rig), ..Params::default() };
+    let mut engine = Engine::new(&params, DIMS).unwrap();
     let mut log = RejectionLog::default();
     let views = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let result = engine.run_next(views, None, &mut log).unwrap();
@@ -33,7 +36,10 @@ fn run(seed: u64) -> Run {
     let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
     let depths = engine.objects(&[object.region(DIMS).unwrap()], true);
     let objects = vec![(object, listing::Object::new(&depths[0], Some("<box>")))];
-    Run { images: [rendering.left, rendering.right], result, rejected, objects }
+    let mut log = CurveLog::default();
+    engine.run_observed(views.0, views.1, &mut log).unwrap();
+    let tests = SegmentTexts::new(&log, &mut engine, &params, &result);
+    Run { images: [rendering.left, rendering.right], result, rejected, objects, tests }
 }
 
 #[test]
@@ -57,8 +63,8 @@ fn page(runs: &[Run]) -> String {
     };
     let mut page = Page::new(setup);
     for (run, index) in runs.iter().zip(0..) {
-        let Run { images, result, rejected, objects } = run;
-        page.push(&PageFrame { name: format!("frame {index}"), images, result, rejected, objects }).unwrap();
+        let Run { images, result, rejected, objects, tests } = run;
+        page.push(&PageFrame { name: format!("frame {index}"), images, result, rejected, objects, tests }).unwrap();
     }
     page.push_error("frame 2", "right.png is damaged");
     page.html().unwrap()
@@ -100,6 +106,7 @@ addEventListener("load", () => {
   key("left", "ArrowRight");
   note("first key", document.querySelector("#details h3").textContent);
   for (const name of ["disparity", "depth", "uncertainty", "confidence", "owner", "feature", "window", "census"]) note(name, field(name));
+  note("tests", field("tests"));
   note("highlights", document.querySelectorAll(".chosen").length);
   key("right", "ArrowRight");
   note("second key", document.querySelector("#details h3").textContent);
@@ -179,7 +186,7 @@ fn a_visitor_sees_what_the_run_gave() {
         assert_eq!(said("left size"), "320x240");
         let matched = result.matches.len();
         assert_eq!(said("segments"), format!("{matched} {matched}"));
-        assert!(said("hint").starts_with("ImagePosition at a segment"));
+        assert!(said("hint").starts_with("Point at a segment"));
         let pointed: Vec<usize> = said("pointed").split(' ').map(|count| count.parse().unwrap()).collect();
         assert!(pointed.iter().all(|&count| count <= matched && 10 * count >= 9 * matched), "{pointed:?} of {matched}");
         assert_eq!((said("nothing"), said("escape")), (said("hint"), said("hint")));
@@ -197,6 +204,8 @@ fn a_visitor_sees_what_the_run_gave() {
         let sure = (first.confidence.to_num::<f64>() * 1e3).round() / 1e3;
         let percent = if sure > 0.999 { "above 99.9 %".to_owned() } else { format!("{:.1} %", 100.0 * sure) };
         assert_eq!(said("confidence"), percent);
+        let tests = runs[0].tests.of(first.ends).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(tests.starts_with("search disparities ") && said("tests") == tests, "{tests}: {notes:?}");
         assert!(said("uncertainty").starts_with("± ") && said("uncertainty").ends_with(" m"));
         assert_eq!(close(said("window")), close(&px(first.techniques.window.to_num())));
         assert_eq!(close(said("census")), close(&px(first.techniques.census.to_num())));
@@ -240,6 +249,7 @@ fn a_page_without_a_rig_says_what_is_missing() {
         result: &result,
         rejected: &rejected,
         objects: &[],
+        tests: &SegmentTexts::default(),
     })
     .unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -247,6 +257,6 @@ fn a_page_without_a_rig_says_what_is_missing() {
     std::fs::write(&file, page.html().unwrap()).unwrap();
     let document = browser.document(Path::new(&file), &[]).unwrap();
     assert!(document.contains("Metres need a rig"));
-    assert!(document.contains("ImagePosition at a segment"));
+    assert!(document.contains("Point at a segment"));
     assert!(document.contains("<h1 id=\"title\">pair</h1>"));
 }

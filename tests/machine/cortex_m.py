@@ -381,7 +381,7 @@ def execute(board, scenario, result):
     """Runs a board's scenario and writes what is known of every board, and `board.report()`."""
     core = board.core
     if scenario.get("flash"):
-        core.uc.mem_write(board.RIG_FLASH, bytes.fromhex(scenario["flash"]))
+        core.uc.mem_write(board.KEPT_FLASH, bytes.fromhex(scenario["flash"]))
     if scenario.get("hard_fault_us"):
         core.at(scenario["hard_fault_us"], core.raise_fault)
     resets = []
@@ -398,5 +398,5 @@ def execute(board, scenario, result):
         "autopilot": bytes(board.autopilot.sent).hex(), "autopilot_us": board.autopilot.times,
         "triggers": board.triggers, "erases": board.erases, "longest_unfed_us": board.longest_unfed,
         "stack": core.stack(), "handler_stack": core.longest_handler_stack, "executed": executed, "code": total, "never": never,
-        "flash": bytes(core.uc.mem_read(board.RIG_FLASH, board.RIG_BYTES)).hex(), **board.report(),
+        "flash": bytes(core.uc.mem_read(board.KEPT_FLASH, board.KEPT_BYTES)).hex(), **board.report(),
     }, open(result, "w"))

@@ -6,7 +6,7 @@ In it: what of the boot ROM the image calls, clocks and ticks by the registers t
 PIO, DMA (`rp2350.c`), TIMER0, SysTick, USB down to packets (`usb_host.py`), UART 0 byte by byte, flash with XIP off while it is written, watchdog.
 Not in it: wires' levels and edges, QMI timing and the XIP cache, core 1, RUN pin, power, RP2350's errata but E5, security attribution.
 
-Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|stuck]]; flash: hex of the rig's sectors or absent; erase_us;
+Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|stuck]]; flash: hex of its last four sectors or absent; erase_us;
 hard_fault_us, dead_us (no camera sends from then on) or absent; resets: how often a reset may start it again. Result: `execute`, and `report`.
 """
 import ctypes, json, os, random, sys
@@ -114,7 +114,7 @@ class Rom:
 
 
 class Board:
-    RIG_FLASH, RIG_BYTES = FLASH[0] + FLASH[1] - 0x2000, 0x2000
+    KEPT_FLASH, KEPT_BYTES = FLASH[0] + FLASH[1] - 0x4000, 0x4000
 
     def __init__(self, image, scenario):
         source = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "rp2350.c")).read()

@@ -5,7 +5,7 @@
 In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, bank 2 of the flash,
 watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes.
 
-Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's rig sectors or absent;
+Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's last four sectors or absent;
 erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, sys
@@ -258,7 +258,7 @@ class Capture:
 
 
 class Board:
-    RIG_FLASH, RIG_BYTES = 0x081C0000, 0x40000
+    KEPT_FLASH, KEPT_BYTES = 0x08180000, 0x80000
 
     def __init__(self, image, scenario):
         uarts = {0x40004828, 0x40004428, I2C1 + 0x28}

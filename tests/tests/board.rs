@@ -349,7 +349,7 @@ fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
     let Some(machine) = machine(board) else { return };
     let (left, right) = boxes(160, 120);
     let rigs = [Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }].map(|dims| raw_rig(left.dims, dims));
-    let mut flash = vec![0xff; 1024];
+    let mut flash = vec![0xff; 2048];
     let run = |set: Option<&RigImage>, flash: &mut Vec<u8>| {
         let mut input = Vec::new();
         if let Some(rig) = set {

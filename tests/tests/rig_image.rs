@@ -4,10 +4,12 @@ use core::fmt::Debug;
 use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Dims, Params};
-use linestereo_firmware::rig_store::{LayoutError, RigKeeper as _, RigStore, Slot, SlotError, StoreError};
+use linestereo_firmware::settings::KeptSettings;
+use linestereo_firmware::slot_store::{BoardStore, Keeper as _, LayoutError, RigStore, Slot, SlotError, StoreError};
 use linestereo_rig::{
     Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View,
 };
+use linestereo_wire::{RegionBox, Regions, SETTINGS};
 use std::panic::catch_unwind;
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -367,14 +369,14 @@ type Pages = Flash<1, 8, 2048>;
 type Small = Flash<4, 4, 128>;
 
 fn loaded<F: NorFlash + Debug>(store: &mut RigStore<F>) -> Option<(Slot, RigImage)> {
-    store.load().rig
+    store.load().newest
 }
 
 #[test]
 fn slots_are_written_in_turn_and_the_newest_is_used() {
     let mut store = RigStore::new(Pages::new(4), [2048, 6144]).unwrap();
     let nothing = store.load();
-    assert_eq!(nothing.rig, None);
+    assert_eq!(nothing.newest, None);
     assert_eq!(nothing.slots, [Err(SlotError::Image(RigImageError::Foreign)); 2]);
     for (n, expected) in (0..6).zip([Slot::First, Slot::Second].into_iter().cycle()) {
         assert_eq!(store.store(&numbered(n)), Ok(expected));
@@ -419,7 +421,7 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
     };
     let mut damaged = with(&|flash| flash.bytes[2048 + 100] ^= 4);
     let found = damaged.load();
-    assert_eq!(found.rig, Some((Slot::First, numbered(0))));
+    assert_eq!(found.newest, Some((Slot::First, numbered(0))));
     assert_eq!(found.slots, [Ok(0), Err(SlotError::Image(RigImageError::Damaged))]);
     assert_eq!(found.slots[1].unwrap_err().to_string(), "damaged: the checksum is not that of the bytes");
     // The damaged one is the one that is written next.
@@ -427,14 +429,14 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
     assert_eq!(loaded(&mut damaged), Some((Slot::Second, numbered(9))));
 
     let found = with(&|flash| flash.unreadable = 2048..2049).load();
-    assert_eq!(found.rig, Some((Slot::First, numbered(0))));
+    assert_eq!(found.newest, Some((Slot::First, numbered(0))));
     assert_eq!(found.slots[1], Err(SlotError::Flash(NorFlashErrorKind::Other)));
 
     // Whole, but no rig.
     let unusable = resealed(numbered(7).encode(8).to_vec(), 76, &0_f32.to_le_bytes());
     let mut store = with(&|flash| flash.put(2048, &unusable));
     let found = store.load();
-    assert_eq!(found.rig, Some((Slot::First, numbered(0))));
+    assert_eq!(found.newest, Some((Slot::First, numbered(0))));
     assert!(found.slots[1].unwrap_err().to_string().starts_with("left camera: focal length 0"), "{found:?}");
     assert_eq!(store.store(&numbered(3)), Ok(Slot::Second));
     assert_eq!(loaded(&mut store), Some((Slot::Second, numbered(3))));
@@ -444,7 +446,7 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
         flash.put(0, &[0xff; RigImage::BYTES]);
     });
     let found = both.load();
-    assert_eq!(found.rig, None);
+    assert_eq!(found.newest, None);
     assert_eq!(found.slots, [RigImageError::Empty, RigImageError::Damaged].map(|error| Err(SlotError::Image(error))));
     assert_eq!(both.store(&numbered(3)), Ok(Slot::First));
 
@@ -479,7 +481,7 @@ fn cut<F: NorFlash + Clone + Debug>(
             let mut flash = store.into_flash();
             limit(&mut flash, UNLIMITED);
             let mut store = RigStore::new(flash, starts).unwrap();
-            let found = store.load().rig.unwrap_or_else(|| panic!("no rig after a cut at {n}")).1;
+            let found = store.load().newest.unwrap_or_else(|| panic!("no rig after a cut at {n}")).1;
             assert!(found == in_use || found == new, "cut at {n}: a rig that nobody stored");
             assert!(outcome.is_err() || found == new, "cut at {n}: said to be stored, but is not");
             if found == new {
@@ -489,7 +491,7 @@ fn cut<F: NorFlash + Clone + Debug>(
             }
             if n.is_multiple_of(37) {
                 assert!(store.store(&after).is_ok(), "cut at {n}: cannot be written again");
-                assert_eq!(store.load().rig.unwrap().1, after);
+                assert_eq!(store.load().newest.unwrap().1, after);
             }
         }
     }
@@ -505,6 +507,80 @@ fn power_may_fail_at_any_byte() {
     type Large = Flash<1, 32, 131_072>;
     let cuts = (0..131_072).step_by(4001).chain(131_071..131_072 + 300);
     cut(Large::new(2), |flash, power| flash.power = power, [0, 131_072], cuts);
+}
+
+/// Settings with a range of their own.
+fn settings(max_disparity: u8) -> KeptSettings {
+    let mut values = [None; SETTINGS];
+    (values[1], values[10], values[17]) = (Some(max_disparity.into()), Some(6.5), Some(1.0));
+    let boxes = (0..3).map(|n| RegionBox { label: 7 + n, left: 1, top: 2, right: 300, bottom: 200 + n }).collect();
+    KeptSettings { rig: Some(3), values, regions: Regions { boxes, only: true } }
+}
+
+fn settings_image(settings: &KeptSettings, sequence: u32) -> Vec<u8> {
+    let mut bytes = vec![0xff; KeptSettings::BYTES];
+    settings.put(sequence, &mut bytes);
+    bytes
+}
+
+#[test]
+fn settings_lie_beside_the_rig_and_power_may_fail_at_any_byte() {
+    let starts = ([0, 512], [1024, 1536]);
+    let mut store = BoardStore::new(Small::new(16), starts.0, starts.1).unwrap();
+    assert_eq!(store.load_settings().newest, None);
+    store.store_rig(&numbered(1)).unwrap();
+    for n in 40..42 {
+        store.store_settings(&settings(n)).unwrap();
+    }
+    assert_eq!(store.store_settings(&settings(41)), Ok(Slot::Second), "there already");
+    assert_eq!(store.load_settings().slots, [Ok(0), Ok(1)]);
+    let flash = store.into_flash();
+    let (mut kept, mut replaced) = (0, 0);
+    for cut in 0..=KeptSettings::BYTES * 3 {
+        let mut flash = flash.clone();
+        flash.power = cut;
+        let mut store = BoardStore::new(flash, starts.0, starts.1).unwrap();
+        let outcome = store.store_settings(&settings(50));
+        let mut flash = store.into_flash();
+        flash.power = UNLIMITED;
+        let mut store = BoardStore::new(flash, starts.0, starts.1).unwrap();
+        let found = store.load_settings().newest.unwrap_or_else(|| panic!("no settings after a cut at {cut}")).1;
+        assert!(found == settings(41) || found == settings(50), "cut at {cut}: settings that nobody stored");
+        assert!(outcome.is_err() || found == settings(50), "cut at {cut}: said to be stored, but are not");
+        assert_eq!(store.load_rig().newest, Some((Slot::First, numbered(1))));
+        if found == settings(50) { replaced += 1 } else { kept += 1 }
+    }
+    assert!(kept > 500 && replaced > 1, "{kept} cuts before the end, {replaced} after it");
+
+    let at = |rig, settings| BoardStore::new(Small::new(16), rig, settings).map(drop);
+    assert_eq!(at([0, 384], [768, 1152]), Ok(()));
+    assert_eq!(at([0, 512], [512, 1024]), Err(LayoutError::Overlap));
+    assert_eq!(at([0, 512], [256, 1024]), Err(LayoutError::Overlap));
+}
+
+#[test]
+fn what_is_damaged_or_of_another_version_holds_no_settings() {
+    let bare = KeptSettings { rig: None, values: [None; SETTINGS], regions: Regions::default() };
+    let of = RegionBox { label: u16::MAX, left: 1, top: 2, right: 3, bottom: u16::MAX - 1 };
+    let full = Regions { boxes: [of; linestereo_wire::MAX_REGIONS].into(), only: true };
+    let full = KeptSettings { rig: Some(u32::MAX - 1), values: [Some(f32::MIN); SETTINGS], regions: full };
+    for good in [bare, full, settings(40)] {
+        let image = settings_image(&good, 7);
+        assert_eq!((KeptSettings::sequence(&image), KeptSettings::decode(&image)), (Ok(7), Ok(good)));
+    }
+    let good = settings_image(&settings(40), 7);
+    for at in 0..good.len() {
+        let mut damaged = good.clone();
+        damaged[at] ^= 0x10;
+        let expected = if at < 4 { RigImageError::Foreign } else { RigImageError::Damaged };
+        assert_eq!(KeptSettings::decode(&damaged), Err(expected), "byte {at}");
+    }
+    assert_eq!(KeptSettings::decode(&[0xff; KeptSettings::BYTES]), Err(RigImageError::Empty));
+    for length in 0..good.len() {
+        assert!(KeptSettings::decode(&good[..length]).is_err(), "{length} bytes");
+    }
+    let other = resealed(good, 4, &2_u16.to_le_bytes());
+    assert_eq!(KeptSettings::decode(&other), Err(RigImageError::OtherVersion { found: 2 }));
 }
 
 #[test]

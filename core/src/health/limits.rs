@@ -33,15 +33,17 @@ pub struct HealthLimits {
     pub row_limit_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
-    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 36.
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 40 (0.16 px).
     pub row_spread_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
     /// Number of pairs over which the difference of rows is smoothed, and of its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),
-    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 200:
-    /// captured pairs have 420 at least, those of a robot's camera 250.
+    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 60: of captured pairs
+    /// without a fault the least is 69 (stairs, a robot's camera), most have 400 and more.
     pub matched_permille: u16,
+    /// The same where too few of them can say how far rows are apart. Default 140; the least of such captured pairs is 159.
+    pub unwitnessed_permille: u16,
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
     /// Least number of windows that match beyond the disparity range for it to be too small. Default 3.
@@ -50,7 +52,7 @@ pub struct HealthLimits {
     pub beyond_range_permille: u16,
     /// Largest share of credible support points without parallax, per thousand. Default 500.
     pub still_permille: u16,
-    /// Largest likeness of both images at the same pixels, per thousand. Default 50.
+    /// Largest likeness of both images at the same pixels, per thousand. Default 60.
     pub pattern_permille: i16,
     /// Number of consecutive pairs without a fault until its flag is cleared. Default 3.
     pub clear_after: u8,
@@ -71,15 +73,16 @@ impl HealthLimits {
         row_offset_q8: 51,
         row_limit_q8: 384,
         row_drift_q8: 38,
-        row_spread_q8: 36,
+        row_spread_q8: 40,
         min_row_samples: 6,
         row_pairs: (8, 256),
-        matched_permille: 200,
+        matched_permille: 60,
+        unwitnessed_permille: 140,
         least_disparity_q6: -64,
         min_beyond_range: 3,
         beyond_range_permille: 20,
         still_permille: 500,
-        pattern_permille: 50,
+        pattern_permille: 60,
         clear_after: 3,
     };
 

@@ -184,11 +184,9 @@ impl HealthMonitor {
         found: &Findings<'_>,
         health: &mut PairHealth,
     ) {
-        let mut now = HealthFlags::GOOD;
-        let mut tested = HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY | HealthFlags::TORN;
-        let compared = found.counts.segments_left.saturating_sub(found.counts.rejected(Rejection::LessProminent));
-        let few = u32::from(found.counts.matched) * 1000 < u32::from(compared) * u32::from(limits.matched_permille);
-        now |= HealthFlags::FEW_MATCHES.when(compared >= MIN_COMPARED && few);
+        let (mut now, mut tested) = self.check_rows(limits, images, found.matches, health);
+        tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY | HealthFlags::TORN;
+        now |= HealthFlags::FEW_MATCHES.when(are_few(found.counts, limits, health.rows.is_some()));
 
         health.least_disparity_q6 = third_least_q6(found.matches);
         let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
@@ -208,9 +206,8 @@ impl HealthMonitor {
         }
         health.tear = tear::find(images, found.support);
         now |= HealthFlags::TORN.when(health.tear.is_some());
-        let (rows_now, rows_tested) = self.check_rows(limits, images, found.matches, health);
-        health.now |= now | rows_now;
-        health.flags = self.hold(limits, now | rows_now, tested | rows_tested);
+        health.now |= now;
+        health.flags = self.hold(limits, now, tested);
     }
 
     /// Measures the difference of rows and adds it to the health; returns the flags raised and those tested.
@@ -316,6 +313,13 @@ impl Default for HealthMonitor {
 
 /// Flags that are tested before matching, without [`HealthFlags::SKEW`].
 const CAMERA_FLAGS: HealthFlags = HealthFlags::from_bits((HealthFlags::EXPOSURES_DIFFER.bits() << 1) - 1);
+
+/// True when few of the segments compared are matched.
+fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool {
+    let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
+    let least = if rows_are_known { limits.matched_permille } else { limits.unwitnessed_permille };
+    compared >= MIN_COMPARED && u32::from(counts.matched) * 1000 < u32::from(compared) * u32::from(least)
+}
 
 /// True when enough windows match beyond the range.
 fn is_small(range: &RangeCheck, limits: &HealthLimits) -> bool {

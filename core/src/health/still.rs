@@ -5,7 +5,7 @@
 //! ```text
 //! still:    share of the credible points whose disparity is below 0.75 px
 //! pattern:  of points with a disparity of at least 3 px, 8 gradients along the row, left and right at the same pixels:
-//!           sum(left * right(x)) / energy - max over lags of -5 and 5 px of |sum(left * right(x + lag))| / energy
+//!           sum(left * right(x)) / energy - max over lags of 4 and 6 px to either side of |sum(left * right(x + lag))| / energy
 //!           once as they are (strong and sparse: dirt, text), once limited to 12 grey levels (weak and everywhere: noise of columns); the larger
 //! ```
 //! A scene has no reason to look alike at the same pixel where its parallax is larger; a periodic texture, which may, is alike at other lags too.
@@ -38,8 +38,10 @@ const CREDIBLE: Confidence = Confidence::from_bits(0xc000);
 const GRADIENTS: usize = 8;
 /// First gradient, relative to the point, px.
 const FIRST: i32 = -3;
-/// Lags compared, px.
-const LAG: usize = 5;
+/// Largest lag compared, px.
+const LAG: usize = 6;
+/// First of the gradients at lags of 0, -6, -4, 4 and 6 px.
+const LAGS: [usize; 5] = [LAG, 0, 2, 10, 12];
 /// Largest gradient of the limited sums, grey levels.
 const WEAK: i32 = 12;
 
@@ -53,16 +55,16 @@ pub struct Still {
     pub pattern_permille: i16,
 }
 
-/// Sums of products at lags 0, -5 and 5, and the energies of both sides.
+/// Sums of products at each of [`LAGS`], and the energies of both sides.
 #[derive(Default)]
 struct Sums {
-    products: [i64; 3],
+    products: [i64; LAGS.len()],
     energy: i64,
 }
 
 impl Sums {
     fn add(&mut self, left: &[i32; GRADIENTS], right: &[i32; GRADIENTS + 2 * LAG]) {
-        for (product, lag) in self.products.iter_mut().zip([LAG, 0, 2 * LAG]) {
+        for (product, lag) in self.products.iter_mut().zip(LAGS) {
             let sum: i32 = left.iter().zip(right.iter().skip(lag)).map(|(a, b)| a * b).sum();
             *product += i64::from(sum);
         }
@@ -72,8 +74,8 @@ impl Sums {
 
     /// How much the product at lag 0 is above the others, per thousand of the mean energy.
     fn excess_permille(&self) -> i16 {
-        let [own, before, after] = self.products;
-        let excess = own - before.abs().max(after.abs());
+        let [own, others @ ..] = self.products;
+        let excess = own - others.iter().fold(0, |most, product| most.max(product.abs()));
         let permille = (2000 * excess).checked_div(self.energy).unwrap_or(0);
         i16::try_from(permille.clamp(-1000, 1000)).unwrap_or(0)
     }
@@ -105,7 +107,7 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
 }
 
 fn limited(gradient: i32) -> i32 {
-    gradient.max(-WEAK).min(WEAK)
+    gradient.clamp(-WEAK, WEAK)
 }
 
 /// Gradients along the row around a point, from `before` px further left on; `None` where a pixel is not valid.

@@ -6,7 +6,7 @@
 //! rows of points one below the other, and one apart: histogram of the differences of disparity, bins of 1/2 px
 //!     a peak at 1.5 px or more that holds a third of the points: the rows may be torn between these two
 //! images: at each row between them, sum of |row - row below| along the columns, as it is and with the row below moved by the shift
-//!     torn, where the moved row is below 3/4 of the other
+//!     torn, where the moved row is below 11/16 of the other
 //! ```
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
@@ -109,7 +109,7 @@ fn is_torn(image: Gray<'_>, y: i32, shift: i32) -> bool {
         return false;
     };
     let as_it_is = difference(upper, lower);
-    as_it_is >= MIN_DIFFERENCE * length as u32 && 4 * difference(upper, shifted) < 3 * as_it_is
+    as_it_is >= MIN_DIFFERENCE * length as u32 && 16 * difference(upper, shifted) < 11 * as_it_is
 }
 
 /// Sum of absolute differences.

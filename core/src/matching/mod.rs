@@ -10,11 +10,14 @@ pub(crate) mod aggregate;
 pub(crate) mod band;
 pub(crate) mod codes;
 pub(crate) mod consistency;
+mod curves;
 pub(crate) mod feature;
 pub(crate) mod near_horizontal;
 pub(crate) mod near_vertical;
 pub(crate) mod row_offset;
 pub(crate) mod surroundings;
+
+pub use curves::{CurveKind, SegmentCurves};
 
 use crate::confidence::{Model, Models};
 use crate::curve::{CURVES, Curve};
@@ -36,15 +39,15 @@ pub(crate) const MIN_RANGE: i32 = 8;
 /// Margin of the search range on both sides of the disparities of support points nearby, px.
 const AROUND: i32 = 3;
 /// Largest uniqueness ratio, best / second-best, of the segment's window, Q8.
-const MAX_WINDOW_RATIO_Q8: i32 = 230;
+pub const MAX_WINDOW_RATIO_Q8: i32 = 230;
 /// Largest uniqueness ratio, best / second-best, of census, Q8.
-const MAX_CENSUS_RATIO_Q8: i32 = 240;
+pub const MAX_CENSUS_RATIO_Q8: i32 = 240;
 /// Largest uniqueness ratio, best / second-best, of a side's own window, Q8.
-const MAX_SIDE_RATIO_Q8: i32 = 230;
+pub const MAX_SIDE_RATIO_Q8: i32 = 230;
 /// Largest difference between the disparities of two sides, summed over both ends, for them to be one surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 2 * 64;
 /// Largest difference between the disparities of both ends, 1/64 px.
-const MAX_SLANT_Q6: i32 = 6 << 6;
+pub const MAX_SLANT_Q6: i32 = 6 << 6;
 
 /// A segment that passed every hard test, with a hypothesis for one or both of its sides.
 #[derive(Clone, Debug, Hash)]
@@ -184,6 +187,11 @@ pub(crate) struct Workspace {
 impl Workspace {
     pub(crate) const EMPTY: Self =
         Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { SegmentEvidence::new() }; 2] };
+
+    /// Leaves no curve of the segment before.
+    pub(crate) fn clear_curves(&mut self) {
+        self.curves.iter_mut().for_each(Curve::clear);
+    }
 
     /// The sides with their log-odds; keeps their evidence for observers.
     fn rate(

@@ -30,7 +30,7 @@ const SIDE_ROWS: [[i32; 2]; 2] = [[-2, -5], [2, 5]];
 /// reach across the edge.
 const RISE_Q1: i32 = 7;
 /// Largest uniqueness ratio, best / second-best, of a half, Q8: a half that shows nothing, beside one that does, is of another surface.
-const MAX_HALF_RATIO_Q8: i32 = 230;
+const MAX_HALF_RATIO_Q8: i32 = 256;
 /// Distance between the centres of the two sides' windows, px.
 const SIDES_APART: i32 = 8;
 /// Rows of each side's census points.
@@ -109,13 +109,17 @@ pub(crate) fn match_near_horizontal(
 
     let [above_rows, below_rows] = side_rows(&line);
     let [above_points, below_points] = CENSUS_ROWS;
-    let [a, b, c, d, e, f, g, h, i, j, census, ..] = &mut work.curves;
+    let [a, b, c, d, e, f, g, h, i, j, census_above, census_below] = &mut work.curves;
     let above = SideWindows::new([a, b, c, d, e], &line, columns, above_rows, range, band);
     let below = SideWindows::new([f, g, h, i, j], &line, columns, below_rows, range, band);
-    let mut match_one = |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32| {
-        match_side(&line, own, other, shared.with(SegmentKind::WhichSide, which_side), context, band, census)
-    };
-    let matched = [match_one((&above, above_points), &below, -256), match_one((&below, below_points), &above, 256)];
+    let match_one =
+        |own: (&SideWindows<'_>, [i32; 2]), other: &SideWindows<'_>, which_side: i32, census: &mut Curve| {
+            match_side(&line, own, other, shared.with(SegmentKind::WhichSide, which_side), context, band, census)
+        };
+    let matched = [
+        match_one((&above, above_points), &below, -256, census_above),
+        match_one((&below, below_points), &above, 256, census_below),
+    ];
     let (window_q6, census_q6) = match &matched {
         [Ok(a), Ok(b)] if b.evidence.get(SegmentKind::SideRatio) < a.evidence.get(SegmentKind::SideRatio) => {
             b.techniques()

@@ -46,9 +46,9 @@ const BLANK: u32 = 1;
 /// Texture below which a low confidence is reported as [`PixelRejection::NoTexture`], log2(1 + mean gradient) in Q8.
 const LITTLE_TEXTURE_Q8: i32 = 256;
 /// Gap of the left-right check above which it has failed, px in Q8.
-const LEFT_RIGHT_GAP_Q8: i32 = 384;
+pub const LEFT_RIGHT_GAP_Q8: i32 = 384;
 /// Uniqueness ratio, best / second-best, above which the answer is not unique, Q8.
-const SECOND_BEST_Q8: i32 = 205;
+pub const SECOND_BEST_Q8: i32 = 205;
 
 /// The depth of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -44,7 +44,7 @@ use core::ops::Range;
 use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
-use paths::{MAX_COLUMNS, Paths};
+use paths::{MAX_COLUMNS, Paths, PointCosts};
 use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
 
 /// Distance from one support point to the next, across and down, px.
@@ -100,6 +100,33 @@ impl SupportPoint {
     }
 }
 
+/// Costs of a support point over disparity. Entries fall from the largest disparity on, 1 px each.
+#[derive(Clone, Copy, Debug)]
+pub struct SupportCurves<'a> {
+    /// Disparity of the first entry, px.
+    pub largest: i32,
+    /// Costs of the window alone, before aggregation, 0 ..= 64.
+    pub window: &'a [u8],
+    /// Sums of the three semi-global paths, after aggregation.
+    pub paths: &'a [u8],
+}
+
+impl<'a> SupportCurves<'a> {
+    /// Curves over the indices in `range`, where the window lies on valid pixels; `last` is the disparity of index 0. The window's entries hold P2
+    /// as well ([`OUTSIDE`]).
+    fn new(costs: &'a PointCosts<'_>, range: Range<usize>, last: i32) -> Self {
+        let largest = last - range.start as i32;
+        let of = |costs: &'a [u8]| costs.get(range.clone()).unwrap_or(&[]);
+        Self { largest, window: of(costs.costs), paths: of(costs.sums) }
+    }
+}
+
+/// Costs or evidence of a support point, for observers.
+pub(crate) enum Seen<'a> {
+    Curves(SupportCurves<'a>),
+    Evidence(&'a SupportEvidence),
+}
+
 /// A pair and the grid of points that is matched in it.
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
@@ -111,14 +138,14 @@ pub(crate) struct Matching<'a> {
 
 impl Matching<'_> {
     /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. Fills `points` with one per point of the grid, row
-    /// by row; calls `watch` with the index and the evidence of each that has a disparity, neighbours left out. Returns the detail of the left
-    /// image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the range.
+    /// by row; calls `watch` with the index and the costs of each, then with the evidence, neighbours left out, of each that has a disparity.
+    /// Returns the detail of the left image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the range.
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
         memory: &mut [u8],
         points: &mut VecView<SupportPoint>,
-        mut watch: impl FnMut(usize, &SupportEvidence),
+        mut watch: impl FnMut(usize, Seen<'_>),
     ) -> (i16, RangeCheck) {
         points.clear();
         let Grid { columns, rows, .. } = self.grid;
@@ -140,7 +167,7 @@ impl Matching<'_> {
         memory: &mut [u8],
         points: &mut [SupportPoint],
         (detail, nearer): (&mut Detail, &mut NearerSearch),
-        watch: &mut impl FnMut(usize, &SupportEvidence),
+        watch: &mut impl FnMut(usize, Seen<'_>),
     ) {
         let [left, right] = self.images;
         let Some((ranks, paths)) = self.grid.split(memory) else { return };
@@ -186,10 +213,12 @@ impl Matching<'_> {
                 if let Some(range) = ranges.get(column).filter(|range| !range.is_empty())
                     && let Some(point) = points.get_mut(first + column)
                     && let Some(&changes) = changes.get(column)
-                    && let Some(found) = Found::new(costs, range.clone(), changes)
                 {
-                    watch(first + column, &found.evidence);
-                    *point = self.to_point(&found);
+                    watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
+                    if let Some(found) = Found::new(costs, range.clone(), changes) {
+                        watch(first + column, Seen::Evidence(&found.evidence));
+                        *point = self.to_point(&found);
+                    }
                 }
             });
         }

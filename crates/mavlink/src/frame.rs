@@ -9,8 +9,17 @@ const HEAD: usize = 10;
 /// Bytes of the longest frame here.
 pub const MAX_FRAME: usize = HEAD + MAX_PAYLOAD + 2;
 /// A frame of version 2 begins.
-const MAGIC: u8 = 0xfd;
+pub(crate) const MAGIC: u8 = 0xfd;
 const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
+
+/// Checksum of a frame behind its first byte, with the byte of its message.
+#[inline(never)]
+pub(crate) fn checksum(bytes: &[u8], extra: u8) -> u16 {
+    let mut digest = CRC.digest();
+    digest.update(bytes);
+    digest.update(&[extra]);
+    digest.finalize()
+}
 
 /// A message that can be sent.
 pub trait Mavlink {
@@ -29,10 +38,26 @@ pub struct Fields(heapless::Vec<u8, MAX_FRAME>);
 
 impl Fields {
     /// Little endian bytes of a number. What is longer than [`MAX_FRAME`] is cut off: no message here is.
+    #[inline(never)]
     pub fn put(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let _ = self.0.push(byte);
         }
+    }
+
+    /// Ends a frame: no zeros at the end of its payload, its length, its checksum.
+    #[inline(never)]
+    fn finish(&mut self, extra: u8) {
+        let frame = &mut self.0;
+        while frame.len() > HEAD + 1 && frame.last() == Some(&0) {
+            frame.pop();
+        }
+        let length = frame.len().saturating_sub(HEAD) as u8;
+        if let Some(byte) = frame.get_mut(1) {
+            *byte = length;
+        }
+        let crc = checksum(frame.get(1..).unwrap_or_default(), extra);
+        self.put(&crc.to_le_bytes());
     }
 }
 
@@ -59,18 +84,7 @@ impl Sender {
         let [id0, id1, id2, _] = M::ID.to_le_bytes();
         fields.put(&[MAGIC, 0, 0, 0, self.sequence, self.system, self.component, id0, id1, id2]);
         message.put(&mut fields);
-        let frame = &mut fields.0;
-        while frame.len() > HEAD + 1 && frame.last() == Some(&0) {
-            frame.pop();
-        }
-        let length = frame.len().saturating_sub(HEAD) as u8;
-        if let Some(byte) = frame.get_mut(1) {
-            *byte = length;
-        }
-        let mut digest = CRC.digest();
-        digest.update(frame.get(1..).unwrap_or_default());
-        digest.update(&[M::CRC_EXTRA]);
-        fields.put(&digest.finalize().to_le_bytes());
+        fields.finish(M::CRC_EXTRA);
         self.sequence = self.sequence.wrapping_add(1);
         write(&fields.0)
     }

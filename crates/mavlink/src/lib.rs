@@ -1,4 +1,5 @@
-//! MAVLink 2 to an autopilot: what is known of each direction, as OBSTACLE_DISTANCE and DISTANCE_SENSOR, and a HEARTBEAT.
+//! MAVLink 2 to an autopilot: what is known of each direction, as OBSTACLE_DISTANCE and DISTANCE_SENSOR, and a HEARTBEAT. And from it: requests
+//! of parameters and of time ([`Receiver`]).
 //!
 //! In: the core's [`Obstacles`](linestereo::obstacles::Obstacles) and the time. Out: frames of at most [`MAX_FRAME`] bytes, paced by an
 //! [`AutopilotStream`]. The bytes are those of the `mavlink` crate with `mav2-message-extensions`, which does not build without std.
@@ -23,9 +24,11 @@
 mod frame;
 mod messages;
 mod pace;
+mod receive;
 mod stream;
 
 pub use frame::{Fields, MAX_FRAME, Mavlink, Sender};
 pub use messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
 pub use pace::Pace;
+pub use receive::{ParamId, ParamValue, Received, Receiver, Timesync};
 pub use stream::{AutopilotParams, AutopilotStream, Policy, StreamError};

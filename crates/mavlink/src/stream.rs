@@ -9,7 +9,7 @@
 //!
 //! Rules, parameters and sources are in `docs/autopilots.md`; `crates/mavlink/tests/autopilots.rs` holds every cell of this table.
 
-use crate::frame::Sender;
+use crate::frame::{Mavlink, Sender};
 use crate::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
 use crate::pace::Pace;
 use core::fmt;
@@ -141,6 +141,15 @@ impl AutopilotStream {
         }
         let sender = Sender { system, component, sequence: 0 };
         Ok(Self { params, sender, distances: Pace::per_second(rate_hz), heartbeat: Pace::per_second(1) })
+    }
+
+    /// Writes another message of this sender.
+    pub fn send<M: Mavlink, E>(
+        &mut self,
+        message: &M,
+        write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.sender.send(message, write)
     }
 
     /// Writes what is due at this time, microseconds of the clock of the pairs. To be called after every pair, and more often if pairs are

@@ -3,8 +3,8 @@
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
 use linestereo::{Dims, HealthFlags, Params, Rig};
 use linestereo_mavlink::{
-    AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace, Policy,
-    Sender, StreamError, SystemStatus, UNKNOWN_CM,
+    AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace,
+    ParamValue, Policy, Received, Receiver, Sender, StreamError, SystemStatus, Timesync, UNKNOWN_CM,
 };
 use mavlink::dialects::common as theirs;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _, MessageData};
@@ -263,4 +263,106 @@ fn nothing_known_is_65535_everywhere() {
     assert_eq!((found.min_distance, found.max_distance), (20, 1000));
     assert_eq!(found.frame, theirs::MavFrame::MAV_FRAME_BODY_FRD);
     assert_eq!(sent[1].1.len(), 179);
+}
+
+/// What a receiver of system 1, component 196 takes of these bytes.
+fn received(bytes: &[u8]) -> Vec<Received> {
+    let mut receiver = Receiver::new();
+    bytes.iter().filter_map(|&byte| receiver.push(byte, 1, 196)).collect()
+}
+
+fn id(text: &str) -> [u8; 16] {
+    let mut id = [0; 16];
+    id[..text.len()].copy_from_slice(text.as_bytes());
+    id
+}
+
+#[test]
+fn parameters_and_times_are_sent_as_the_crate_sends_them() {
+    let mut random = Random(5);
+    for (name, value) in [("CELL", 20.0), ("ANCHOR_GRADIENT_", -0.5), ("", 0.0)] {
+        let (index, count) = (random.next() as u16, random.next() as u16);
+        let expected = theirs::MavMessage::PARAM_VALUE(theirs::PARAM_VALUE_DATA {
+            param_value: value,
+            param_count: count,
+            param_index: index,
+            param_id: id(name).into(),
+            param_type: theirs::MavParamType::MAV_PARAM_TYPE_REAL32,
+        });
+        check(any_sender(&mut random), &ParamValue { id: id(name), value, index, count }, &expected);
+    }
+    let (tc1, ts1) = (-1, 0x0123_4567_89ab_cdef);
+    let expected = theirs::TIMESYNC_DATA { tc1, ts1, ..theirs::TIMESYNC_DATA::default() };
+    check(any_sender(&mut random), &Timesync { tc1, ts1 }, &theirs::MavMessage::TIMESYNC(expected));
+}
+
+/// Requests that the crate has written, to us, to all and to others.
+fn requests() -> (Vec<Vec<u8>>, Vec<Received>) {
+    let header = MavHeader { system_id: 255, component_id: 190, sequence: 7 };
+    let (mut frames, mut expected) = (Vec::new(), Vec::new());
+    for (target_system, target_component, is_ours) in
+        [(1, 196, true), (0, 0, true), (1, 0, true), (2, 196, false), (1, 1, false)]
+    {
+        let list = theirs::PARAM_REQUEST_LIST_DATA { target_system, target_component };
+        let read = theirs::PARAM_REQUEST_READ_DATA {
+            param_index: -1,
+            target_system,
+            target_component,
+            param_id: id("CELL").into(),
+        };
+        let set = theirs::PARAM_SET_DATA {
+            param_value: 3.5,
+            target_system,
+            target_component,
+            param_id: id("DISTANCE_SENSOR").into(),
+            param_type: theirs::MavParamType::MAV_PARAM_TYPE_REAL32,
+        };
+        frames.extend(
+            [
+                theirs::MavMessage::PARAM_REQUEST_LIST(list),
+                theirs::MavMessage::PARAM_REQUEST_READ(read),
+                theirs::MavMessage::HEARTBEAT(theirs::HEARTBEAT_DATA::default()),
+                theirs::MavMessage::PARAM_SET(set),
+            ]
+            .map(|message| frame_of(header, &message)),
+        );
+        if is_ours {
+            expected.extend([
+                Received::ParamList,
+                Received::ParamRead { index: -1, id: id("CELL") },
+                Received::ParamSet { id: id("DISTANCE_SENSOR"), value: 3.5 },
+            ]);
+        }
+    }
+    let times = theirs::TIMESYNC_DATA { tc1: 0, ts1: 5_000_000_000, ..theirs::TIMESYNC_DATA::default() };
+    frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(times)));
+    expected.push(Received::Timesync(Timesync { tc1: 0, ts1: 5_000_000_000 }));
+    (frames, expected)
+}
+
+#[test]
+fn requests_are_taken_out_of_any_stream() {
+    let (frames, expected) = requests();
+    assert_eq!(received(&frames.concat()), expected);
+    let noisy: Vec<u8> = frames.iter().flat_map(|frame| [b"noise\0".as_slice(), frame].concat()).collect();
+    assert_eq!(received(&noisy), expected);
+}
+
+#[test]
+fn nothing_is_taken_out_of_damage() {
+    let (frames, expected) = requests();
+    for frame in &frames[..4] {
+        for (at, bit) in (1..frame.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {
+            let mut damaged = frame.clone();
+            damaged[at] ^= 1 << bit;
+            // Flags of the head that change nothing for the reader are not damage: they are part of the checksum.
+            assert_eq!(received(&damaged), [], "byte {at}, bit {bit}");
+        }
+    }
+    // A damaged length costs at most the 280 bytes that it announces.
+    let mut random = Random(11);
+    let mut bytes: Vec<u8> = (0..5000).map(|_| random.next() as u8).collect();
+    bytes.extend([0; 280]);
+    bytes.extend(frames.concat());
+    assert!(received(&bytes).ends_with(&expected));
 }

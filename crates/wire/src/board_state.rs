@@ -72,6 +72,30 @@ impl fmt::Display for Reset {
     }
 }
 
+/// Clock of a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TimeSource {
+    /// The board's: microseconds since it started.
+    Board,
+    /// The host's, by the offset that it has set in the last 10 s.
+    Host,
+    /// The autopilot's, by TIMESYNC in the last 10 s.
+    Autopilot,
+}
+
+impl TimeSource {
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Board => "board",
+            Self::Host => "host",
+            Self::Autopilot => "autopilot",
+        }
+    }
+}
+
 /// Kinds of faults of a camera's frame.
 const KINDS: usize = 7;
 

@@ -6,6 +6,7 @@
 use crate::object::{MAX_REGIONS, Regions};
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
+use crate::settings::{Setting, SettingValue};
 use core::fmt;
 use heapless::String;
 use linestereo::health::Skewed;
@@ -67,6 +68,20 @@ pub enum Request {
     Photograph,
     /// Match the built-in pair of this number: `Message::Case` and the answer. For the program `selftest`; others refuse it.
     RunCase(u16),
+    /// Change a [`Setting`].
+    Set(SettingValue),
+    /// Say all settings: a `Message::Setting` each, `Message::Kept` and the answer.
+    Settings,
+    /// Keep the settings in the flash, so that they outlive a reset.
+    KeepSettings,
+    /// Go back to the settings that the board was built with and to the disparity range of its rig, in the flash as well.
+    ResetSettings,
+    /// Say the time: `Message::Clock` and the answer.
+    ReadClock,
+    /// From now on give times in the host's clock: its time when the board's was 0, microseconds. To be measured anew every few seconds.
+    SetClock(u64),
+    /// Leave the program for the boot loader, which takes another one over USB; after the answer.
+    Bootloader,
 }
 
 /// The bytes of a [`RigImage`], unchecked: the board says what is wrong with them.
@@ -274,7 +289,7 @@ pub enum Refusal {
         /// Width and height of these.
         given: [u16; 2],
     },
-    /// The flash does not keep the rig.
+    /// There is no flash, or it does not keep what is written.
     NotKept,
     /// The box with this index of the list has no pixel in the board's largest image.
     Region(u8),
@@ -286,6 +301,17 @@ pub enum Refusal {
         skew_us: u32,
         /// Allowed ones.
         limit_us: u32,
+    },
+    /// A [`Setting`] outside of its range.
+    Setting {
+        /// Its number.
+        number: u8,
+        /// The value.
+        value: f32,
+        /// Least allowed value.
+        least: f32,
+        /// Largest allowed value.
+        largest: f32,
     },
 }
 
@@ -351,8 +377,13 @@ impl fmt::Display for Refusal {
             Self::RawSize { needed: [w, h], given: [width, height] } => {
                 write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
             }
-            Self::NotKept => write!(f, "the board's flash does not keep the rig"),
+            Self::NotKept => write!(f, "the board's flash does not keep it"),
             Self::NoPair => write!(f, "the cameras delivered no whole pair: look at what they lost"),
+            Self::Setting { number, value, least, largest } => {
+                let (name, kind) = Setting::get(number)
+                    .map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }));
+                write!(f, "{name} is {value}, allowed are {kind}{least} to {largest}")
+            }
             Self::Region(index) => write!(f, "box {index} has no pixel in the image"),
         }
     }

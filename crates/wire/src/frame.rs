@@ -3,6 +3,7 @@
 //! In: the core's counts and matches. Out: records of the same bits (a [`Match`] that went over the wire comes back equal), in the core's
 //! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
 
+use crate::board_state::TimeSource;
 use crate::health::{Health, PairReport};
 use heapless::Vec;
 use linestereo::diagnostics::Techniques;
@@ -23,7 +24,7 @@ pub const POINTS_PER_PACKET: usize = 32;
 pub struct FrameHead {
     /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
     pub sequence: u32,
-    /// When the pair was captured: microseconds since the board started.
+    /// When the pair was captured, microseconds of the clock that `clock` names.
     pub capture_time_us: u64,
     /// Width of the images in px.
     pub width: u16,
@@ -39,6 +40,8 @@ pub struct FrameHead {
     pub counts: Counts,
     /// Segments that follow.
     pub segments: u16,
+    /// The clock of `capture_time_us`.
+    pub clock: TimeSource,
 }
 
 impl FrameHead {
@@ -48,8 +51,8 @@ impl FrameHead {
     pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
-        let (times, counts) = (FrameTimes::default(), counts.into());
-        Self { sequence, capture_time_us, width, height, health, pair: None, times, counts, segments: 0 }
+        let (times, counts, clock) = (FrameTimes::default(), counts.into(), TimeSource::Board);
+        Self { sequence, capture_time_us, width, height, health, pair: None, times, counts, segments: 0, clock }
     }
 
     /// The same with the health of the pair.

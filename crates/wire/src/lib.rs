@@ -54,8 +54,9 @@ mod object;
 mod packet;
 mod rig_fault;
 mod send;
+mod settings;
 
-pub use board_state::{CaptureReport, Reset, ResetCause};
+pub use board_state::{CaptureReport, Reset, ResetCause, TimeSource};
 pub use case::{CaseReport, DIGESTS, MachineReport, Silicon};
 pub use command::{
     Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,
@@ -70,3 +71,4 @@ pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionB
 pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};
 pub use rig_fault::{RigFault, RigInUse, RigReport};
 pub use send::{PointStream, SendError, send, send_frame, send_objects};
+pub use settings::{KeptReport, SETTINGS, Setting, SettingValue, SettingValues};

@@ -7,6 +7,7 @@ use crate::frame::{FrameHead, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::object::Objects;
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigReport;
+use crate::settings::{KeptReport, SettingValue};
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +39,12 @@ pub enum Message {
     Machine(MachineReport),
     /// A built-in pair that was matched: by `selftest`, before the answer to `Request::RunCase`.
     Case(CaseReport),
+    /// A setting, for `Request::Settings`, before `Message::Kept`.
+    Setting(SettingValue),
+    /// What is kept of the settings, for `Request::Settings`, before the answer.
+    Kept(KeptReport),
+    /// Time of the board's own clock, in which pairs are captured, microseconds: for `Request::ReadClock`, before the answer.
+    Clock(u64),
 }
 
 impl Sealed for Message {}

@@ -39,6 +39,8 @@ pub enum RigFault {
     Range,
     /// A rig, but one whose images or bands this board has no memory for.
     TooLarge,
+    /// Settings of which one is out of its range.
+    OutOfRange,
 }
 
 impl From<RigImageError> for RigFault {
@@ -80,6 +82,7 @@ impl fmt::Display for RigFault {
             Self::View => "view unusable",
             Self::Range => "disparity range unusable",
             Self::TooLarge => "too large for this board",
+            Self::OutOfRange => "a setting out of its range",
         })
     }
 }

@@ -169,7 +169,7 @@ fn the_layout_of_this_version_is_exactly_this() {
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
         6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12,
-        13, 14, 15, 16, 3,
+        13, 14, 15, 16, 3, 0,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };

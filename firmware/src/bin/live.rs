@@ -6,27 +6,30 @@
 fn live() -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
     use linestereo_firmware::boards::{self, selected};
-    use linestereo_firmware::ports::{Peripherals, Watchdog as _};
+    use linestereo_firmware::ports::{Light as _, Peripherals, Watchdog as _};
     use linestereo_firmware::programs::live::{Live, Turn};
     use linestereo_firmware::session::Session;
-    use linestereo_firmware::vehicle::VEHICLE;
 
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
-    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset } = board;
+    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset, bootloader, mut light } =
+        board;
     let mut session = match &mut flash {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    (session.reset, session.vehicle) = (reset, VEHICLE);
+    (session.reset, session.has_bootloader) = (reset, bootloader.is_some());
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
         let turn = live.turn(memory, &mut pairs);
         if turn.is_work() {
             watchdog.feed();
         }
-        if turn == Turn::Idle {
-            rest();
+        light.set(live.is_lit());
+        match (turn, bootloader) {
+            (Turn::Leave, Some(enter)) => enter(),
+            (Turn::Idle, _) => rest(),
+            _ => {}
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use super::flash_file::FlashFile;
 use crate::painter::Painter;
-use crate::ports::{self, BarePeripherals, ByteSink, ByteSource, NoWatchdog};
-use crate::rig_store::RigStore;
+use crate::ports::{self, BarePeripherals, ByteSink, ByteSource, NoLight, NoWatchdog};
 use crate::semihosting::Arguments;
+use crate::slot_store::BoardStore;
 
 /// Frames painted in place of cameras, a file of the PC in place of flash.
-pub type Peripherals<C, H, A> = ports::Peripherals<C, H, A, Painter, RigStore<FlashFile>, NoWatchdog>;
+pub type Peripherals<C, H, A> = ports::Peripherals<C, H, A, Painter, BoardStore<FlashFile>, NoWatchdog, NoLight>;
 
 /// Around a clock, the host's port and the autopilot's. The program's argument names the file in place of flash; `None` when that cannot be used.
 pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Peripherals<C, H, A>> {
@@ -20,6 +20,8 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         watchdog: NoWatchdog,
         rest: || {}, // no interrupt is enabled that would end it
         reset: None,
+        bootloader: None,
+        light: NoLight,
     })
 }
 

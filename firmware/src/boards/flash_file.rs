@@ -1,14 +1,14 @@
 //! A file of the PC in place of flash, which QEMU's mps2 machines do not have. It stays when the machine ends, as flash does.
 
 use crate::ports::{ByteSink as _, ByteSource as _};
-use crate::rig_store::RigStore;
 use crate::semihosting::{CannotOpen, File, Mode};
+use crate::slot_store::BoardStore;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
-/// Two slots of one block each: the file has as many bytes.
-pub const BYTES: usize = 2 * FlashFile::ERASE_SIZE;
+/// Two slots for the rig and two for settings, of one block each: the file has as many bytes.
+pub const BYTES: usize = 4 * FlashFile::ERASE_SIZE;
 
 /// Flash of 512-byte blocks and 8-byte words in a file. What the file cannot do, a full disk for example, is an error as of worn flash.
 #[derive(Debug)]
@@ -18,11 +18,12 @@ pub struct FlashFile {
 }
 
 impl FlashFile {
-    /// The two slots in the file of this name.
-    pub fn slots(name: &str) -> Result<RigStore<Self>, CannotOpen> {
+    /// The slots in the file of this name.
+    pub fn slots(name: &str) -> Result<BoardStore<Self>, CannotOpen> {
         let file = File::open(name, Mode::Change)?;
         let bytes = file.length() as usize;
-        RigStore::new(Self { file, bytes }, [0, Self::ERASE_SIZE as u32]).map_err(|_| CannotOpen)
+        let [first, second, third, fourth] = [0, 1, 2, 3].map(|block| block * Self::ERASE_SIZE as u32);
+        BoardStore::new(Self { file, bytes }, [first, second], [third, fourth]).map_err(|_| CannotOpen)
     }
 
     fn seek(&mut self, offset: u32) -> Result<(), NorFlashErrorKind> {

@@ -1,9 +1,10 @@
 //! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB of flash. Two HM01B0 with four data wires each.
 //!
 //! ```text
-//! GP0         UART 0, to an autopilot
+//! GP0, 1      UART 0, to and from an autopilot
 //! GP2 .. 8    left camera: D0, D1, D2, D3, PCLKO, LVLD, FVLD          GP16, 17   SDA, SCL of the left camera (I2C 0)
 //! GP9 .. 15   right camera, the same                                  GP18, 19   SDA, SCL of the right camera (I2C 1)
+//! GP25        the board's light
 //! GP20        TRIG of both                                            GP21       MCLK of both, 6 MHz
 //! ```
 //! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
@@ -23,17 +24,18 @@ mod wired {
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
     use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, KeptRig, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
+        Autopilot, FrameWatchdog, Kept, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
         Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
-    use crate::ports::{BarePeripherals, FrameStart, PairSource, Peripherals};
+    use crate::ports::{BarePeripherals, FrameStart, Light, PairSource, Peripherals};
     use core::mem;
     use embassy_rp::clocks::{Gpout, GpoutSrc, clk_sys_freq};
     use embassy_rp::gpio::{Level, Output};
+    use embassy_time::{Duration, block_for};
     use linestereo::Dims;
     use linestereo_wire::Reset;
 
@@ -86,9 +88,31 @@ mod wired {
         })
     }
 
+    /// The green light of the board.
+    #[expect(missing_debug_implementations, reason = "the HAL's pin has none")]
+    pub struct OnboardLight(Output<'static>);
+
+    impl Light for OnboardLight {
+        fn set(&mut self, is_on: bool) {
+            self.0.set_level(if is_on { Level::High } else { Level::Low });
+        }
+    }
+
+    /// What waits for the host is sent by then.
+    const FAREWELL: Duration = Duration::from_millis(200);
+
+    /// Ends the program for the boot ROM's, which shows the board as a drive (RP2350 datasheet, 5.4.8.24).
+    fn enter_bootloader() -> ! {
+        block_for(FAREWELL);
+        embassy_rp::rom_data::reset_to_usb_boot(0, 0);
+        loop {
+            cortex_m::asm::nop(); // it takes 10 ms
+        }
+    }
+
     /// What the board gives to `live`. Once.
     pub fn peripherals()
-    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, KeptRig<FLASH>, FrameWatchdog>> {
+    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog, OnboardLight>> {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
@@ -121,12 +145,14 @@ mod wired {
         Some(Peripherals {
             clock,
             host: start_host(board.USB, BOARD.name),
-            autopilot: Autopilot::start(board.UART0, board.PIN_0),
+            autopilot: Autopilot::start(board.UART0, board.PIN_0, board.PIN_1),
             pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
             flash: keeper(board.FLASH),
             watchdog,
             rest: cortex_m::asm::wfe,
             reset: Some(reset),
+            bootloader: Some(enter_bootloader),
+            light: OnboardLight(Output::new(board.PIN_25, Level::Low)),
         })
     }
 }

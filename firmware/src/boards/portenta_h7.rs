@@ -15,13 +15,15 @@ pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
 mod on_board {
+    use crate::boards::stm32h7::bootloader;
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::kept::KeptFlash;
+    use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
-    use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::stm32h7::silicon;
     use crate::boards::{stm32h7, usb_port};
     use crate::camera::{NoReset, ResetPin, Trigger};
@@ -117,6 +119,7 @@ mod on_board {
 
     /// Caches and clocks, for every program; and why the chip was reset.
     fn start() -> (Peripherals, Option<Reset>) {
+        bootloader::follow_word();
         memory::prepare();
         let reset = reset::cause();
         clocks::take_over();
@@ -178,8 +181,21 @@ mod on_board {
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
-        let flash = RigFlash::slots(p.FLASH);
+        let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
-        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
+        let light = Light([Output::new(p.PK6, Level::High, Speed::Low)]);
+        let bootloader = Some(bootloader::enter as fn() -> !);
+        Some(crate::ports::Peripherals {
+            clock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest,
+            reset,
+            bootloader,
+            light,
+        })
     }
 }

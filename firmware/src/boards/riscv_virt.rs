@@ -17,7 +17,7 @@ pub use on_board::{InstructionClock, bare, peripherals};
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 mod on_board {
     use crate::boards::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-    use crate::ports::{BarePeripherals, ByteSink, Clock, NoWatchdog};
+    use crate::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
     use riscv::register::mcycle;
 
     /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its counter of retired instructions counts the same
@@ -90,6 +90,12 @@ mod on_board {
 
     impl ByteSink for NoPort {
         fn write(&mut self, _: &[u8]) {}
+    }
+
+    impl ByteSource for NoPort {
+        fn read(&mut self, _: &mut [u8]) -> usize {
+            0
+        }
     }
 
     /// What it gives to `live`.

@@ -17,13 +17,15 @@ pub use on_board::{bare, peripherals};
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 mod on_board {
+    use crate::boards::stm32h7::bootloader;
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
     use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::kept::KeptFlash;
+    use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
-    use crate::boards::stm32h7::rig::RigFlash;
     use crate::boards::stm32h7::silicon;
     use crate::boards::{stm32h7, usb_port};
     use crate::camera::ResetPin;
@@ -90,6 +92,7 @@ mod on_board {
 
     /// Caches and clocks, for every program; and why the chip was reset.
     fn start() -> (Peripherals, Option<Reset>) {
+        bootloader::follow_word();
         memory::prepare();
         let reset = reset::cause();
         clocks::take_over();
@@ -139,8 +142,21 @@ mod on_board {
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
-        let flash = RigFlash::slots(p.FLASH);
+        let flash = KeptFlash::slots(p.FLASH);
         let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
-        Some(crate::ports::Peripherals { clock, host, autopilot, pairs, flash, watchdog, rest, reset })
+        let light = Light([output(p.PE3.into()), output(p.PB0.into())]);
+        let bootloader = Some(bootloader::enter as fn() -> !);
+        Some(crate::ports::Peripherals {
+            clock,
+            host,
+            autopilot,
+            pairs,
+            flash,
+            watchdog,
+            rest,
+            reset,
+            bootloader,
+            light,
+        })
     }
 }

@@ -1,14 +1,17 @@
 //! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
+use crate::clock_sync::ClockSync;
+use crate::indicator::{self, Status};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Dims, Match, ObjectDepth};
+use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND, MAX_PACKET,
-    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, send, send_frame,
-    send_objects,
+    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, Setting, TimeSource,
+    send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
@@ -31,6 +34,11 @@ pub struct Live<'a, C, P, A = NoAutopilot> {
     has_skipped: bool,
     /// Of the frame that is worked on.
     times: FrameTimes,
+    /// When an autopilot last set a parameter that is not yet in the flash.
+    unkept_us: Option<u64>,
+    sync: ClockSync,
+    leaves: bool,
+    status: Status,
 }
 
 /// A photo that lies in the frames, and pixels of it that are sent.
@@ -52,13 +60,15 @@ pub enum Turn {
     Finished,
     /// No pair came.
     Missing,
+    /// The host wants the boot loader: the program is to end.
+    Leave,
 }
 
 impl Turn {
     /// Does the board do its work? What a watchdog is fed by: cameras that deliver nothing for long are to be reset.
     #[must_use]
     pub const fn is_work(self) -> bool {
-        matches!(self, Self::Idle | Self::Finished)
+        matches!(self, Self::Idle | Self::Finished | Self::Leave)
     }
 }
 
@@ -72,6 +82,19 @@ pub enum NoAutopilot {}
 impl ByteSink for NoAutopilot {
     fn write(&mut self, _: &[u8]) {}
 }
+
+impl ByteSource for NoAutopilot {
+    fn read(&mut self, _: &mut [u8]) -> usize {
+        0
+    }
+}
+
+/// Most answers to an autopilot in one turn, but for those of the last few bytes.
+const ANSWERS: usize = 4;
+/// Most reads of an autopilot's port in one turn: what a line of 57600 baud carries in 0.2 s.
+const AUTOPILOT_READS: usize = 64;
+/// Parameters that an autopilot has set go into the flash when it has set no other for so long, microseconds: erasing takes up to seconds.
+const KEEP_AFTER_US: u64 = 1_000_000;
 
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Starts with a [`Message::Hello`].
@@ -92,6 +115,10 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo: None,
             has_skipped: false,
             times: FrameTimes::default(),
+            unkept_us: None,
+            sync: ClockSync::BOARD,
+            leaves: false,
+            status: Status::Waiting,
         };
         live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         let hello = live.session.hello();
@@ -114,6 +141,10 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo,
             has_skipped,
             times,
+            unkept_us,
+            sync,
+            leaves,
+            status,
             ..
         } = self;
         let autopilot_port = Some(port);
@@ -131,19 +162,30 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             photo,
             has_skipped,
             times,
+            unkept_us,
+            sync,
+            leaves,
+            status,
         }
     }
 }
 
-impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
+impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P, A> {
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
         self.serve_commands(memory, camera);
+        if self.leaves {
+            return Turn::Leave;
+        }
+        self.serve_autopilot(camera);
         let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
             None if self.session.running || has_listener => self.match_pair(memory, camera),
-            None => Turn::Idle,
+            None => {
+                self.status = Status::Waiting;
+                Turn::Idle
+            }
         };
         let now_us = self.time();
         if let Some(port) = &mut self.autopilot_port {
@@ -153,6 +195,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             self.report_losses(losses, now_us);
         }
         turn
+    }
+
+    /// Is the board's light on?
+    #[must_use]
+    pub fn is_lit(&self) -> bool {
+        indicator::is_lit(self.session.reset.map(|reset| reset.cause), self.status, (self.time_us / 1000) as u32)
     }
 
     /// Reports to a host that wants results what the cameras lost, when that has changed.
@@ -172,8 +220,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             let mut took_long = false;
             for &byte in bytes.iter().take(count) {
                 if let Some(Ok(command)) = self.decoder.push(byte) {
-                    took_long |= matches!(command.request, Request::SetRig(_) | Request::Photograph);
+                    took_long |= matches!(
+                        command.request,
+                        Request::SetRig(_) | Request::Photograph | Request::KeepSettings | Request::ResetSettings
+                    );
                     self.serve(&command, memory, camera);
+                    self.autopilot.set_vehicle(self.session.vehicle);
                 }
             }
             // One a turn: the watchdog is fed in between.
@@ -186,10 +238,32 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     fn serve(&mut self, command: &Command, memory: &mut impl Memory, camera: &mut impl PairSource) {
         match self.session.command(command, memory) {
             Reply::Answer(answer) => self.write(&Message::Answer(answer)),
+            Reply::Leave(answer) => {
+                self.write(&Message::Answer(answer));
+                self.leaves = true;
+            }
+            Reply::Clock(answer) => {
+                let board_us = self.capture_clock(camera);
+                self.write(&Message::Clock(board_us));
+                self.write(&Message::Answer(answer));
+            }
+            Reply::SetClock(answer, offset_us) => {
+                let now_us = self.capture_clock(camera);
+                self.sync.set(TimeSource::Host, offset_us.cast_signed(), now_us);
+                self.write(&Message::Answer(answer));
+            }
             Reply::Describe(answer) => {
                 let hello = self.session.hello();
                 self.write(&Message::Hello(hello));
                 self.write(&Message::Answer(answer));
+            }
+            Reply::Settings(answer) => {
+                self.write_by(|port, session| {
+                    session.report_settings(|message| {
+                        let _ = send(message, &mut packets(port));
+                    });
+                    let _ = send(&Message::Answer(answer), &mut packets(port));
+                });
             }
             Reply::Photograph { command } => {
                 let taken = self.photograph(memory, camera);
@@ -203,6 +277,70 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
             Reply::Pair { command, .. } => {
                 self.write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }));
             }
+        }
+    }
+
+    /// Answers what the autopilot asks, and keeps what it has set.
+    #[inline(never)]
+    fn serve_autopilot(&mut self, camera: &impl PairSource) {
+        let Some(mut port) = self.autopilot_port.take() else { return };
+        let mut bytes = [0; 16];
+        let mut answers = 0;
+        for _ in 0..AUTOPILOT_READS {
+            let count = port.read(&mut bytes);
+            for &byte in bytes.iter().take(count) {
+                if let Some(message) = self.autopilot.receive(byte) {
+                    answers += 1;
+                    self.answer_autopilot(message, camera, &mut port);
+                }
+            }
+            if count == 0 || answers >= ANSWERS {
+                break;
+            }
+        }
+        for _ in 0..ANSWERS {
+            let Some(number) = self.autopilot.listed else { break };
+            let is_one = self.autopilot.send_parameter(&self.session.values(), number, &mut port);
+            self.autopilot.listed = is_one.then_some(number.wrapping_add(1));
+        }
+        if self.autopilot.has_view() {
+            let now_us = camera.clock_us().unwrap_or(self.time_us);
+            if let Some(question) = self.sync.question(now_us) {
+                self.autopilot.send(&question, &mut port);
+            }
+        }
+        self.autopilot_port = Some(port);
+        let now_us = self.time_us; // of the last look
+        if self.unkept_us.take_if(|since_us| now_us.saturating_sub(*since_us) >= KEEP_AFTER_US).is_some() {
+            let _ = self.session.keep_settings(); // without flash they last until the next reset
+        }
+    }
+
+    fn answer_autopilot(&mut self, message: Received, camera: &impl PairSource, port: &mut A) {
+        let number = match message {
+            Received::ParamList => {
+                self.autopilot.listed = Some(0);
+                return;
+            }
+            Received::ParamRead { index, id } => u8::try_from(index).ok().or_else(|| number(&id)),
+            Received::ParamSet { id, value } => {
+                let number = number(&id);
+                if number.is_some_and(|number| self.session.set(number, value).is_ok()) {
+                    self.unkept_us = Some(self.time_us);
+                    self.autopilot.set_vehicle(self.session.vehicle);
+                }
+                number
+            }
+            Received::Timesync(times) => {
+                let now_us = camera.clock_us().unwrap_or(self.time_us); // of the last look
+                if let Some(answer) = self.sync.receive(times, now_us) {
+                    self.autopilot.send(&answer, port);
+                }
+                return;
+            }
+        };
+        if let Some(number) = number {
+            self.autopilot.send_parameter(&self.session.values(), number, port);
         }
     }
 
@@ -290,6 +428,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
 
     /// Numbers a frame and sends it, if the host wants results.
     fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectDepth])>) {
+        self.status = Status::of(head.health);
         if !self.session.running {
             return;
         }
@@ -297,12 +436,13 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
         let (matches, objects) = found.unwrap_or_default();
         let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
         let times = core::mem::take(&mut self.times);
-        let head = FrameHead { sequence, health: head.health | skipped, times, ..head };
+        let (capture_time_us, clock) = self.sync.stamp(head.capture_time_us);
+        let head = FrameHead { sequence, health: head.health | skipped, times, capture_time_us, clock, ..head };
         self.has_skipped = !self.has_room(&head, matches, objects);
         if self.has_skipped {
             return;
         }
-        self.write_by(|port| {
+        self.write_by(|port, _| {
             let mut write = packets(port);
             let _ = send_frame(&head, matches, &mut write);
             let _ = send_objects(head.sequence, objects, &mut write);
@@ -339,18 +479,23 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSink> Live<'_, C, P, A> {
     }
 
     fn write(&mut self, message: &Message) {
-        self.write_by(|port| {
+        self.write_by(|port, _| {
             let _ = send(message, &mut packets(port));
         });
     }
 
     /// Writes, and counts the time that it takes.
-    fn write_by(&mut self, write: impl FnOnce(&mut P)) {
+    fn write_by(&mut self, write: impl FnOnce(&mut P, &Session<'_>)) {
         let before_us = self.time();
-        write(&mut self.port);
+        write(&mut self.port, &self.session);
         let took_us = saturated(self.time() - before_us);
         self.times.port_us = self.times.port_us.saturating_add(took_us);
     }
+}
+
+/// Number of the setting that a parameter is.
+fn number(id: &ParamId) -> Option<u8> {
+    Setting::number(id.split(|&byte| byte == 0).next()?)
 }
 
 fn saturated(us: u64) -> u32 {

@@ -61,7 +61,14 @@ pub fn run(
                 write(&Message::Hello(session.hello()), output);
                 write(&Message::Answer(answer), output);
             }
-            Reply::Photograph { command } => {
+            Reply::Settings(answer) => {
+                session.report_settings(|message| write(message, output));
+                write(&Message::Answer(answer), output);
+            }
+            Reply::Photograph { command }
+            | Reply::Leave(Answer { command, .. })
+            | Reply::Clock(Answer { command, .. })
+            | Reply::SetClock(Answer { command, .. }, _) => {
                 write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);
             }
             Reply::Pair { command, head, is_raw } => {

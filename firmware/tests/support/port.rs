@@ -57,6 +57,11 @@ impl Port {
         self.0.borrow_mut().to_board.extend(encode(&Command { id, request }, &mut buffer).unwrap());
     }
 
+    /// Sends bytes to the board.
+    pub(crate) fn give(&self, bytes: &[u8]) {
+        self.0.borrow_mut().to_board.extend(bytes);
+    }
+
     /// Bytes written by the board since the last call.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         core::mem::take(&mut self.0.borrow_mut().from_board)

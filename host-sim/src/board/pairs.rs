@@ -249,6 +249,9 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Photo(_) | Message::Pixels(_) => bail!("a board that is fed by a file sent a photo"),
             Message::Capture(lost) => bail!("a board that is fed by a file lost {lost}"),
             Message::Machine(_) | Message::Case(_) => bail!("a board that is fed by a file ran a built-in pair"),
+            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) => {
+                bail!("nobody asked the board for settings or its time")
+            }
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };

@@ -317,6 +317,16 @@ impl Setup<'_> {
         self.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some())
     }
 
+    /// The pixel of the images as matched that holds this one of those before --width.
+    pub(super) fn as_matched(&self, (x, y): (u16, u16)) -> (u16, u16) {
+        let reduced = |at: u16, given: u16, matched: u16| {
+            let at = (2 * u64::from(at) + 1) * u64::from(matched) / (2 * u64::from(given));
+            u16::try_from(at).unwrap_or(u16::MAX)
+        };
+        let (given, matched) = (self.given, self.dims());
+        (reduced(x, given.width, matched.width), reduced(y, given.height, matched.height))
+    }
+
     /// The images for a board, or for the rectifier: raw ones as the rig sees them.
     pub(super) fn raw(&self, pair: &Pair) -> Result<[GrayImage; 2]> {
         let [left, right] = pair.images.clone();
@@ -380,15 +390,7 @@ impl Matcher {
 
     /// The depth of pixels of the pair that was matched last, which are counted before --width.
     pub(super) fn ask(&mut self, setup: &Setup<'_>, pixels: &[(u16, u16)]) -> Vec<Query> {
-        let (given, matched) = (setup.given, setup.dims());
-        let reduced = |at: u16, given: u16, matched: u16| {
-            let at = (2 * u64::from(at) + 1) * u64::from(matched) / (2 * u64::from(given));
-            u16::try_from(at).unwrap_or(u16::MAX)
-        };
-        let mut ask = |&(x, y): &(u16, u16)| {
-            let pixel = (reduced(x, given.width, matched.width), reduced(y, given.height, matched.height));
-            Query::new((x, y), self.engine.depth_at(pixel, None))
-        };
+        let mut ask = |&pixel: &(u16, u16)| Query::new(pixel, self.engine.depth_at(setup.as_matched(pixel), None));
         pixels.iter().map(&mut ask).collect()
     }
 }

@@ -14,6 +14,7 @@ pub mod demo;
 pub mod eval;
 mod eval_objects;
 pub mod eval_pixels;
+pub mod explain;
 pub mod faults;
 pub mod fit_confidence;
 pub mod flash_image;
@@ -25,6 +26,7 @@ mod objects;
 mod pairs;
 pub mod photograph;
 pub mod plan_rig;
+pub mod quality;
 pub mod rectify;
 pub mod report;
 pub mod run;
@@ -79,6 +81,7 @@ enum Command {
     Run(Box<run::Args>),
     Eval(Box<eval::Args>),
     EvalPixels(eval_pixels::Args),
+    Explain(Box<explain::Args>),
     Faults(faults::Args),
     Compare(Box<compare::Args>),
     FitConfidence(fit_confidence::Args),
@@ -94,6 +97,7 @@ enum Command {
     Photograph(photograph::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
+    Quality(Box<quality::Args>),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
 }
@@ -124,6 +128,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Run(args)) => run::run(args),
         Some(Command::Eval(args)) => eval::run(args),
         Some(Command::EvalPixels(args)) => eval_pixels::run(args),
+        Some(Command::Explain(args)) => explain::run(args),
         Some(Command::Faults(args)) => faults::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::FitConfidence(args)) => fit_confidence::run(args),
@@ -139,6 +144,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Photograph(args)) => photograph::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),
+        Some(Command::Quality(args)) => quality::run(args),
         Some(Command::Completions(args)) => shell::completions(args, arguments::prepared(Cli::command())),
         Some(Command::Man(args)) => shell::man(args, arguments::prepared(Cli::command())),
         None => demo::run(&demo::Args::default()),

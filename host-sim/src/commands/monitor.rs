@@ -11,13 +11,18 @@ use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_wire::{
-    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
+    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request,
+    SettingValue, encode,
 };
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+/// Has the board give times in this computer's clock, anew after so long: the board forgets it after 10 s.
+const SYNC: &str = "sync";
+const SYNC_EVERY: Duration = Duration::from_secs(2);
 /// A command is sent again after this long without an answer,
 const ANSWER_WITHIN: Duration = Duration::from_secs(1);
 /// this many times in all.
@@ -36,6 +41,10 @@ Examples:
   linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
       the depth of an object in every frame, in px of the rectified left image; only_box= matches around the
       boxes alone, box=none asks no more
+  linestereo monitor --serial /dev/ttyACM0 --count 0 --send range_m=6 --send policy=silent --send keep
+      change settings and keep them over a reset
+  linestereo monitor --serial /dev/ttyACM0 --count 0 --send settings
+      every setting as it is, and whether it is kept; --send defaults goes back to those the board was built with
   linestereo monitor run.bin
       the same bytes again
 
@@ -44,7 +53,13 @@ so that what the board is, which rig it has and why it was reset stands above it
 go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
 NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, parts,
 min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
-(and offset_px).
+(and offset_px); of the vehicle yaw_deg, range_m, lowest_m, highest_m, system, rate_hz, policy (silent,
+block, unknown), block_cm (0: the rig's near limit), distance_sensor (on, off). What is not kept is lost with
+the next reset; keep erases flash, which takes up to 4 s, in which nothing is sent to an autopilot. Margins
+and focal_px with its others are not kept.
+sync has times of frames in this computer's clock (since 1970) as long as monitor runs, else they count from
+the board's start; with --json the field clock says which. bootloader ends the program for the boot
+loader, to be flashed over USB.
 
 Columns:
   frame, time    number and capture time of the pair, since ms after the one before
@@ -57,7 +72,7 @@ Columns:
 
 At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
 With --json that summary goes to stderr, and each complete frame is one line on stdout:
-  {\"sequence\":n, \"capture_time_us\":t, \"size\":[w,h], \"health\":{...},
+  {\"sequence\":n, \"capture_time_us\":t, \"clock\":\"board\", \"size\":[w,h], \"health\":{...},
    \"times_us\":{\"waiting\":t, \"matching\":t, \"port\":t}, \"segments\":[...], \"counts\":{...}}
 health, segments and counts as in linestereo run --json.";
 
@@ -82,7 +97,7 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
+    /// Send start, stop, describe, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
     /// several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
@@ -180,11 +195,15 @@ struct Monitor {
     other_version: Option<u8>,
     /// Complete frames still to come.
     left: Option<u64>,
-    wanted: std::vec::IntoIter<Wanted>,
+    wanted: VecDeque<Wanted>,
+    /// When the board's clock was last asked for, if it is to follow the host's.
+    synced: Option<Instant>,
     waiting: Option<Waiting>,
     next_id: u16,
     last_capture: Option<u64>,
     last_hello: Option<Hello>,
+    /// Those of a list that is not complete yet.
+    settings: Vec<SettingValue>,
     /// Flags of the last frame.
     health: Health,
     has_summary: bool,
@@ -199,11 +218,13 @@ impl Monitor {
             bytes: 0,
             other_version: None,
             left: args.count,
-            wanted: wanted.into_iter(),
+            wanted: wanted.into(),
+            synced: None,
             waiting: None,
             next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
             last_capture: None,
             last_hello: None,
+            settings: Vec::new(),
             health: Health::GOOD,
             has_summary: args.count != Some(0),
             screen: Screen::new(args, args.count != Some(0)),
@@ -248,14 +269,20 @@ impl Monitor {
     }
 
     fn is_done(&self) -> bool {
-        self.left == Some(0) && self.waiting.is_none() && self.wanted.len() == 0
+        self.left == Some(0) && self.waiting.is_none() && self.wanted.is_empty()
     }
 
     /// Sends the next command, or the last one again.
     fn command(&mut self, port: &mut Port) -> Result<()> {
         match &mut self.waiting {
             None => {
-                let Some(Wanted { request, words }) = self.wanted.next() else { return Ok(()) };
+                if self.wanted.is_empty() && self.synced.is_some_and(|since| since.elapsed() >= SYNC_EVERY) {
+                    self.wanted.push_back(Wanted { request: Request::ReadClock, words: SYNC.to_owned() });
+                }
+                let Some(Wanted { request, words }) = self.wanted.pop_front() else { return Ok(()) };
+                if request == Request::ReadClock {
+                    self.synced = Some(Instant::now());
+                }
                 self.next_id = self.next_id.wrapping_add(1);
                 let command = Command { id: self.next_id, request };
                 self.waiting = Some(Waiting { command, words, since: Instant::now(), attempts: 0 });
@@ -292,6 +319,18 @@ impl Monitor {
             Some(Ok(
                 Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
             )) => Ok(()),
+            Some(Ok(Message::Setting(value))) => {
+                self.settings.push(value);
+                Ok(())
+            }
+            Some(Ok(Message::Kept(report))) => {
+                let settings = core::mem::take(&mut self.settings);
+                Ok(self.screen.note(&requests::listing(&settings, &report))?)
+            }
+            Some(Ok(Message::Clock(board_us))) => {
+                self.set_clock(board_us);
+                Ok(())
+            }
             Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
             Some(Ok(Message::Hello(hello))) => {
                 let is_news = self.last_hello.as_ref() != Some(&hello);
@@ -304,6 +343,7 @@ impl Monitor {
                     return Ok(()); // answered twice
                 };
                 match answer.outcome {
+                    Outcome::Accepted if waiting.words == SYNC => Ok(()), // every few seconds; frames name the clock
                     Outcome::Accepted => Ok(self.screen.note(&format!("accepted: {}", waiting.words))?),
                     Outcome::Refused(refusal) => Err(anyhow!("the board refused {}: {refusal}", waiting.words).into()),
                 }
@@ -314,6 +354,16 @@ impl Monitor {
             }
             Some(Err(_)) => Ok(()), // counted
         }
+    }
+
+    /// Has the board give times in this computer's clock: its time in the middle of the question and the answer less the board's.
+    fn set_clock(&mut self, board_us: u64) {
+        let is_asked = |waiting: &&Waiting| waiting.command.request == Request::ReadClock && waiting.attempts == 1;
+        let Some(waiting) = self.waiting.as_ref().filter(is_asked) else { return };
+        let middle = SystemTime::now() - waiting.since.elapsed() / 2;
+        let now_us = middle.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64);
+        let offset_us = now_us.saturating_sub(board_us);
+        self.wanted.push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
     }
 
     fn show(&mut self, frame: &Frame) -> Result<(), Stop> {

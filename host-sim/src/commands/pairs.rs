@@ -1,15 +1,38 @@
-//! Many pairs on every core: results in the order of the pairs, whoever was first.
+//! Pairs that a command is given, and many pairs on every core: results in the order of the pairs, whoever was first.
 //!
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
+use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::is_quiet;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
+use std::path::Path;
 
 /// An engine's memory may pass over the stack on its way to the heap.
 const STACK_BYTES: usize = 64 << 20;
+
+/// The pair of two images, the pair in one file, or the pairs of a folder; with a title.
+pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Vec<StoredPair>, String)> {
+    let name = |path: &Path| {
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    if let Some(right) = right {
+        let title = format!("{} and {}", name(left), name(right));
+        let files = PairFiles::Two([left.to_path_buf(), right.to_path_buf()]);
+        return Ok((vec![StoredPair::alone(name(left), files)], title));
+    }
+    if side_by_side && left.is_file() {
+        let title = name(left);
+        return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(left.to_path_buf()))], title));
+    }
+    if !left.is_dir() {
+        bail!("{} is no folder; give a left and a right image, or a folder", left.display());
+    }
+    Ok((Dataset::recording(left, side_by_side)?.pairs, name(left)))
+}
 
 /// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error
 /// to appear ends it.

@@ -2,13 +2,15 @@
 
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
-use super::pairs::named_bar;
+use super::pairs::{named_bar, pairs_of};
 use super::sequence::Player;
-use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::explain::{CurveLog, SegmentTexts};
+use crate::input::StoredPair;
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
-use std::path::{Path, PathBuf};
+use linestereo::diagnostics::{Observer, SegmentCurves, StageEvent, SupportCurves};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,7 +48,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (pairs, title) = pairs(args)?;
+    let (pairs, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
     args.objects.check(pairs.iter().map(StoredPair::left))?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
@@ -60,7 +62,7 @@ pub fn run(args: &Args) -> Result<()> {
             args,
             &mut player,
             pair,
-            shown.contains(&index),
+            (shown.contains(&index), pairs.len() == 1),
             |setup| PageSetup { title: title.clone(), many: pairs.len() > 1, ..setup },
             &mut page,
         );
@@ -91,27 +93,6 @@ pub fn run(args: &Args) -> Result<()> {
     ))
 }
 
-fn pairs(args: &Args) -> Result<(Vec<StoredPair>, String)> {
-    let name = |path: &Path| {
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-    };
-    if let Some(right) = &args.right {
-        let title = format!("{} and {}", name(&args.left), name(right));
-        let files = PairFiles::Two([args.left.clone(), right.clone()]);
-        return Ok((vec![StoredPair::alone(name(&args.left), files)], title));
-    }
-    if args.side_by_side && args.left.is_file() {
-        let title = name(&args.left);
-        return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(args.left.clone()))], title));
-    }
-    if !args.left.is_dir() {
-        bail!("{} is no folder; give a left and a right image, or a folder", args.left.display());
-    }
-    let title = name(&args.left);
-    Ok((Dataset::recording(&args.left, args.side_by_side)?.pairs, title))
-}
-
 /// Positions of at most so many frames, evenly spaced, the first and the last among them.
 fn shown(frames: usize, most: usize) -> Vec<usize> {
     if frames <= most {
@@ -125,12 +106,14 @@ fn add(
     args: &Args,
     player: &mut Player<'_>,
     pair: &StoredPair,
-    is_shown: bool,
+    (is_shown, with_tests): (bool, bool),
     named: impl Fn(PageSetup) -> PageSetup,
     page: &mut Option<Page>,
 ) -> Result<()> {
     let (loaded, setup, matcher) = player.load(pair)?;
-    let mut log = RejectionLog::default();
+    // Of many pairs the page would be too large.
+    let curves = with_tests.then(CurveLog::default);
+    let mut log = Logs { rejections: RejectionLog::default(), curves };
     let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
     if !is_shown {
         return Ok(());
@@ -147,11 +130,45 @@ fn add(
     if let Some(error) = objects.error {
         bail!("{error}");
     }
+    let (engine, params) = (&mut matcher.engine, &setup.params);
+    let tests = log.curves.map(|log| SegmentTexts::new(&log, engine, params, &matched.result));
     page.push(&PageFrame {
         name: pair.name.clone(),
         images: &matched.images,
         result: &matched.result,
-        rejected: &log.rejected(matcher.engine.matched().candidates()),
+        rejected: &log.rejections.rejected(engine.matched().candidates()),
         objects: &objects.list,
+        tests: &tests.unwrap_or_default(),
     })
+}
+
+/// Both watch a run; curves are for a single pair.
+struct Logs {
+    rejections: RejectionLog,
+    curves: Option<CurveLog>,
+}
+
+impl Observer for Logs {
+    fn on_event(&mut self, step: StageEvent<'_>) {
+        self.rejections.on_event(step);
+        if let Some(curves) = &mut self.curves {
+            curves.on_event(step);
+        }
+    }
+
+    fn wants_segment_curves(&self) -> bool {
+        self.curves.is_some()
+    }
+
+    fn segment_curves(&mut self, seen: &SegmentCurves<'_>) {
+        if let Some(curves) = &mut self.curves {
+            curves.segment_curves(seen);
+        }
+    }
+
+    fn support_curves(&mut self, index: usize, seen: &SupportCurves<'_>) {
+        if let Some(curves) = &mut self.curves {
+            curves.support_curves(index, seen);
+        }
+    }
 }

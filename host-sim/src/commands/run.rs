@@ -160,7 +160,7 @@ pub struct Args {
 }
 
 /// A column and a row.
-fn pixel(text: &str) -> Result<(u16, u16), String> {
+pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
     let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
     match numbers {
         Some((Ok(x), Ok(y))) => Ok((x, y)),

@@ -6,11 +6,13 @@
 
 mod calibration;
 mod colour;
+mod explanation;
 mod fan;
 mod legend;
 mod maps;
 mod nearest;
 mod plan;
+mod quality;
 mod rows;
 mod sheet;
 mod space;
@@ -18,10 +20,12 @@ mod text;
 
 pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
+pub use explanation::explanation;
 pub use fan::fan;
 pub use maps::{SceneMaps, maps};
 pub use nearest::nearest;
 pub use plan::plan;
+pub use quality::quality;
 pub use space::{pcd, ply};
 
 use crate::engine::FrameResult;

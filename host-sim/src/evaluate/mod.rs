@@ -11,6 +11,7 @@
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per frame and in nothing else.
 //!
 //! - Objects: `objects` says what is wrong and covered there.
+//! - Walls: `quality` says how good depths are on one, as RealSense's tool does.
 //! - **nearest**: the disparity that at least three segments of a frame reach, against a surveyed distance.
 //!
 //! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together, [`scene_table`] and [`report`] print.
@@ -23,6 +24,7 @@ mod objects;
 mod owner;
 mod packed;
 mod pixels;
+mod quality;
 mod shard;
 mod summary;
 mod table;
@@ -33,6 +35,7 @@ pub use nearest::{LEAST_SUPPORT, NearestError, NearestSummary, Surveyed, nearest
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
+pub use quality::{OFF_PLANE, Quality, Wall, WallAnswer};
 pub use shard::{Shard, ShardError, ShardFile, ShardHead};
 pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{cell_table, report, scene_table};

@@ -1,8 +1,8 @@
 //! Every damage of the bench.
 
+use super::source::Source;
 use super::{detail, geometry, sensor, texture};
-use crate::input::{Perturbation, Scene};
-use crate::results::outline::Mask;
+use crate::input::Perturbation;
 use core::fmt;
 use linestereo_baselines::GrayImage;
 
@@ -85,19 +85,6 @@ impl Family {
             _ => Evidence::Pair,
         }
     }
-}
-
-/// A pair to be damaged, and what the damages take from elsewhere.
-#[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Another pair.
-    pub other: [&'a GrayImage; 2],
-    /// Pixels of objects in the left image.
-    pub objects: &'a Mask,
-    /// Seed of everything random.
-    pub seed: u64,
 }
 
 /// One damage with its strength.

@@ -1,6 +1,7 @@
 //! Damaged pairs: what a lens, a cable, a sensor, a mount or a scene does to a pair, by name and strength, and what is answered of it.
 //!
 //! ```text
+//! source     the pair before
 //! damage     every damage of the bench with its family
 //! sensor     the same thing at the same pixel of both images; noise; single lines
 //! geometry   images that moved: rows, rotation, focal length, shutter, a tear
@@ -14,7 +15,9 @@ mod detail;
 mod geometry;
 mod score;
 mod sensor;
+mod source;
 mod texture;
 
-pub use damage::{Damage, Evidence, Family, Source};
+pub use damage::{Damage, Evidence, Family};
 pub use score::{FaultReport, FaultRow, Tally, is_asked, score};
+pub use source::Source;

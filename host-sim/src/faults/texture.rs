@@ -1,6 +1,6 @@
 //! Periodic texture painted on objects at their true disparity.
 
-use super::Source;
+use super::source::Source;
 use linestereo_baselines::GrayImage;
 
 /// Part of an object's own texture that remains.

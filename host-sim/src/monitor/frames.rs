@@ -122,7 +122,20 @@ mod tests {
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let (health, counts) = (Health::GOOD, Counts::default());
         let times = FrameTimes::default();
-        FrameHead { sequence, capture_time_us: 0, width: 64, height: 48, health, pair: None, times, counts, segments }
+        let dims = (64, 48);
+        let clock = linestereo_wire::TimeSource::Board;
+        FrameHead {
+            sequence,
+            capture_time_us: 0,
+            width: dims.0,
+            height: dims.1,
+            health,
+            pair: None,
+            times,
+            counts,
+            segments,
+            clock,
+        }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {

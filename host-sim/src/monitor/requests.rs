@@ -1,6 +1,6 @@
 //! Words of the command line to requests.
 //!
-//! In: `start`, `stop`, `describe`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
+//! In: `start`, `stop`, `describe`, `sync`, `settings`, `keep`, `defaults`, `bootloader`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
 //! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
 //! only has to be one that can be sent.
 
@@ -9,10 +9,11 @@ use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate,
+    KeptReport, MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate,
+    Setting, SettingValue,
 };
 
-/// Every name that can stand before `=`.
+/// Every name of a parameter that can stand before `=`; those of the vehicle are [`Setting`]s.
 pub const NAMES: [&str; 15] = [
     "min_disparity",
     "max_disparity",
@@ -53,10 +54,16 @@ pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
                 "start" => Request::Start,
                 "stop" => Request::Stop,
                 "describe" => Request::Describe,
+                "settings" => Request::Settings,
+                "sync" => Request::ReadClock,
+                "bootloader" => Request::Bootloader,
+                "keep" => Request::KeepSettings,
+                "defaults" => Request::ResetSettings,
                 _ => bail!(
-                    "--send {word} is unknown; give start, stop, describe, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
+                    "--send {word} is unknown; give start, stop, describe, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
                 ),
             },
+            [word] if Kind::of(word) == Kind::Vehicle => vehicle(word)?,
             parameters => Request::SetParams(update(parameters)?),
         };
         list.push(Wanted { request, words: group.join(" ") });
@@ -71,6 +78,7 @@ enum Kind {
     Rig,
     Box,
     OnlyBox,
+    Vehicle,
     Parameter,
 }
 
@@ -81,6 +89,7 @@ impl Kind {
             Some(("rig", _)) => Self::Rig,
             Some(("box", _)) => Self::Box,
             Some(("only_box" | "only-box", _)) => Self::OnlyBox,
+            Some((name, _)) if vehicle_setting(name).is_some() => Self::Vehicle,
             Some(_) => Self::Parameter,
         }
     }
@@ -157,7 +166,14 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
                     _ => bail!("--send {word}: parts are both or support"),
                 });
             }
-            _ => bail!("--send {word}: {name} is no parameter; there are {}", NAMES.join(", ")),
+            _ => {
+                let vehicle = Setting::ALL.split_at(Setting::VEHICLE).1.iter().map(|of| of.name);
+                bail!(
+                    "--send {word}: {name} is no parameter; there are {}, and of the vehicle {}",
+                    NAMES.join(", "),
+                    vehicle.collect::<Vec<_>>().join(", ")
+                )
+            }
         }
     }
     match (nearer, farther) {
@@ -181,6 +197,49 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
         _ => bail!("--send sets part of a rig; give focal_px and baseline_m (and offset_px) one after the other"),
     }
     Ok(update)
+}
+
+/// Number of a setting of the vehicle.
+fn vehicle_setting(name: &str) -> Option<u8> {
+    Setting::number(name.replace('-', "_").as_bytes()).filter(|&number| usize::from(number) >= Setting::VEHICLE)
+}
+
+/// Words of settings whose values are a choice.
+const CHOICES: [(&str, &[&str]); 3] =
+    [("parts", &["both", "support"]), ("policy", &["silent", "block", "unknown"]), ("distance_sensor", &["off", "on"])];
+
+/// A change of the vehicle.
+fn vehicle(word: &str) -> Result<Request> {
+    let (name, text) = word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
+    let number = vehicle_setting(name).ok_or_else(|| anyhow!("--send {word}: {name} is no setting"))?;
+    let name = Setting::ALL[usize::from(number)].name;
+    let value = match choices(name) {
+        Some(choices) => {
+            let place = choices.iter().position(|&choice| choice == text);
+            place.ok_or_else(|| anyhow!("--send {word}: {name} is {}", choices.join(" or ")))? as f32
+        }
+        None => Value { word, text }.number()? as f32,
+    };
+    Ok(Request::Set(SettingValue { number, value }))
+}
+
+fn choices(name: &str) -> Option<&'static [&'static str]> {
+    CHOICES.iter().find(|(of, _)| *of == name).map(|(_, choices)| *choices)
+}
+
+/// Settings as the words that would set them, and what is kept of them.
+#[must_use]
+pub fn listing(values: &[SettingValue], report: &KeptReport) -> String {
+    let words = values.iter().filter_map(|of| {
+        let name = Setting::get(of.number)?.name;
+        let choice = choices(name).and_then(|choices| choices.get(of.value as usize));
+        Some(choice.map_or_else(|| format!("{name}={}", of.value), |choice| format!("{name}={choice}")))
+    });
+    let words: Vec<String> = words.collect();
+    let kept = if report.is_kept { "kept" } else { "not kept: lost with the next reset" };
+    let slots =
+        report.slots.map(|slot| slot.map_or_else(|fault| fault.to_string(), |number| format!("image {number}")));
+    format!("settings ({kept}; slots: {}): {}", slots.join(", "), words.join(" "))
 }
 
 /// What stands behind the `=`.
@@ -215,6 +274,7 @@ impl Value<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use linestereo_wire::RigFault;
 
     fn requests(words: &[&str]) -> Result<Vec<Request>> {
         let words: Vec<String> = words.iter().map(ToString::to_string).collect();
@@ -284,9 +344,49 @@ mod tests {
         assert_eq!(update(&["parts=support".to_owned()]).unwrap(), parts);
     }
 
+    /// What a board says of its settings is what sets them.
+    #[test]
+    fn the_list_of_settings_can_be_sent() {
+        let words = ["yaw_deg=-12.5", "range_m=6", "lowest-m=-1", "highest_m=2", "system=7", "rate_hz=12"];
+        let more = ["policy=silent", "block_cm=80", "distance_sensor=on"];
+        let sent = requests(&[&words[..], &more].concat()).unwrap();
+        let of_vehicle = [-12.5, 6.0, -1.0, 2.0, 7.0, 12.0, 0.0, 80.0, 1.0];
+        let set = |(number, value)| Request::Set(SettingValue { number, value });
+        assert_eq!(sent, (9..).zip(of_vehicle).map(set).collect::<Vec<_>>());
+
+        let of_params = [-2.0, 64.0, 48.0, 20.0, 6.0, 16.0, 4.0, 0.5, 1.0];
+        let values = (0..).zip([of_params, of_vehicle].concat()).map(|(number, value)| SettingValue { number, value });
+        let report = KeptReport { is_kept: false, slots: [Ok(3), Err(RigFault::Empty)] };
+        let text = listing(&values.collect::<Vec<_>>(), &report);
+        let (head, words) = text.split_once("): ").unwrap();
+        assert_eq!(head, "settings (not kept: lost with the next reset; slots: image 3, empty");
+        let all = requests(&words.split(' ').collect::<Vec<_>>()).unwrap();
+        assert_eq!(all[1..], sent);
+        let params = ParamUpdate {
+            min_disparity: Some(-2),
+            max_disparity: Some(64),
+            anchor_gradient: Some(48),
+            edge_gradient: Some(20),
+            min_extent: Some(6),
+            cell: Some(16),
+            reach: Some(4),
+            min_confidence_q16: Some(0x8000),
+            parts: Some(PartsUpdate::Support),
+            ..ParamUpdate::default()
+        };
+        assert_eq!(all[0], Request::SetParams(params));
+        assert_eq!(
+            requests(&["settings", "keep", "defaults"]).unwrap(),
+            [Request::Settings, Request::KeepSettings, Request::ResetSettings]
+        );
+    }
+
     #[test]
     fn what_cannot_be_sent_is_named() {
-        let cases: [(&[&str], &str); 17] = [
+        let cases: [(&[&str], &str); 20] = [
+            (&["policy=stop"], "silent or block or unknown"),
+            (&["distance_sensor=1"], "off or on"),
+            (&["range_m=far"], "no number"),
             (&["begin"], "begin"),
             (&["box=1,2,3"], "LABEL:LEFT,TOP,RIGHT,BOTTOM"),
             (&["box=1:2,x,3,4,5"], "whole pixels"),

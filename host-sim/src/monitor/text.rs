@@ -60,6 +60,7 @@ pub fn object(object: &ObjectDepth) -> String {
 struct Listing {
     sequence: u32,
     capture_time_us: u64,
+    clock: &'static str,
     size: [u16; 2],
     times_us: Value,
     health: health::Listing,
@@ -80,6 +81,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     serde_json::to_string(&Listing {
         sequence: head.sequence,
         capture_time_us: head.capture_time_us,
+        clock: head.clock.name(),
         size: [head.width, head.height],
         times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
         health: health::Listing::new(health, pair.as_ref()),

@@ -12,6 +12,7 @@ pub use rejected::{Rejected, RejectionLog};
 
 use crate::draw::ColourRange;
 use crate::engine::FrameResult;
+use crate::explain::{SegmentTexts, meaning};
 use crate::input::regions::{Object, Pixels};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
@@ -30,20 +31,6 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// What a reader is told about each reason, in the order of [`Rejection::ALL`].
-const REASONS: [(&str, &str); Rejection::ALL.len()] = [
-    ("less_prominent", "Another segment in the same square has more extent and contrast; this one was not matched."),
-    ("near_border", "Too close to the left or right border to compare enough disparities."),
-    ("window_not_unique", "A second place in the right image looks nearly as much like its window."),
-    ("census_not_unique", "A second place in the right image has nearly the same order of grey levels."),
-    ("techniques_disagree", "Window and census lie further apart than the margin."),
-    ("slant", "Its two halves lie too far apart to be one straight edge."),
-    ("no_owner", "Neither side of it carries the disparity on its own."),
-    ("not_unique", "A more credible segment explains the same place in the right image."),
-    ("low_confidence", "Its probability is below the asked one."),
-    ("edge_unclear", "Its points are credible, but the edge may belong to the surface on the other side."),
-];
-
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {
     /// What the pair is called.
@@ -56,6 +43,8 @@ pub struct PageFrame<'a> {
     pub rejected: &'a [Rejected],
     /// Regions with their depths; empty when nobody asked.
     pub objects: &'a [(Object, listing::Object)],
+    /// The tests of each segment in words; empty when nobody asked.
+    pub tests: &'a SegmentTexts,
 }
 
 /// What holds for all pairs of a page.
@@ -70,16 +59,18 @@ pub struct PageSetup {
     pub many: bool,
 }
 
+/// Ends, position of the reason in the list of reasons, tests.
+type RejectedData<'a> = (f64, f64, f64, f64, usize, Option<&'a str>);
+
 #[derive(Serialize)]
-struct FrameData {
+struct FrameData<'a> {
     name: String,
     size: [u16; 2],
     images: [String; 2],
     /// Colours span these disparities, px.
     range: [f32; 2],
     segments: Vec<Vec<Value>>,
-    /// Ends and position of the reason in the list of reasons.
-    rejected: Vec<(f64, f64, f64, f64, usize)>,
+    rejected: Vec<RejectedData<'a>>,
     /// x, y, disparity.
     points: Vec<(u16, u16, f64, Option<f64>)>,
     objects: Vec<ObjectData>,
@@ -136,8 +127,8 @@ impl Page {
             size: [left.dims.width, left.dims.height],
             images: [data_uri(left, self.setup.many)?, data_uri(right, self.setup.many)?],
             range: [range.far, range.near],
-            segments: result.matches.iter().map(segment).collect(),
-            rejected: frame.rejected.iter().map(rejected).collect(),
+            segments: result.matches.iter().map(|found| segment(found, frame.tests.of(found.ends))).collect(),
+            rejected: frame.rejected.iter().map(|lost| rejected(lost, frame.tests.of(lost.ends))).collect(),
             points: self.points(result),
             objects: frame.objects.iter().map(object).collect(),
             counts: listing::counts(&result.counts),
@@ -169,7 +160,7 @@ impl Page {
             max_disparity: setup.max_disparity,
             has_depth: setup.rig.is_some(),
             pinhole: setup.rig.and_then(pinhole),
-            reasons: REASONS,
+            reasons: Rejection::ALL.map(|reason| (reason.name(), meaning(reason))),
         })?;
         // Nothing in the data may end the script that holds it.
         let harmless = |json: String| json.replace('<', "\\u003c");
@@ -206,8 +197,8 @@ fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
     Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
 }
 
-/// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window, census.
-fn segment(found: &Match) -> Vec<Value> {
+/// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window, census, tests.
+fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     let [a, b] = found.ends;
     let px = |value: f64| Value::from(hundredths(value));
     let metres = |ends: Option<[linestereo::Depth; 2]>, i: usize| {
@@ -230,13 +221,14 @@ fn segment(found: &Match) -> Vec<Value> {
         found.techniques.feature.map(|d| hundredths(d.to_num())).into(),
         px(found.techniques.window.to_num()),
         px(found.techniques.census.to_num()),
+        tests.into(),
     ]
 }
 
-fn rejected(lost: &Rejected) -> (f64, f64, f64, f64, usize) {
+fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> RejectedData<'a> {
     let [a, b] = lost.ends;
     let px = |value: linestereo::Position| hundredths(value.to_num());
-    (px(a.x), px(a.y), px(b.x), px(b.y), lost.reason as usize)
+    (px(a.x), px(a.y), px(b.x), px(b.y), lost.reason as usize, tests)
 }
 
 fn object((object, depth): &(Object, listing::Object)) -> ObjectData {
@@ -265,11 +257,6 @@ fn thousandths(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_reason_is_explained() {
-        assert_eq!(REASONS.map(|(name, _)| name), Rejection::ALL.map(Rejection::name));
-    }
 
     #[test]
     fn a_page_needs_nothing_else_and_no_name_ends_its_script() {

@@ -6,13 +6,14 @@ const setup = JSON.parse(document.getElementById("setup").textContent);
 const frames = JSON.parse(document.getElementById("data").textContent);
 const $ = id => document.getElementById(id);
 // Fields of a segment, in this order.
-const segmentOf = ([x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census], id) =>
-  ({ id, x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census });
-const rejectedOf = ([x0, y0, x1, y1, reason], id) => ({ id, x0, y0, x1, y1, reason, isRejected: true });
+const segmentOf = ([x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census, tests], id) =>
+  ({ id, x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census, tests });
+const rejectedOf = ([x0, y0, x1, y1, reason, tests], id) => ({ id, x0, y0, x1, y1, reason, tests, isRejected: true });
 
 let frame = null;          // what is shown
 let chosen = null;         // a segment
 let onlyReason = null;     // position in setup.reasons
+let isUnfolded = false;    // the tests of a segment
 let parts = { left: [], right: [], top: [] };
 
 function element(parent, name, attributes = {}, text) {
@@ -230,7 +231,7 @@ function describe(s) {
   const box = $("details");
   box.replaceChildren();
   if (!s) {
-    element(box, "p", { class: "faint" }, "ImagePosition at a segment, tap it, or go through them with the arrow keys.");
+    element(box, "p", { class: "faint" }, "Point at a segment, tap it, or go through them with the arrow keys.");
     return;
   }
   const title = element(box, "h3");
@@ -238,6 +239,7 @@ function describe(s) {
     element(title, "i", { style: "background: var(--rejected)" });
     title.append(`Rejected: ${setup.reasons[s.reason][0].replaceAll("_", " ")}`);
     element(box, "p", {}, setup.reasons[s.reason][1]);
+    putTests(box, s);
     return;
   }
   element(title, "i", { style: `background: ${colour(middle(s))}` });
@@ -258,6 +260,16 @@ function describe(s) {
   put("feature", px(s.feature));
   put("window", px(s.window));
   put("census", px(s.census));
+  putTests(box, s);
+}
+
+// Every test with its number and limit, as `linestereo explain` has them.
+function putTests(box, s) {
+  if (!s.tests) return;
+  const more = element(box, "details", isUnfolded ? { open: "" } : {});
+  more.addEventListener("toggle", () => { isUnfolded = more.open; });
+  element(more, "summary", {}, "Tests");
+  element(more, "pre", { "data-field": "tests" }, s.tests);
 }
 
 function distance(s, shift, x, y) {

@@ -89,6 +89,7 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
         times: FrameTimes { waiting_us: 1, matching_us: 300, port_us: 2 },
         counts: counts(9),
         segments,
+        clock: TimeSource::Board,
     }
 }
 
@@ -182,6 +183,7 @@ pub(crate) fn messages() -> Vec<Message> {
             times: FrameTimes { waiting_us: u32::MAX, matching_us: u32::MAX, port_us: u32::MAX },
             counts: counts(u16::MAX - 20),
             segments: u16::MAX,
+            clock: TimeSource::Autopilot,
         }),
         Message::Segments(Segments { sequence: 0, first: 0, list: heapless::Vec::new() }),
         Message::Segments(Segments {
@@ -269,6 +271,11 @@ pub(crate) fn messages() -> Vec<Message> {
             digests: [u32::MAX; DIGESTS],
         }),
     ]);
+    list.extend([
+        Message::Setting(SettingValue { number: u8::MAX, value: f32::MIN }),
+        Message::Clock(u64::MAX),
+        Message::Kept(KeptReport { is_kept: true, slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)] }),
+    ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
@@ -294,10 +301,16 @@ pub(crate) fn commands() -> Vec<Command> {
         .into_iter()
         .chain(updates)
         .chain(pairs);
+    let sets = [(0, -0.5), (u8::MAX, f32::MAX)].map(|(number, value)| Request::Set(SettingValue { number, value }));
+    let clocks = [Request::ReadClock, Request::SetClock(u64::MAX), Request::Bootloader];
+    let settings = [Request::Settings, Request::KeepSettings, Request::ResetSettings];
     requests
         .chain(rigs)
         .chain(regions)
-        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX])
+        .chain(sets)
+        .chain(settings)
+        .chain(clocks)
+        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX].into_iter().cycle())
         .map(|(request, id)| Command { id, request })
         .collect()
 }

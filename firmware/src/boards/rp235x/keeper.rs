@@ -1,9 +1,9 @@
-//! The rig in the last two sectors of the QSPI flash.
+//! The rig in the last two sectors of the QSPI flash, settings in the two before them.
 //!
 //! A store stops every interrupt for as long as the flash erases and programs, some 50 ms (400 ms at most: W25Q32JV datasheet, tSE), because
 //! nothing can be read from it meanwhile: rows that come then are lost, and said to be.
 
-use crate::rig_store::RigStore;
+use crate::slot_store::BoardStore;
 use core::fmt;
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, ERASE_SIZE, Flash};
@@ -19,14 +19,15 @@ impl<const BYTES: usize> fmt::Debug for BoardFlash<BYTES> {
     }
 }
 
-/// Where such a board keeps its rig.
-pub type KeptRig<const BYTES: usize> = RigStore<BoardFlash<BYTES>>;
+/// Where such a board keeps its rig and its settings.
+pub type Kept<const BYTES: usize> = BoardStore<BoardFlash<BYTES>>;
 
-/// The rig in the last two sectors.
+/// Two slots for each, the rig's in the last two sectors.
 #[must_use]
-pub fn keeper<const BYTES: usize>(flash: Peri<'static, FLASH>) -> Option<KeptRig<BYTES>> {
+pub fn keeper<const BYTES: usize>(flash: Peri<'static, FLASH>) -> Option<Kept<BYTES>> {
     let (end, sector) = (BYTES as u32, ERASE_SIZE as u32);
-    RigStore::new(BoardFlash(Flash::new_blocking(flash)), [end - 2 * sector, end - sector]).ok()
+    let [settings, rig] = [4, 2].map(|sectors| [end - sectors * sector, end - (sectors - 1) * sector]);
+    BoardStore::new(BoardFlash(Flash::new_blocking(flash)), rig, settings).ok()
 }
 
 impl<const BYTES: usize> ErrorType for BoardFlash<BYTES> {

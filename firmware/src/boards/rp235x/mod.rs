@@ -7,7 +7,7 @@
 //! cameras   registers and interrupts of both                                    only on a board, as what follows
 //! i2c       registers and pins of `bus`
 //! clock     microseconds, and pauses        ending    why the last run ended; watchdog
-//! keeper    the rig in the last two sectors of the flash
+//! keeper    the rig and settings in the last four sectors of the flash
 //! silicon   which chip it is and how it is set up
 //! uart      the autopilot's port            (the host's is `boards::usb_port`)
 //! ```
@@ -38,7 +38,7 @@ pub use clock::{Micros, Pause, time_us};
 #[cfg(target_os = "none")]
 pub use host::start as start_host;
 #[cfg(target_os = "none")]
-pub use keeper::{KeptRig, keeper};
+pub use keeper::{Kept, keeper};
 #[cfg(target_os = "none")]
 pub use silicon::silicon;
 #[cfg(target_os = "none")]

@@ -1,23 +1,26 @@
-//! The autopilot's port: a UART at 57600 baud, sent by interrupts out of a buffer that holds more than a second's MAVLink frames at once.
+//! The autopilot's port: a UART at 57600 baud, sent by interrupts out of a buffer that holds several MAVLink frames, received into one.
 
-use crate::ports::ByteSink;
+use crate::ports::{ByteSink, ByteSource};
 use core::fmt;
+use core::task::Poll;
+use embassy_futures::poll_once;
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt as _, Priority};
-use embassy_rp::peripherals::{PIN_0, UART0};
-use embassy_rp::uart::{BufferedInterruptHandler, BufferedUartTx, Config};
+use embassy_rp::peripherals::{PIN_0, PIN_1, UART0};
+use embassy_rp::uart::{BufferedInterruptHandler, BufferedUart, Config};
 use embassy_rp::{Peri, bind_interrupts};
+use embedded_io_async::Read as _;
 use static_cell::StaticCell;
 
 bind_interrupts!(struct Interrupts {
     UART0_IRQ => BufferedInterruptHandler<UART0>;
 });
 
-/// Bytes that wait: several frames of 179 bytes at most.
+/// Bytes that wait to be sent: several frames of 179 bytes at most; and those received between two turns of the program.
 const WAITING: usize = 1024;
 
-/// UART 0's transmitter.
-pub struct Autopilot(BufferedUartTx);
+/// UART 0.
+pub struct Autopilot(BufferedUart);
 
 impl fmt::Debug for Autopilot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -26,13 +29,15 @@ impl fmt::Debug for Autopilot {
 }
 
 impl Autopilot {
-    /// 57600 baud, 8 bits, no parity, on GP0. At most one.
-    pub fn start(uart: Peri<'static, UART0>, pin: Peri<'static, PIN_0>) -> Self {
-        static BUFFER: StaticCell<[u8; WAITING]> = StaticCell::new();
+    /// 57600 baud, 8 bits, no parity: out on GP0, in on GP1. At most one.
+    pub fn start(uart: Peri<'static, UART0>, out: Peri<'static, PIN_0>, into: Peri<'static, PIN_1>) -> Self {
+        static OUT: StaticCell<[u8; WAITING]> = StaticCell::new();
+        static IN: StaticCell<[u8; WAITING]> = StaticCell::new();
         interrupt::UART0_IRQ.set_priority(Priority::P3); // below the cameras
         let mut config = Config::default();
         config.baudrate = 57_600;
-        Self(BufferedUartTx::new(uart, Interrupts, pin, BUFFER.init_with(|| [0; WAITING]), config))
+        let (sent, received) = (OUT.init_with(|| [0; WAITING]), IN.init_with(|| [0; WAITING]));
+        Self(BufferedUart::new(uart, out, into, Interrupts, sent, received, config))
     }
 }
 
@@ -43,5 +48,12 @@ impl ByteSink for Autopilot {
             let Ok(count) = self.0.blocking_write(rest) else { return };
             rest = rest.get(count..).unwrap_or_default();
         }
+    }
+}
+
+impl ByteSource for Autopilot {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        // What was lost or garbled is a frame that the receiver refuses.
+        if let Poll::Ready(Ok(count)) = poll_once(self.0.read(bytes)) { count } else { 0 }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! 0x3000_0000, 512 KiB   SRAM of domain 2, into which the camera's DMA writes: not cached, so that nothing has to be invalidated
-//! 0x081c_0000, 256 KiB   the sectors of the rig: what was written is what is read
+//! 0x0818_0000, 512 KiB   the sectors of the rig and of settings: what was written is what is read
 //! ```
 //! The alternative to the first, invalidating each row before it is copied, is two more ways to be wrong: lines that rows share, and lines
 //! that speculative reads bring back. A row is read once, so a cache would gain little: words of a copy come in bursts.
@@ -15,7 +15,7 @@ use embassy_stm32::pac::{DBGMCU, RCC};
 
 /// Regions of the memory protection unit; the highest number counts where they overlap. The lowest are the stacks'
 /// (`firmware/src/arch`), and the others were cleared there.
-const RIG_REGION: u32 = 14;
+const KEPT_REGION: u32 = 14;
 const RINGS_REGION: u32 = 15;
 
 /// To be called once, before anything else: takes over from a bootloader as well.
@@ -25,13 +25,13 @@ pub fn prepare() {
         static __vector_table: u32;
     }
     // SAFETY: nothing else has these peripherals, no interrupt is enabled yet, and the regions are those of the memory map: what lies in
-    // them is used by the camera's DMA and by the rig's flash alone. The vector table is that of cortex-m-rt.
+    // them is used by the camera's DMA and by the flash that keeps the rig and settings alone. The vector table is that of cortex-m-rt.
     unsafe {
         let scb = &*SCB::PTR;
         scb.vtor.write((&raw const __vector_table).addr() as u32);
         let mut caches = Caches::steal();
         caches.0.disable_dcache(&mut caches.1); // a bootloader's; written back
-        not_cached(RIG_REGION, super::rig::FIRST_ADDRESS, 2 * super::rig::SECTOR);
+        not_cached(KEPT_REGION, super::kept::FIRST_ADDRESS, 4 * super::kept::SECTOR);
         not_cached(RINGS_REGION, 0x3000_0000, 512 * 1024);
         cortex_m::asm::dsb();
         cortex_m::asm::isb();

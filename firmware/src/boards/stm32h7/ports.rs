@@ -3,7 +3,7 @@
 //! ```text
 //! program -> pipe -> task -> USB packets        program <- pipe <- task <- USB packets      ([`usb_port`])
 //! program -> pipe -> task -> UART's buffer      program <- pipe <- task <- UART's buffer
-//! program -> pipe -> task -> UART's buffer      MAVLink, 57600 baud
+//! program -> pipe -> task -> UART's buffer      program <- UART's buffer      MAVLink, 57600 baud
 //! ```
 //! The tasks run in an interrupt that no peripheral uses, below all others and above the program. The program never waits for ever for a task
 //! that waits for a host ([`HostLine`]), and not at all for the autopilot's.
@@ -15,8 +15,10 @@ use super::clocks::now_us;
 use crate::boards::pipes::{Pipe, put, put_all};
 use crate::boards::usb_port::{self, UsbLine};
 use crate::host_lines::{HostLine, HostLines, Line, Listener};
-use crate::ports::{ByteSink, Room};
+use crate::ports::{ByteSink, ByteSource, Room};
+use core::task::Poll;
 use embassy_executor::{InterruptExecutor, SendSpawner};
+use embassy_futures::poll_once;
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::Pull;
 use embassy_stm32::interrupt::typelevel::Binding;
@@ -33,6 +35,8 @@ use static_cell::StaticCell;
 const OUT: usize = 8192;
 const AUTOPILOT_OUT: usize = 1024;
 const IN: usize = 1024;
+/// What the autopilot sends between two turns of the program: 57600 baud for 0.2 s.
+const AUTOPILOT_IN: usize = 1024;
 
 static TO_UART: Pipe<OUT> = Pipe::new();
 static FROM_UART: Pipe<IN> = Pipe::new();
@@ -161,10 +165,10 @@ pub fn host_port<T: Instance>(
 }
 
 /// The autopilot's port: what does not fit in its buffer is dropped, a message at a time.
-#[derive(Debug)]
-pub struct AutopilotPort(());
+#[expect(missing_debug_implementations, reason = "the HAL's receiver has none")]
+pub struct AutopilotPort(BufferedUartRx<'static>);
 
-/// Starts the UART and its task, pins: its input, its output. What comes from an autopilot is not read.
+/// Starts the UART and its task, pins: its input, its output.
 pub fn autopilot_port<T: Instance>(
     spawner: SendSpawner,
     uart: Peri<'static, T>,
@@ -172,13 +176,12 @@ pub fn autopilot_port<T: Instance>(
     interrupts: impl Binding<T::Interrupt, BufferedInterruptHandler<T>> + 'static,
 ) -> Option<AutopilotPort> {
     static OUT: StaticCell<[u8; 512]> = StaticCell::new();
-    static IN: StaticCell<[u8; 16]> = StaticCell::new();
-    let (out, into) = (OUT.init([0; 512]), IN.init([0; 16]));
+    static IN: StaticCell<[u8; AUTOPILOT_IN]> = StaticCell::new();
+    let (out, into) = (OUT.init([0; 512]), IN.init_with(|| [0; AUTOPILOT_IN]));
     let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(AUTOPILOT_BAUD)).ok()?;
     let (sender, receiver) = uart.split();
-    core::mem::forget(receiver);
     spawner.spawn(send_to_autopilot(sender).ok()?);
-    Some(AutopilotPort(()))
+    Some(AutopilotPort(receiver))
 }
 
 impl ByteSink for AutopilotPort {
@@ -186,6 +189,13 @@ impl ByteSink for AutopilotPort {
         if TO_AUTOPILOT.free_capacity() >= bytes.len() {
             put(&TO_AUTOPILOT, bytes);
         }
+    }
+}
+
+impl ByteSource for AutopilotPort {
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        // What was lost or garbled is a frame that the receiver refuses.
+        if let Poll::Ready(Ok(count)) = poll_once(self.0.read(bytes)) { count } else { 0 }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Two sectors of the flash that keep the rig: the last ones of bank 2.
+//! Sectors of the flash that keep the rig and settings: of bank 2 the last two and the two before them.
 //!
 //! The program runs from bank 1, so that it goes on while a sector is erased (1 to 4 s) and only the command that asked for it waits.
 //!
@@ -10,7 +10,7 @@
 //! RM0433, sections 4.3 (sectors, words, reading while the other bank is written) and 4.7.5 (double errors: bus error and DBECCERR);
 //! Armv7-M reference manual, B1.4.3 (FAULTMASK), B3.2.8 (CCR.BFHFNMIGN), B3.2.15 (CFSR) and B3.5.5 (MPU_CTRL.HFNMIENA).
 
-use crate::rig_store::RigStore;
+use crate::slot_store::BoardStore;
 use core::arch::asm;
 use core::fmt;
 use cortex_m::peripheral::{MPU, SCB};
@@ -22,36 +22,37 @@ use embedded_storage::nor_flash::{
 
 /// Bytes of a sector.
 pub const SECTOR: u32 = 128 * 1024;
-/// Where flash begins, and where the two sectors do.
+/// Where flash begins, and where the four sectors do: first those of the settings.
 const FLASH: u32 = 0x0800_0000;
-const FIRST: u32 = 2 * 1024 * 1024 - 2 * SECTOR;
-/// Address of the first of the two.
+const FIRST: u32 = 2 * 1024 * 1024 - 4 * SECTOR;
+/// Address of the first of the four.
 pub const FIRST_ADDRESS: u32 = FLASH + FIRST;
 /// Bank 2.
 const BANK: usize = 1;
 
 /// The flash, of which only bank 2 is read and written here.
-pub struct RigFlash(Flash<'static, Blocking>);
+pub struct KeptFlash(Flash<'static, Blocking>);
 
-impl fmt::Debug for RigFlash {
+impl fmt::Debug for KeptFlash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("internal flash")
     }
 }
 
-impl RigFlash {
-    /// The two slots.
+impl KeptFlash {
+    /// Two slots for each.
     #[must_use]
-    pub fn slots(peripheral: Peri<'static, peripherals::FLASH>) -> Option<RigStore<Self>> {
-        RigStore::new(Self(Flash::new_blocking(peripheral)), [FIRST, FIRST + SECTOR]).ok()
+    pub fn slots(peripheral: Peri<'static, peripherals::FLASH>) -> Option<BoardStore<Self>> {
+        let [settings, rig] = [FIRST, FIRST + 2 * SECTOR].map(|first| [first, first + SECTOR]);
+        BoardStore::new(Self(Flash::new_blocking(peripheral)), rig, settings).ok()
     }
 }
 
-impl ErrorType for RigFlash {
+impl ErrorType for KeptFlash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for RigFlash {
+impl ReadNorFlash for KeptFlash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
@@ -69,7 +70,7 @@ impl ReadNorFlash for RigFlash {
     }
 }
 
-impl NorFlash for RigFlash {
+impl NorFlash for KeptFlash {
     const WRITE_SIZE: usize = <Flash<'static, Blocking> as NorFlash>::WRITE_SIZE;
     const ERASE_SIZE: usize = <Flash<'static, Blocking> as NorFlash>::ERASE_SIZE;
 

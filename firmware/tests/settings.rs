@@ -1,0 +1,472 @@
+//! Settings of hosts and autopilots, and what is left of them after a reset.
+
+use crate::support::port::Port;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use linestereo::Dims;
+use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::memory::Memory;
+use linestereo_firmware::painter::Painter;
+use linestereo_firmware::ports::{ByteSink as _, CapturedPair, PairSource};
+use linestereo_firmware::programs::live::{Live, Turn};
+use linestereo_firmware::session::{Reply, Session};
+use linestereo_firmware::settings::{self, KeptSettings};
+use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
+use linestereo_firmware::vehicle::Vehicle;
+use linestereo_mavlink::{Fields, Mavlink, Policy, Sender};
+use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
+use linestereo_wire::*;
+
+/// Flash of four blocks.
+#[derive(Clone, Debug)]
+struct Flash(Vec<u8>);
+
+impl ErrorType for Flash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 512;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.0[from as usize..to as usize].fill(0xff);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        for (old, new) in self.0[offset as usize..].iter_mut().zip(bytes) {
+            *old &= new;
+        }
+        Ok(())
+    }
+}
+
+fn store() -> BoardStore<Flash> {
+    BoardStore::new(Flash(vec![0xff; 2048]), [0, 512], [1024, 1536]).unwrap()
+}
+
+fn outcome(session: &mut Session<'_>, memory: &mut Workspace, request: Request) -> Outcome {
+    match session.command(&Command { id: 1, request }, memory) {
+        Reply::Answer(answer) => answer.outcome,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Numbers of settings.
+const MAX_DISPARITY: u8 = 1;
+const CELL: u8 = 5;
+const RANGE_M: u8 = 10;
+const RATE_HZ: u8 = 14;
+const POLICY: u8 = 15;
+const BLOCK_CM: u8 = 16;
+
+fn set((number, value): (u8, f32)) -> Request {
+    Request::Set(SettingValue { number, value })
+}
+
+fn value(session: &Session<'_>, number: u8) -> f32 {
+    session.values()[usize::from(number)]
+}
+
+fn changes() -> Vec<Request> {
+    let params = ParamUpdate { cell: Some(16), ..ParamUpdate::default() };
+    let of = RegionBox { label: 7, left: 1, top: 2, right: 100, bottom: 90 };
+    let regions = Regions { boxes: [of].into_iter().collect(), only: true };
+    let values = [(RANGE_M, 6.0), (POLICY, 0.0), (RATE_HZ, 20.0), (BLOCK_CM, 250.0), (MAX_DISPARITY, 48.0)];
+    values.map(set).into_iter().chain([Request::SetParams(params), Request::SetRegions(regions)]).collect()
+}
+
+/// Everything that is said of the settings.
+fn report(session: &Session<'_>) -> (SettingValues, KeptReport, usize) {
+    (session.values(), session.kept(), session.areas().map_or(0, |areas| areas.len()))
+}
+
+#[test]
+fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    let built = report(&session);
+    assert_eq!(built, (settings::built(), KeptReport { is_kept: true, slots: [Err(RigFault::Empty); 2] }, 0));
+    for request in changes() {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    assert_eq!((session.kept().is_kept, value(&session, CELL), value(&session, MAX_DISPARITY)), (false, 16.0, 48.0));
+    assert_eq!((session.vehicle.policy, session.vehicle.block_cm), (Policy::Silent, Some(250)));
+
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(report(&session), built, "nobody has asked to keep them");
+    for request in changes().into_iter().chain([Request::KeepSettings]) {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    let kept = report(&session);
+    assert_eq!((kept.1, kept.2), (KeptReport { is_kept: true, slots: [Ok(0), Err(RigFault::Empty)] }, 1));
+
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(report(&session), kept);
+    assert_eq!(
+        session.vehicle,
+        Vehicle { range_m: 6.0, policy: Policy::Silent, rate_hz: 20, block_cm: Some(250), ..Vehicle::DEFAULT }
+    );
+
+    assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
+    assert_eq!(session.values(), built.0);
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!((session.values(), session.areas()), (built.0, None));
+}
+
+#[test]
+fn every_setting_is_the_one_that_is_set() {
+    let mut session = Session::new(BOARD);
+    let sets = [-1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0, 300.0, 1.0];
+    let mut expected = settings::built();
+    for (number, (expected_value, value)) in (0..).zip(expected.clone().iter().zip(sets)) {
+        assert_ne!(*expected_value, value, "{number}");
+        session.set(number, value).unwrap();
+        expected[usize::from(number)] = value;
+        assert_eq!(session.values(), expected, "{number}");
+    }
+    // All confidences come back as they were.
+    for bits in (6554..=u16::MAX).step_by(97) {
+        let update = ParamUpdate { min_confidence_q16: Some(bits), ..ParamUpdate::default() };
+        let mut memory = Box::new(Workspace::new());
+        assert_eq!(outcome(&mut session, &mut memory, Request::SetParams(update)), Outcome::Accepted);
+        let before = session.values();
+        session.set(RATE_HZ, 11.0).unwrap();
+        session.set(RATE_HZ, 12.0).unwrap();
+        assert_eq!((before, f32::from(bits) / 65_536.0), (session.values(), before[7]));
+    }
+}
+
+#[test]
+fn numbers_names_and_ranges_are_those_of_the_table() {
+    for (number, (setting, built)) in (0..).zip(Setting::ALL.iter().zip(settings::built())) {
+        assert!(setting.takes(built) && setting.name.len() <= 16, "{setting:?}");
+        assert_eq!(Setting::number(setting.name.to_uppercase().as_bytes()), Some(number));
+        for (value, is_taken) in [(setting.least, true), (setting.largest, true), (f32::NAN, false)] {
+            assert_eq!(Setting::check(number, value).is_ok(), is_taken, "{setting:?}");
+        }
+        assert_eq!(setting.takes(setting.least + 0.25), !setting.is_whole);
+        for value in [setting.least - 1.0, setting.largest + 1.0] {
+            assert!(Session::new(BOARD).set(number, value).is_err(), "{setting:?}");
+        }
+    }
+    assert_eq!(Setting::check(18, 0.0), Err(Refusal::Unsupported));
+}
+
+#[test]
+fn what_is_refused_is_named_and_changes_nothing() {
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::new(BOARD);
+    session.set(11, 0.5).unwrap();
+    let before = report(&session);
+    let cases = [
+        (set((RANGE_M, 0.05)), "range_m is 0.05, allowed are 0.1 to 600"),
+        (set((9, f32::NAN)), "yaw_deg is NaN, allowed are -180 to 180"),
+        (set((12, 0.25)), "highest_m is 0.25, allowed are 0.5 to 1000"),
+        (set((RATE_HZ, 21.0)), "rate_hz is 21, allowed are whole numbers from 10 to 20"),
+        (set((RATE_HZ, 12.5)), "rate_hz is 12.5, allowed are whole numbers from 10 to 20"),
+        (set((BLOCK_CM, 1000.0)), "block_cm is 1000, allowed are whole numbers from 0 to 1000"),
+        (set((3, 1000.0)), "edge_gradient is 1000, allowed are 4 to 48"),
+        (set((18, 1.0)), "this board cannot do that"),
+        (Request::KeepSettings, "the board's flash does not keep it"),
+    ];
+    for (request, says) in cases {
+        let Outcome::Refused(refusal) = outcome(&mut session, &mut memory, request) else { panic!("{says}") };
+        assert_eq!(refusal.to_string(), says);
+    }
+    assert_eq!(report(&session), before);
+}
+
+/// A rig for these disparities.
+fn rig(max_disparity: u16) -> Request {
+    let dims = Dims { width: 128, height: 96 };
+    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
+    let pair = Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
+    Request::SetRig(
+        RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap().encode(0).into_iter().collect(),
+    )
+}
+
+#[test]
+fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    for request in [rig(40)].into_iter().chain(changes()).chain([Request::KeepSettings]) {
+        assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
+    }
+    let of = |session: &Session<'_>| (value(session, MAX_DISPARITY), value(session, CELL));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(of(&session), (48.0, 16.0), "as they were kept");
+    assert_eq!(outcome(&mut session, &mut memory, rig(32)), Outcome::Accepted);
+    assert_eq!(of(&session), (32.0, 16.0));
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(of(&session), (32.0, 16.0), "as before the reset");
+    assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
+    assert_eq!(of(&session), (32.0, 20.0), "the rig's");
+}
+
+#[test]
+fn kept_settings_that_this_program_does_not_take_are_named() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut values = [None; SETTINGS];
+    (values[5], values[10]) = (Some(16.0), Some(0.0));
+    store.store_settings(&KeptSettings { rig: None, values, regions: Regions::default() }).unwrap();
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(session.kept().slots, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]);
+    assert_eq!(session.values(), settings::built());
+}
+
+/// PARAM_REQUEST_LIST, PARAM_REQUEST_READ and PARAM_SET of a ground station.
+enum Ask<'n> {
+    List,
+    Read(&'n str),
+    Set(&'n str, f32),
+}
+
+/// A message of these fields.
+struct Raw<const ID: u32, const EXTRA: u8>(Vec<u8>);
+
+impl<const ID: u32, const EXTRA: u8> Mavlink for Raw<ID, EXTRA> {
+    const ID: u32 = ID;
+    const CRC_EXTRA: u8 = EXTRA;
+
+    fn put(&self, fields: &mut Fields) {
+        fields.put(&self.0);
+    }
+}
+
+fn frame(ask: &Ask<'_>) -> Vec<u8> {
+    let mut station = Sender { system: 255, component: 190, sequence: 0 };
+    let mut bytes = Vec::new();
+    let mut write = |frame: &[u8]| {
+        bytes.extend_from_slice(frame);
+        Ok::<(), ()>(())
+    };
+    let name = |name: &str| [name.as_bytes(), &vec![0; 16 - name.len()]].concat();
+    let sent = match ask {
+        Ask::List => station.send(&Raw::<21, 159>(vec![1, 196]), &mut write),
+        Ask::Read(of) => station.send(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name(of)].concat()), &mut write),
+        Ask::Set(of, value) => {
+            let fields = [value.to_le_bytes().to_vec(), vec![1, 196], name(of), vec![9]].concat();
+            station.send(&Raw::<23, 168>(fields), &mut write)
+        }
+    };
+    sent.unwrap();
+    bytes
+}
+
+/// Name, value, number and count of each PARAM_VALUE.
+fn values(mut bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
+    let mut found = Vec::new();
+    while let [0xfd, length, _, _, _, 1, 196, id, 0, 0, rest @ ..] = bytes {
+        let (payload, after) = rest.split_at((*length).into());
+        if *id == 22 {
+            let number = |at: usize| u16::from_le_bytes([payload[at], payload[at + 1]]);
+            let name = String::from_utf8(payload[8..24].to_vec()).unwrap().trim_end_matches('\0').to_owned();
+            found.push((name, f32::from_le_bytes(payload[..4].try_into().unwrap()), number(6), number(4)));
+        }
+        bytes = &after[2..];
+    }
+    assert!(bytes.is_empty(), "{bytes:?}");
+    found
+}
+
+#[test]
+fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    // A turn takes two looks at the clock at least, 50 ms.
+    let (host, autopilot) = (Port::with_look(25_000), Port::default());
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    let mut live = Live::start(session, host.clone(), host.clone()).with_autopilot(autopilot.clone());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut ask = |asks: &[Ask<'_>], turns: usize| {
+        asks.iter().for_each(|ask| autopilot.give(&frame(ask)));
+        for _ in 0..turns {
+            live.turn(&mut *memory, &mut camera);
+        }
+        values(&autopilot.bytes())
+    };
+    let names = Setting::ALL.map(|of| of.name.to_uppercase());
+    let all = ask(&[Ask::List], 10);
+    let count = SETTINGS as u16;
+    assert_eq!(
+        all.iter().map(|of| (of.0.as_str(), of.2, of.3)).collect::<Vec<_>>(),
+        (0..count).zip(&names).map(|(index, name)| (name.as_str(), index, count)).collect::<Vec<_>>()
+    );
+    assert!(ask(&[], 10).is_empty(), "once");
+
+    let one = |name: &str, value: f32| {
+        let index = names.iter().position(|of| of == name).unwrap() as u16;
+        vec![(name.to_owned(), value, index, count)]
+    };
+    assert_eq!(ask(&[Ask::Read("RANGE_M")], 1), one("RANGE_M", 10.0));
+    assert_eq!(ask(&[Ask::Read("NOTHING")], 1), []);
+    assert_eq!(ask(&[Ask::Set("RANGE_M", 6.5)], 1), one("RANGE_M", 6.5));
+    // Refused: the answer is the value that still counts.
+    for (name, value, old) in [
+        ("RANGE_M", 0.0, 6.5),
+        ("CELL", 7.0, 20.0),
+        ("CELL", 16.5, 20.0),
+        ("POLICY", 3.0, 1.0),
+        ("SYSTEM", 256.0, 1.0),
+        ("MAX_DISPARITY", f32::NAN, 64.0),
+    ] {
+        assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, old), "{name} {value}");
+    }
+    // Each that is set is the one that is read, and no other changes.
+    let sets = [7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0, 300.0, 1.0];
+    for (name, value) in names.iter().zip(sets).skip(1) {
+        assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, value));
+    }
+    let listed: Vec<f32> = ask(&[Ask::List], 10).iter().map(|of| of.1).collect();
+    assert_eq!(listed[1..], sets[1..]);
+    ask(&[], 30); // more than a second without another one: they go into the flash
+    // Many requests at once cost several turns, and none is lost.
+    let many: Vec<Ask<'_>> = (0..20).map(|_| Ask::Read("CELL")).collect();
+    let first = ask(&many, 1).len();
+    assert!((4..=8).contains(&first), "{first}");
+    assert_eq!(first + ask(&[], 10).len(), 20);
+
+    let mut memory = Box::new(Workspace::new());
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(session.values()[1..], sets[1..]);
+    assert!(host.room().free > 0);
+}
+
+#[test]
+fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
+    let port = Port::with_look(1000);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut turn = |requests: &[Request]| {
+        requests.iter().for_each(|request| port.send(9, request.clone()));
+        live.turn(&mut *memory, &mut camera);
+        port.received()
+    };
+    turn(&[Request::Start]);
+    let time = |messages: &[Message]| {
+        messages.iter().find_map(|message| match message {
+            Message::Frame(head) => Some((head.capture_time_us, head.clock)),
+            _ => None,
+        })
+    };
+    let (own_us, clock) = time(&turn(&[])).unwrap();
+    assert_eq!(clock, TimeSource::Board);
+    let asked = turn(&[Request::ReadClock]);
+    let said =
+        asked.iter().find_map(|message| if let Message::Clock(board_us) = message { Some(*board_us) } else { None });
+    let board_us = said.unwrap();
+    assert!(board_us > own_us && board_us < own_us + 20_000, "{board_us} after {own_us}");
+
+    let ahead = 1_700_000_000_000_000;
+    let (host_us, clock) = time(&turn(&[Request::SetClock(ahead)])).unwrap();
+    assert_eq!(clock, TimeSource::Host);
+    assert!((ahead + board_us..ahead + board_us + 20_000).contains(&host_us), "{host_us}");
+    port.pass(10_000_000); // the host has gone
+    let (own_us, clock) = time(&turn(&[])).unwrap();
+    assert_eq!(clock, TimeSource::Board);
+    assert!((10_000_000..10_100_000).contains(&own_us), "{own_us}");
+}
+
+#[test]
+fn times_are_in_the_autopilots_clock_by_its_answers() {
+    let (port, autopilot) = (Port::with_look(5000), Port::default());
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone()).with_autopilot(autopilot.clone());
+    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    port.send(2, Request::Start);
+    let (mut asked, mut clocks) = (0, Vec::new());
+    for _ in 0..400 {
+        live.turn(&mut *memory, &mut camera);
+        let bytes = autopilot.bytes();
+        // TIMESYNC with tc1 0: the autopilot is 5 s ahead.
+        if let Some(at) = bytes.windows(10).position(|head| head[0] == 0xfd && head[7..] == [111, 0, 0]) {
+            let mut payload = bytes[at + 10..][..usize::from(bytes[at + 1])].to_vec();
+            payload.resize(16, 0);
+            assert_eq!(payload[..8], [0; 8], "a question");
+            let ts1 = i64::from_le_bytes(payload[8..].try_into().unwrap());
+            let answer = [(ts1 + 5_000_000_000).to_le_bytes(), ts1.to_le_bytes()].concat();
+            let mut sender = Sender { system: 1, component: 1, sequence: 0 };
+            let Ok(()) = sender.send(&Raw::<111, 34>(answer), &mut |frame: &[u8]| {
+                autopilot.give(frame);
+                Ok::<(), core::convert::Infallible>(())
+            });
+            asked += 1;
+        }
+        clocks.extend(port.received().iter().find_map(|message| match message {
+            Message::Frame(head) => Some((head.clock, head.capture_time_us)),
+            _ => None,
+        }));
+    }
+    assert_eq!(clocks[0].0, TimeSource::Board);
+    let (last, time_us) = *clocks.last().unwrap();
+    assert_eq!(last, TimeSource::Autopilot);
+    // Half of the round trip, a turn or two.
+    let first_us = clocks.iter().find(|(clock, _)| *clock == TimeSource::Autopilot).unwrap().1;
+    assert!((5_000_000..5_200_000).contains(&first_us), "{first_us}");
+    assert!(
+        asked >= 2 && ((time_us - 5_000_000) / 1_000_000).abs_diff(asked) <= 1,
+        "asked {asked} times, {time_us} us"
+    );
+    assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
+}
+
+#[test]
+fn a_board_leaves_for_its_boot_loader_after_the_answer() {
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    for (has_bootloader, expected) in [(false, Turn::Idle), (true, Turn::Leave)] {
+        let port = Port::with_look(1);
+        let mut session = Session::new(BOARD);
+        session.has_bootloader = has_bootloader;
+        let mut live = Live::start(session, port.clone(), port.clone());
+        port.received();
+        port.send(3, Request::Bootloader);
+        assert_eq!(live.turn(&mut *memory, &mut camera), expected);
+        let outcome = if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
+        assert_eq!(port.received(), [Message::Answer(Answer { command: 3, outcome })]);
+    }
+}
+
+#[test]
+fn the_light_follows_the_pairs() {
+    /// A camera that delivers a pair, then none.
+    struct Once(Option<Painter>);
+
+    impl PairSource for Once {
+        fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+            self.0.take()?.next_pair(memory, rectified)
+        }
+    }
+
+    let port = Port::with_look(0);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Once(Some(Painter::new(Dims { width: 128, height: 96 })));
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut lit_at = |live: &mut Live<'_, Port, Port>, ms: u32| {
+        port.pass(1000 * ms);
+        live.turn(&mut *memory, &mut camera);
+        live.is_lit()
+    };
+    assert!(lit_at(&mut live, 100) && !lit_at(&mut live, 300), "a short flash: nobody wants pairs");
+    port.send(1, Request::Start);
+    assert!(lit_at(&mut live, 0), "0.4 s: fit, between two gaps");
+    assert!(!lit_at(&mut live, 0), "no pair comes any more");
+    assert!(lit_at(&mut live, 250) && !lit_at(&mut live, 250));
+}

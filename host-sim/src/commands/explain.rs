@@ -1,0 +1,70 @@
+//! `linestereo explain`: why a pixel, the segment and the support point next to it have a depth, or none.
+
+use super::input::{InputArgs, Matcher};
+use super::run::pixel;
+use super::written;
+use crate::draw;
+use crate::explain::{CurveLog, Explanation};
+use crate::input::{PairFiles, StoredPair};
+use crate::output::{OutputFiles, OutputPath};
+use crate::results::health;
+use anyhow::{Result, bail};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo explain left.png right.png 160,120 --scene scene.json
+      the segment next to the pixel, the support point next to it, and the pixel itself, in words
+  linestereo explain left.png right.png 160,120 --scene scene.json --picture why.png
+      with their cost curves
+
+Of a segment (within 4 px): the window shaped by it, census along it, the edge alike in the right image (feature).
+Of a support point: the cost of its window before aggregation and the sum of the semi-global paths after it.
+Costs have the units of the technique: only their ratio, best / second-best, is compared between places.
+A test says passed or FAILED with the number and its limit; what follows a failed test was not computed.";
+
+/// Explain one pixel: cost curves of each technique, best and second-best, and the test that accepted or rejected it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Left image, the reference.
+    left: PathBuf,
+    /// Right image of the same size.
+    right: PathBuf,
+    /// Pixel of the (rectified) left image before --width.
+    #[arg(value_name = "X,Y", value_parser = pixel)]
+    pixel: (u16, u16),
+    /// Draw the surroundings and the cost curves.
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<OutputPath>,
+    #[command(flatten)]
+    input: InputArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let given = StoredPair::alone(String::new(), PairFiles::Two([args.left.clone(), args.right.clone()]));
+    let known = args.input.known_of(&given)?;
+    let pair = args.input.load_as(&given.images, &known)?;
+    let setup = args.input.setup_as(&pair, &known)?;
+    let ((x, y), size) = (args.pixel, setup.given);
+    if x >= size.width || y >= size.height {
+        bail!("pixel {x},{y} lies outside of the left image, which is {size}; give one inside");
+    }
+    let (mut matcher, mut log) = (Matcher::new(&setup)?, CurveLog::default());
+    let matched = matcher.run_observed(&setup, &pair, None, &mut log)?;
+    let pixel = setup.as_matched(args.pixel);
+    let explanation = Explanation::new(pixel, &log, &mut matcher.engine, &setup.params, &matched.result);
+    let mut output = OutputFiles::new();
+    if let Some(path) = &args.picture {
+        output.add(path, &draw::png(&draw::explanation(&matched.images[0], &explanation))?)?;
+    }
+    let mut text = String::new();
+    if pixel != args.pixel {
+        text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));
+    }
+    text.push_str(&explanation.to_string());
+    text.push_str(&health::summary(matched.result.health, matched.result.pair.as_ref()));
+    text.push_str(&written([&args.picture]));
+    output.commit_and_say(&text)
+}

@@ -1,0 +1,300 @@
+//! Depth quality on a flat wall, by the definitions of Intel's RealSense Depth Quality Tool.
+//!
+//! In: answers of one or more pairs, a region of the left image, the rig and the wall's distance where they are known. Out:
+//!
+//! ```text
+//! fill rate        share of the region's cells of the support grid that hold an answer                  (RealSense: share of its pixels)
+//! plane            the plane d = a x + b y + c, robustly: a plane in space is one in disparity
+//! sub-pixel RMS    of d_i - d_plane, px
+//! plane-fit RMS    of Z_i - Z_plane, m and share of the distance
+//! Z accuracy       median of Z_i - Z_true, signed; the true plane is the fitted one, moved in parallel to the known distance
+//! temporal noise   standard deviation of a pixel's answer over the pairs, median over the pixels
+//! ```
+//! Figures of several pairs are the medians of the pairs. One answer a cell counts, its most probable one: segments give many along an edge.
+//! Z_plane is taken along the ray of the pixel, so no focal length is needed. Answers more than [`OFF_PLANE`] off are counted by
+//! themselves and left out of the rest; RealSense leaves out the nearest and farthest 0.5 %.
+//!
+//! # Source
+//! Intel, "RealSense Camera Depth Testing Methodology", revision 1.0, 2018; librealsense, tools/depth-quality/rs-depth-quality.cpp (its texts
+//! on Z accuracy, plane fit RMS error, subpixel RMS error and fill rate).
+
+use crate::statistics::quantile;
+use linestereo::diagnostics::SUPPORT_PITCH;
+use linestereo::{Area, Point, Rig};
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// Distance from the plane above which an answer is wrong, px.
+pub const OFF_PLANE: f64 = 1.0;
+/// Least number of answers for a plane.
+const LEAST_ANSWERS: usize = 12;
+/// Planes through three answers that are tried.
+const TRIALS: u64 = 300;
+
+/// An answer of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallAnswer {
+    /// Pixel.
+    pub at: [f64; 2],
+    /// Disparity, px.
+    pub disparity: f64,
+    /// Distance from the plane, px; `None` without a plane.
+    pub off: Option<f64>,
+}
+
+/// Disparity over the image: `a x + b y + c`, px.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plane([f64; 3]);
+
+impl Plane {
+    fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        let Self([a, b, c]) = self;
+        a * x + b * y + c
+    }
+}
+
+/// Figures of a wall; those that nobody can know are missing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Quality {
+    /// Pairs.
+    pub pairs: usize,
+    /// Left, top, width, height of the region, px of the images as matched.
+    pub region: [u16; 4],
+    /// Cells of the support grid in the region.
+    pub cells: usize,
+    /// Share of them with an answer.
+    pub fill_rate: f64,
+    /// Share of the answers that are more than [`OFF_PLANE`] off the plane.
+    pub off_plane: Option<f64>,
+    /// px.
+    pub sub_pixel_rms_px: Option<f64>,
+    /// Depth of the plane in the middle of the region, m.
+    pub distance_m: Option<f64>,
+    /// Angle between the wall and the image plane, degrees.
+    pub tilt_deg: Option<f64>,
+    /// m.
+    pub plane_fit_rms_m: Option<f64>,
+    /// Share of the distance.
+    pub plane_fit_rms: Option<f64>,
+    /// Signed, m: above 0 is too far.
+    pub z_accuracy_m: Option<f64>,
+    /// Signed, share of the known distance.
+    pub z_accuracy: Option<f64>,
+    /// Disparity that would have to be added for the known distance, px.
+    pub disparity_error_px: Option<f64>,
+    /// Pixels with an answer in at least half of the pairs.
+    pub repeated_pixels: Option<usize>,
+    /// px.
+    pub temporal_noise_px: Option<f64>,
+    /// m.
+    pub temporal_noise_m: Option<f64>,
+}
+
+/// Region, rig and distance of a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Wall<'a> {
+    /// Part of the left image that shows nothing but the wall.
+    pub region: Area,
+    /// The rig, if it is known.
+    pub rig: Option<&'a Rig>,
+    /// Depth of the wall in the middle of the region, if it is known, m.
+    pub distance_m: Option<f64>,
+}
+
+impl Wall<'_> {
+    /// Figures of the points of pairs, and the answers of the last one.
+    #[must_use]
+    pub fn evaluate(&self, pairs: &[Vec<Point>]) -> (Quality, Vec<WallAnswer>) {
+        let mut answers = Vec::new();
+        let mut each = Vec::new();
+        for points in pairs {
+            answers = self.answers(points);
+            each.push(self.of_pair(&mut answers));
+        }
+        let middle =
+            |of: fn(&Quality) -> Option<f64>| quantile(each.iter().filter_map(of).collect(), 0.5, f64::total_cmp);
+        let Area { left, top, right, bottom } = self.region;
+        let mut all = Quality {
+            pairs: pairs.len(),
+            region: [left, top, right - left, bottom - top],
+            cells: self.cells(),
+            fill_rate: middle(|one| Some(one.fill_rate)).unwrap_or(0.0),
+            off_plane: middle(|one| one.off_plane),
+            sub_pixel_rms_px: middle(|one| one.sub_pixel_rms_px),
+            distance_m: middle(|one| one.distance_m),
+            tilt_deg: middle(|one| one.tilt_deg),
+            plane_fit_rms_m: middle(|one| one.plane_fit_rms_m),
+            plane_fit_rms: middle(|one| one.plane_fit_rms),
+            z_accuracy_m: middle(|one| one.z_accuracy_m),
+            z_accuracy: middle(|one| one.z_accuracy),
+            disparity_error_px: middle(|one| one.disparity_error_px),
+            ..Quality::default()
+        };
+        if pairs.len() > 1 {
+            self.add_noise(pairs, &mut all);
+        }
+        (all, answers)
+    }
+
+    fn columns(&self) -> (usize, usize) {
+        centres(self.region.left, self.region.right)
+    }
+
+    fn rows(&self) -> (usize, usize) {
+        centres(self.region.top, self.region.bottom)
+    }
+
+    fn cells(&self) -> usize {
+        let ((left, right), (top, bottom)) = (self.columns(), self.rows());
+        (right - left) * (bottom - top)
+    }
+
+    /// The most probable answer of each cell.
+    fn answers(&self, points: &[Point]) -> Vec<WallAnswer> {
+        let ((left, right), (top, bottom)) = (self.columns(), self.rows());
+        let mut best: HashMap<(usize, usize), &Point> = HashMap::new();
+        for point in points {
+            let cell = (usize::from(point.x / SUPPORT_PITCH), usize::from(point.y / SUPPORT_PITCH));
+            if (left..right).contains(&cell.0) && (top..bottom).contains(&cell.1) {
+                let best = best.entry(cell).or_insert(point);
+                if point.confidence > best.confidence {
+                    *best = point;
+                }
+            }
+        }
+        let mut cells: Vec<_> = best.into_iter().collect();
+        cells.sort_by_key(|(cell, _)| *cell);
+        let answer = |point: &Point| WallAnswer {
+            at: [point.x.into(), point.y.into()],
+            disparity: point.disparity.to_num(),
+            off: None,
+        };
+        cells.into_iter().map(|(_, point)| answer(point)).collect()
+    }
+
+    /// Disparity with the rig's offset, of which depth is the inverse, and f*B in px*m.
+    fn stereo(&self) -> Option<(f64, f64)> {
+        let rig = self.rig?;
+        Some((rig.focal_baseline_q16() as f64 / 65536.0, rig.offset_q6() as f64 / 64.0))
+    }
+
+    fn middle(&self) -> [f64; 2] {
+        let Area { left, top, right, bottom } = self.region;
+        let middle = |a: u16, b: u16| 0.5 * (f64::from(a) + f64::from(b) - 1.0);
+        [middle(left, right), middle(top, bottom)]
+    }
+
+    fn of_pair(&self, answers: &mut [WallAnswer]) -> Quality {
+        let fill_rate = answers.len() as f64 / self.cells().max(1) as f64;
+        let mut quality = Quality { fill_rate, ..Quality::default() };
+        let Some(plane) = fitted(answers) else { return quality };
+        answers.iter_mut().for_each(|answer| answer.off = Some(answer.disparity - plane.at(answer.at)));
+        let on: Vec<&WallAnswer> = answers.iter().filter(|answer| is_on(answer)).collect();
+        quality.off_plane = Some(1.0 - on.len() as f64 / answers.len() as f64);
+        quality.sub_pixel_rms_px = rms(on.iter().filter_map(|answer| answer.off));
+        let Some((fb, offset)) = self.stereo() else { return quality };
+        let depth = |disparity: f64| fb / (disparity + offset);
+        let distance = depth(plane.at(self.middle()));
+        if distance <= 0.0 {
+            return quality;
+        }
+        quality.distance_m = Some(distance);
+        quality.tilt_deg = self.rig.and_then(|rig| tilt_deg(&plane, rig, offset));
+        let off = on.iter().map(|answer| depth(answer.disparity) - depth(plane.at(answer.at)));
+        quality.plane_fit_rms_m = rms(off);
+        quality.plane_fit_rms = quality.plane_fit_rms_m.map(|rms| rms / distance);
+        if let Some(known) = self.distance_m {
+            // Planes in parallel have depths, along every ray, in the same proportion.
+            let errors = on.iter().map(|a| depth(a.disparity) - depth(plane.at(a.at)) * known / distance);
+            let error = quantile(errors.collect(), 0.5, f64::total_cmp);
+            quality.z_accuracy_m = error;
+            quality.z_accuracy = error.map(|error| error / known);
+            quality.disparity_error_px = Some(fb / known - fb / distance);
+        }
+        quality
+    }
+
+    fn add_noise(&self, pairs: &[Vec<Point>], quality: &mut Quality) {
+        let mut by_pixel: HashMap<(u16, u16), Vec<f64>> = HashMap::new();
+        for point in pairs.iter().flatten().filter(|point| self.region.contains(point.x.into(), point.y.into())) {
+            by_pixel.entry((point.x, point.y)).or_default().push(point.disparity.to_num());
+        }
+        let least = pairs.len().div_ceil(2).max(2);
+        let repeated: Vec<&Vec<f64>> = by_pixel.values().filter(|values| values.len() >= least).collect();
+        quality.repeated_pixels = Some(repeated.len());
+        let median = |values: Vec<f64>| quantile(values, 0.5, f64::total_cmp);
+        quality.temporal_noise_px = median(repeated.iter().map(|values| deviation(values)).collect());
+        if let Some((fb, offset)) = self.stereo() {
+            let depths = |values: &&Vec<f64>| values.iter().map(|d| fb / (d + offset)).collect::<Vec<f64>>();
+            quality.temporal_noise_m = median(repeated.iter().map(|values| deviation(&depths(values))).collect());
+        }
+    }
+}
+
+/// First cell whose centre lies in this span of pixels, and the one after the last.
+fn centres(from: u16, to: u16) -> (usize, usize) {
+    let cell = |at: u16| usize::from((at + SUPPORT_PITCH / 2 - 1) / SUPPORT_PITCH);
+    (cell(from), cell(to).max(cell(from)))
+}
+
+fn is_on(answer: &WallAnswer) -> bool {
+    answer.off.is_some_and(|off| off.abs() <= OFF_PLANE)
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value * value));
+    (count > 0).then(|| (sum / f64::from(count)).sqrt())
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares / (values.len() as f64 - 1.0).max(1.0)).sqrt()
+}
+
+/// Angle between the plane and the image; needs focal length and principal point.
+fn tilt_deg(plane: &Plane, rig: &Rig, offset: f64) -> Option<f64> {
+    let centre = rig.principal_point_q16()?.map(|v| f64::from(v) / 65536.0);
+    let focal = rig.focal_q16() as f64 / 65536.0;
+    let Plane([a, b, _]) = plane;
+    Some((a * focal).hypot(b * focal).atan2(plane.at(centre) + offset).to_degrees())
+}
+
+/// The plane with the least median distance of those through three answers, then by least squares over what lies on it.
+fn fitted(answers: &[WallAnswer]) -> Option<Plane> {
+    let count = answers.len() as u64;
+    if answers.len() < LEAST_ANSWERS {
+        return None;
+    }
+    let mut state = 1_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        answers[((state >> 33) % count) as usize]
+    };
+    let median_off = |plane: &Plane| {
+        let off = answers.iter().map(|answer| (answer.disparity - plane.at(answer.at)).abs());
+        quantile(off.collect(), 0.5, f64::total_cmp).unwrap_or(f64::MAX)
+    };
+    let trials = (0..TRIALS).filter_map(|_| through([next(), next(), next()].iter()));
+    let mut plane = trials.min_by(|a, b| median_off(a).total_cmp(&median_off(b)))?;
+    for _ in 0..3 {
+        let on = answers.iter().filter(|answer| (answer.disparity - plane.at(answer.at)).abs() <= OFF_PLANE);
+        plane = through(on)?;
+    }
+    Some(plane)
+}
+
+/// Least squares; `None` where the answers lie on a line.
+fn through<'a>(answers: impl Iterator<Item = &'a WallAnswer>) -> Option<Plane> {
+    let (mut squares, mut sums) = (nalgebra::Matrix3::<f64>::zeros(), nalgebra::Vector3::zeros());
+    for answer in answers {
+        let row = nalgebra::Vector3::new(answer.at[0], answer.at[1], 1.0);
+        squares += row * row.transpose();
+        sums += row * answer.disparity;
+    }
+    // Three pixels on a line, or next to one.
+    if squares.determinant().abs() < 1e3 {
+        return None;
+    }
+    squares.try_inverse().map(|inverse| Plane((inverse * sums).into()))
+}

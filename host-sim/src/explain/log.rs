@@ -1,0 +1,93 @@
+//! Observer of a run that keeps costs and outcome of every segment and support point.
+
+use super::curve::Curve;
+use linestereo::Rejection;
+use linestereo::diagnostics::kernel::JUMP_PENALTY;
+use linestereo::diagnostics::{
+    CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence, StageEvent, SupportCurves,
+};
+use std::collections::HashMap;
+
+/// A left segment that was matched, with its costs as far as they were computed.
+#[derive(Clone, Debug)]
+pub(super) struct TestedSegment {
+    pub(super) segment: Segment,
+    /// Of each side, of each half.
+    pub(super) windows: [[Option<Curve>; 2]; 2],
+    /// The edge's own, of each half.
+    pub(super) edges: [Option<Curve>; 2],
+    /// Of each side.
+    pub(super) census: [Option<Curve>; 2],
+    /// Position in the list of candidates with the evidence of the sides, or the test that it failed; nothing when it was not matched.
+    pub(super) outcome: Result<(usize, [SegmentEvidence; 2]), Rejection>,
+}
+
+/// Costs of a support point, by rising disparity.
+#[derive(Clone, Debug)]
+pub(super) struct SupportCosts {
+    pub(super) window: Curve,
+    pub(super) paths: Curve,
+}
+
+/// Watches a run.
+#[derive(Clone, Debug, Default)]
+pub struct CurveLog {
+    /// Prominent segments in the order in which they are matched, then the less prominent ones.
+    pub(super) segments: Vec<TestedSegment>,
+    /// By index in the grid.
+    pub(super) support: HashMap<usize, SupportCosts>,
+    found: Vec<Segment>,
+    matched: usize,
+    candidates: usize,
+}
+
+fn untested(segment: &Segment) -> TestedSegment {
+    TestedSegment {
+        segment: *segment,
+        windows: Default::default(),
+        edges: Default::default(),
+        census: Default::default(),
+        outcome: Err(Rejection::LessProminent),
+    }
+}
+
+impl Observer for CurveLog {
+    fn on_event(&mut self, step: StageEvent<'_>) {
+        match step {
+            StageEvent::LinesLeft(found) => *self = Self { found: found.to_vec(), ..Self::default() },
+            StageEvent::Selection(_, prominent) => {
+                let less = self.found.iter().filter(|segment| !prominent.contains(segment));
+                self.segments = prominent.iter().chain(less).map(untested).collect();
+            }
+            StageEvent::Segment(outcome) => {
+                if let Some(tested) = self.segments.get_mut(self.matched) {
+                    tested.outcome = outcome.map(|(_, evidence)| (self.candidates, *evidence));
+                }
+                self.candidates += usize::from(outcome.is_ok());
+                self.matched += 1;
+            }
+            _ => {}
+        }
+    }
+
+    fn wants_segment_curves(&self) -> bool {
+        true
+    }
+
+    fn segment_curves(&mut self, curves: &SegmentCurves<'_>) {
+        let Some(tested) = self.segments.get_mut(self.matched) else { return };
+        let of = |kind| curves.of(kind).map(Curve::new);
+        tested.windows = [0, 1].map(|side| [0, 1].map(|half| of(CurveKind::Window { side, half })));
+        tested.edges = [0, 1].map(|half| of(CurveKind::Edge { half }));
+        tested.census = [0, 1].map(|side| of(CurveKind::Census { side }));
+    }
+
+    fn support_curves(&mut self, index: usize, curves: &SupportCurves<'_>) {
+        let rising = |costs: &[u8], penalty: u8| Curve {
+            first: curves.largest + 1 - costs.len() as i32,
+            costs: costs.iter().rev().map(|&cost| cost.saturating_sub(penalty).into()).collect(),
+        };
+        let costs = SupportCosts { window: rising(curves.window, JUMP_PENALTY), paths: rising(curves.paths, 0) };
+        self.support.insert(index, costs);
+    }
+}
