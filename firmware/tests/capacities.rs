@@ -22,11 +22,11 @@ fn strong(raw: Dims, roll_deg: f64) -> RigImage {
 }
 
 /// The answers of a board to rigs.
-fn answers(board: Board, mut memory: Box<impl Memory>, rigs: [&RigImage; 3]) -> [String; 3] {
+fn answers(board: Board, memory: &mut impl Memory, rigs: [&RigImage; 3]) -> [String; 3] {
     let mut session = Session::new(board);
     rigs.map(|rig| {
         let request = Request::SetRig(rig.encode(0).into_iter().collect());
-        match session.command(&Command { id: 1, request }, &mut *memory) {
+        match session.command(&Command { id: 1, request }, memory) {
             Reply::Answer(answer) => match answer.outcome {
                 // Without a flash it is used and not kept.
                 Outcome::Accepted => "accepted".to_owned(),
@@ -44,15 +44,15 @@ fn boards_take_the_rigs_of_their_sensors_and_name_what_is_too_large() {
     let rigs = [&strong_lens, &wide, &rolled];
     let accepted = "accepted";
     for found in [
-        answers(Board::STM32H743, Box::new(stm32h743::Workspace::new()), rigs),
-        answers(Board::PORTENTA_H7, Box::new(portenta_h7::Workspace::new()), rigs),
-        answers(Board::PICO2, Box::new(pico2::Workspace::new()), rigs),
+        answers(Board::STM32H743, &mut *Box::new(stm32h743::Workspace::new()), rigs),
+        answers(Board::PORTENTA_H7, &mut *Box::new(portenta_h7::Workspace::new()), rigs),
+        answers(Board::PICO2, &mut *Box::new(pico2::Workspace::new()), rigs),
     ] {
         let [first, second, third] = found.each_ref().map(String::as_str);
         assert_eq!([first, second], [accepted, "raw row of the board's memory holds 320, these images need 640"]);
         assert!(third.starts_with("band of the board's memory holds 12288, these images need "), "{third}");
     }
-    let [first, second, third] = answers(Board::MPS2_AN500, Box::new(mps2_an500::Workspace::new()), rigs);
+    let [first, second, third] = answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::Workspace::new()), rigs);
     assert_eq!([&*first, &*second], [accepted, "raw row of the board's memory holds 480, these images need 640"]);
     assert!(third.starts_with("band of the board's memory holds 12800, these images need "), "{third}");
 }

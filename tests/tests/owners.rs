@@ -8,7 +8,7 @@ use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// Rooms that are tried; `linestereo demo --seed N` shows one.
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=40;
+const SEEDS: core::ops::RangeInclusive<u64> = 1..=40;
 
 /// The room of a seed, its truth and its matches.
 fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
