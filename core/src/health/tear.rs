@@ -75,15 +75,17 @@ fn common_shift(differences_q6: impl Iterator<Item = i32>) -> Option<i32> {
             *count = count.saturating_add(1);
         }
     }
-    let mut peak = (0, 0);
+    let (mut peak, mut count, mut shift) = (0, 0, 0);
     for (window, at) in bins.windows(3).zip(1 - REACH..) {
-        let count: u32 = window.iter().map(|&count| u32::from(count)).sum();
-        if count > peak.0 && at.abs() >= MIN_SHIFT {
-            peak = (count, at);
+        let [before, own, after] = [0, 1, 2].map(|i| window.get(i).map_or(0, |&count: &u8| u32::from(count)));
+        // The middle counts twice: of three windows that hold the same points it is the one around them.
+        let weight = before + 2 * own + after;
+        if weight > peak {
+            (peak, count, shift) = (weight, before + own + after, at);
         }
     }
-    let (count, shift) = peak;
-    (points >= MIN_POINTS && 3 * count >= points).then_some((shift + shift.signum()) / 2)
+    let is_common = points >= MIN_POINTS && 3 * count >= points && shift.abs() >= MIN_SHIFT;
+    is_common.then_some((shift + shift.signum()) / 2)
 }
 
 /// The row between `from` and `to` below which one image continues when moved by the shift.
@@ -125,7 +127,7 @@ mod tests {
     fn a_third_of_the_points_have_to_share_a_shift() {
         let differences = |count: usize, q6: i32| core::iter::repeat_n(q6, count);
         assert_eq!(common_shift(differences(12, -256)), Some(-4));
-        assert_eq!(common_shift(differences(12, 250).chain(differences(12, 0))), Some(4));
+        assert_eq!(common_shift(differences(13, 250).chain(differences(12, 0))), Some(4));
         assert_eq!(common_shift(differences(7, -256)), None, "too few");
         assert_eq!(common_shift(differences(12, 64)), None, "a slope");
         assert_eq!(common_shift(differences(12, -256).chain((0..25).map(|n| 60 * n))), None, "not a third of them");
