@@ -15,13 +15,12 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 26] = [
+const NOT_RUN: [(&str, &str); 25] = [
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
     ("monitor run.bin", "the recording of a board"),
     ("probe-rs", "a board and a probe"),
     ("dfu-util", "a board"),
-    ("llvm-objcopy", "the image of a board"),
     ("--on mps2-an500", "QEMU and the firmware: `on_board` runs it"),
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
     ("cargo test", "runs this test"),

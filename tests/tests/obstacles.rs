@@ -314,7 +314,7 @@ fn an_unfit_pair_says_nothing() {
         assert_eq!(distance(obstacles.sector(&plan, 0, 0)).is_some(), is_fit, "{name}");
         // What was known before grows old.
         obstacles.update(&plan, &near, None, HealthFlags::GOOD, 0);
-        obstacles.update(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::ROWS_OFF, 100_000);
+        obstacles.update(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::FEW_MATCHES, 100_000);
         assert_eq!(word(obstacles.sector(&plan, 0, 100_000)), "100 cm 100");
         obstacles.update(&plan, &near, None, HealthFlags::GOOD, 200_000);
         obstacles.mark_missing();

@@ -187,7 +187,7 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
     let mut flight = Flight { px4: Px4::new(72), ardu: ArduPilot::default(), log: Vec::new() };
     for now_ms in (0..end_ms).step_by(10) {
         if now_ms % 50 == 0 {
-            let health = if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::ROWS_OFF };
+            let health = if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::FEW_MATCHES };
             obstacles.update(&plan, matches, None, health, now_ms * 1000);
             stream
                 .turn(&obstacles, &plan, now_ms * 1000, &mut |frame: &[u8]| {

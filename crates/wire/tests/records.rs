@@ -116,7 +116,7 @@ fn health_follows_full_lists() {
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
     assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
     assert_eq!(Health::GOOD.to_string(), "good");
-    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(1 << 31)).to_string(), "size_mismatch+0x80000000");
+    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(1 << 7)).to_string(), "size_mismatch+0x00000080");
 }
 
 #[test]
@@ -186,7 +186,8 @@ fn the_layout_of_this_version_is_exactly_this() {
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
-    let report = [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15];
+    let report =
+        [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16, 33, 1, 18, 37];
     assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
     let segment = Segment {
         ends_q5: [[1, 2], [3, 4]],
