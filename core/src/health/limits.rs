@@ -52,7 +52,7 @@ pub struct HealthLimits {
     pub beyond_range_permille: u16,
     /// Largest share of credible support points without parallax, per thousand. Default 500.
     pub still_permille: u16,
-    /// Largest likeness of both images at the same pixels, per thousand. Default 60.
+    /// Largest likeness of both images at the same pixels, per thousand. Default 80.
     pub pattern_permille: i16,
     /// Number of consecutive pairs without a fault until its flag is cleared. Default 3.
     pub clear_after: u8,
@@ -82,7 +82,7 @@ impl HealthLimits {
         min_beyond_range: 3,
         beyond_range_permille: 20,
         still_permille: 500,
-        pattern_permille: 60,
+        pattern_permille: 80,
         clear_after: 3,
     };
 

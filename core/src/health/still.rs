@@ -18,14 +18,14 @@
 //! Gradients are at most 255: 8 products 520 200, sums of all points of a 1280 px square below 2^34.
 //!
 //! # Cost
-//! At most some [`POINTS`] points, 200 instructions each.
+//! At most some [`POINTS`] points, 500 instructions each.
 
 use crate::image::Gray;
 use crate::support::Support;
 use crate::units::Confidence;
 
 /// Number of points that are looked at, about.
-const POINTS: usize = 512;
+const POINTS: usize = 256;
 /// Least number of points for either measurement.
 const MIN_POINTS: u32 = 24;
 /// Largest disparity of a point without parallax, 1/64 px.
@@ -64,12 +64,13 @@ struct Sums {
 
 impl Sums {
     fn add(&mut self, left: &[i32; GRADIENTS], right: &[i32; GRADIENTS + 2 * LAG]) {
-        for (product, lag) in self.products.iter_mut().zip(LAGS) {
-            let sum: i32 = left.iter().zip(right.iter().skip(lag)).map(|(a, b)| a * b).sum();
-            *product += i64::from(sum);
+        let product = |right: &[i32]| left.iter().zip(right).fold(0, |sum, (a, b)| sum + a * b);
+        for (sum, lag) in self.products.iter_mut().zip(LAGS) {
+            *sum += i64::from(product(right.get(lag..).unwrap_or(&[])));
         }
-        let squares = |values: &mut dyn Iterator<Item = &i32>| -> i32 { values.map(|v| v * v).sum() };
-        self.energy += i64::from(squares(&mut left.iter()) + squares(&mut right.iter().skip(LAG).take(GRADIENTS)));
+        let energy = |values: &[i32]| values.iter().fold(0, |sum, value| sum + value * value);
+        let own = right.get(LAG..LAG + GRADIENTS).unwrap_or(&[]);
+        self.energy += i64::from(energy(left) + energy(own));
     }
 
     /// How much the product at lag 0 is above the others, per thousand of the mean energy.

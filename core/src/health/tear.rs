@@ -11,13 +11,13 @@
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
 //! # Cost
-//! Some 40 000 instructions of a QVGA pair, and 20 000 for every pair of rows of points with such a peak, at most [`MOST`].
+//! Some 60 000 instructions of a QVGA pair, and 20 000 for every pair of rows of points with such a peak, at most [`MOST`].
 
 use crate::image::Gray;
 use crate::support::Support;
 
 /// Most pairs of rows of points that are looked at in the images.
-const MOST: usize = 4;
+const MOST: usize = 3;
 /// Largest shift, half px.
 const REACH: i32 = 48;
 /// Number of bins.
@@ -28,6 +28,8 @@ const MIN_SHIFT: i32 = 3;
 const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
 const MARGIN: i32 = 4;
+/// Columns from one pixel of a row compared to the next, px.
+const STEP: usize = 4;
 /// Least mean difference of neighbouring rows for them to say something, grey levels.
 const MIN_DIFFERENCE: u32 = 3;
 
@@ -76,47 +78,63 @@ fn common_shift(differences_q6: impl Iterator<Item = i32>) -> Option<i32> {
         }
     }
     let (mut peak, mut count, mut shift) = (0, 0, 0);
-    for (window, at) in bins.windows(3).zip(1 - REACH..) {
-        let [before, own, after] = [0, 1, 2].map(|i| window.get(i).map_or(0, |&count: &u8| u32::from(count)));
+    if points < MIN_POINTS {
+        return None;
+    }
+    let (mut before, mut own) = (0, 0);
+    for (&after, at) in bins.iter().zip(-1 - REACH..) {
+        let after = u32::from(after);
         // The middle counts twice: of three windows that hold the same points it is the one around them.
         let weight = before + 2 * own + after;
         if weight > peak {
             (peak, count, shift) = (weight, before + own + after, at);
         }
+        (before, own) = (own, after);
     }
-    let is_common = points >= MIN_POINTS && 3 * count >= points && shift.abs() >= MIN_SHIFT;
+    let is_common = 3 * count >= points && shift.abs() >= MIN_SHIFT;
     is_common.then_some((shift + shift.signum()) / 2)
 }
 
 /// The row between `from` and `to` below which one image continues when moved by the shift.
 fn torn_row([left, right]: [Gray<'_>; 2], (from, to): (i32, i32), shift: i32) -> Option<i32> {
-    (from.max(0)..to).find(|&y| is_torn(left, y, shift) || is_torn(right, y, -shift))
+    let rows = (from.max(0), to);
+    torn_row_of(left, rows, shift).or_else(|| torn_row_of(right, rows, -shift))
 }
 
-fn is_torn(image: Gray<'_>, y: i32, shift: i32) -> bool {
-    let rows = usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)));
-    let Some((upper, lower)) = rows else { return false };
+fn torn_row_of(image: Gray<'_>, (from, to): (i32, i32), shift: i32) -> Option<i32> {
+    let mut before = u32::MAX;
+    for y in from..to {
+        let (as_it_is, length) = difference(image, y, 0, shift)?;
+        // A tear stands out among the rows: most need no second sum.
+        let stands_out = as_it_is >= MIN_DIFFERENCE * length && 4 * as_it_is > 5 * before.min(1 << 24);
+        before = as_it_is;
+        if stands_out
+            && let Some((moved, _)) = difference(image, y, shift, shift)
+            && 16 * moved < 11 * as_it_is
+        {
+            return Some(y);
+        }
+    }
+    None
+}
+
+/// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: every fourth one that is valid when moved by `most` as well.
+fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u32)> {
+    let (upper, lower) = usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)))?;
     let (above, below) = (image.valid_columns(y), image.valid_columns(y + 1));
-    let start = i32::from(above.start.max(below.start)) + shift.abs();
-    let end = i32::from(above.end.min(below.end)) - shift.abs();
-    let (Ok(start), Ok(end), Ok(moved)) =
-        (usize::try_from(start), usize::try_from(end), usize::try_from(start + shift))
-    else {
-        return false;
-    };
-    let length = end.saturating_sub(start);
-    let (Some(upper), Some(lower), Some(shifted)) =
-        (upper.get(start..end), lower.get(start..end), lower.get(moved..moved + length))
-    else {
-        return false;
-    };
-    let as_it_is = difference(upper, lower);
-    as_it_is >= MIN_DIFFERENCE * length as u32 && 16 * difference(upper, shifted) < 11 * as_it_is
-}
-
-/// Sum of absolute differences.
-fn difference(a: &[u8], b: &[u8]) -> u32 {
-    a.iter().zip(b).map(|(&a, &b)| u32::from(a.abs_diff(b))).sum()
+    let start = i32::from(above.start.max(below.start)) + most.abs();
+    let end = i32::from(above.end.min(below.end)) - most.abs();
+    let at = |x: i32| usize::try_from(x).ok();
+    let upper = upper.get(at(start)?..at(end)?)?.chunks_exact(STEP);
+    let lower = lower.get(at(start + shift)?..at(end + shift)?)?.chunks_exact(STEP);
+    let (mut sum, mut count) = (0, 0);
+    for pixels in upper.zip(lower) {
+        if let ([upper, ..], [lower, ..]) = pixels {
+            sum += u32::from(upper.abs_diff(*lower));
+            count += 1;
+        }
+    }
+    Some((sum, count))
 }
 
 #[cfg(test)]
