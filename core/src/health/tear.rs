@@ -125,14 +125,13 @@ fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u3
     let start = i32::from(above.start.max(below.start)) + most.abs();
     let end = i32::from(above.end.min(below.end)) - most.abs();
     let at = |x: i32| usize::try_from(x).ok();
-    let upper = upper.get(at(start)?..at(end)?)?.chunks_exact(STEP);
-    let lower = lower.get(at(start + shift)?..at(end + shift)?)?.chunks_exact(STEP);
-    let (mut sum, mut count) = (0, 0);
-    for pixels in upper.zip(lower) {
-        if let ([upper, ..], [lower, ..]) = pixels {
-            sum += u32::from(upper.abs_diff(*lower));
-            count += 1;
-        }
+    let upper = upper.get(at(start)?..at(end)?)?;
+    let lower = lower.get(at(start + shift)?..at(end + shift)?)?;
+    let (mut sum, mut count, mut x) = (0, 0, 0);
+    while let Some((upper, lower)) = upper.get(x).zip(lower.get(x)) {
+        sum += u32::from(upper.abs_diff(*lower));
+        count += 1;
+        x += STEP;
     }
     Some((sum, count))
 }

@@ -288,10 +288,11 @@ impl<'a> Support<'a> {
         &self,
         apart: usize,
     ) -> impl Iterator<Item = (i32, &'a [SupportPoint], &'a [SupportPoint])> + use<'a> {
-        let columns = self.grid.columns.max(1);
-        let rows = self.points.chunks_exact(columns);
-        let below = rows.clone().skip(apart);
-        rows.zip(below).enumerate().map(|(row, (above, below))| (Grid::y(row), above, below))
+        let (points, columns) = (self.points, self.grid.columns);
+        (0..self.grid.rows.saturating_sub(apart)).filter_map(move |row| {
+            let of_row = |row: usize| points.get(row * columns..(row + 1) * columns);
+            Some((Grid::y(row), of_row(row)?, of_row(row + apart)?))
+        })
     }
 
     /// Every point with its pixel `(x, y)`, row by row, matched or not.

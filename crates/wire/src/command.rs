@@ -355,6 +355,17 @@ pub fn name(text: &str) -> Name {
     name
 }
 
+impl Setting {
+    /// Refuses what is no value of the setting of this number.
+    pub fn check(number: u8, value: f32) -> Result<(), Refusal> {
+        match Self::get(number) {
+            None => Err(Refusal::Unsupported),
+            Some(setting) if setting.takes(value) => Ok(()),
+            Some(&Self { least, largest, .. }) => Err(Refusal::Setting { number, value, least, largest }),
+        }
+    }
+}
+
 /// The core's own words where it has them.
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -5,7 +5,6 @@
 //! Every value is an `f32`, which holds each whole number here exactly. `parts` is 0 for both and 1 for support alone, `policy` 0 for silent,
 //! 1 for block and 2 for unknown, `block_cm` 0 for the near limit of the rig, `distance_sensor` 0 for off and 1 for on.
 
-use crate::command::Refusal;
 use crate::rig_fault::RigFault;
 use serde::{Deserialize, Serialize};
 
@@ -79,15 +78,6 @@ impl Setting {
     #[must_use]
     pub fn get(number: u8) -> Option<&'static Self> {
         TABLE.get(usize::from(number))
-    }
-
-    /// Refuses what is no value of the setting of this number.
-    pub fn check(number: u8, value: f32) -> Result<(), Refusal> {
-        match Self::get(number) {
-            None => Err(Refusal::Unsupported),
-            Some(setting) if setting.takes(value) => Ok(()),
-            Some(&Self { least, largest, .. }) => Err(Refusal::Setting { number, value, least, largest }),
-        }
     }
 }
 

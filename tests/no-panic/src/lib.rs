@@ -237,12 +237,13 @@ pub fn proof_push(
 pub fn proof_health(
     monitor: &mut HealthMonitor,
     limits: &HealthLimits,
-    (left, right): (Gray<'_>, Gray<'_>),
+    images: [Gray<'_>; 2],
     times_us: Option<[u64; 2]>,
-    (matches, counts): (&[Match], &Counts),
+    matched: &Matched<'_>,
 ) -> PairHealth {
+    let [left, right] = images;
     let mut health = monitor.check_images(limits, left, right, times_us);
-    monitor.check_matches(limits, (left, right), (matches, counts), &mut health);
+    monitor.check_matches(limits, images, &matched.findings(), &mut health);
     health
 }
 
