@@ -28,8 +28,10 @@ const MIN_SHIFT: i32 = 3;
 const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
 const MARGIN: i32 = 4;
-/// Columns from one pixel of a row compared to the next, px.
-const STEP: usize = 4;
+/// Most columns from one pixel of a row compared to the next, px.
+const MOST_STEP: usize = 4;
+/// Least number of pixels compared of a row, where it has that many.
+const MIN_PIXELS: usize = 64;
 /// Least mean difference of neighbouring rows for them to say something, grey levels.
 const MIN_DIFFERENCE: u32 = 3;
 
@@ -118,7 +120,8 @@ fn torn_row_of(image: Gray<'_>, (from, to): (i32, i32), shift: i32) -> Option<i3
     None
 }
 
-/// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: every fourth one that is valid when moved by `most` as well.
+/// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: at least 64, at most every one, that are valid
+/// when moved by `most` as well.
 fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u32)> {
     let (upper, lower) = usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)))?;
     let (above, below) = (image.valid_columns(y), image.valid_columns(y + 1));
@@ -127,11 +130,12 @@ fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u3
     let at = |x: i32| usize::try_from(x).ok();
     let upper = upper.get(at(start)?..at(end)?)?;
     let lower = lower.get(at(start + shift)?..at(end + shift)?)?;
+    let step = (upper.len() / MIN_PIXELS).clamp(1, MOST_STEP);
     let (mut sum, mut count, mut x) = (0, 0, 0);
     while let Some((upper, lower)) = upper.get(x).zip(lower.get(x)) {
         sum += u32::from(upper.abs_diff(*lower));
         count += 1;
-        x += STEP;
+        x += step;
     }
     Some((sum, count))
 }
