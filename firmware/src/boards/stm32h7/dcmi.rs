@@ -130,7 +130,9 @@ impl DcmiStream {
         }
         let (port, pin) = interface.pins.vsync;
         let vsync_line = usize::from(pin);
-        STATE.lock(|state| state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line })).ok()?;
+        if !STATE.lock(|state| state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line }).is_ok()) {
+            return None;
+        }
         rcc::enable_and_reset::<peripherals::DCMI>();
         pac::DMAMUX1.ccr(STREAM).write(|mux| mux.set_dmareq_id(DCMI_REQUEST));
         cortex_m::interrupt::free(|_| {
