@@ -101,7 +101,7 @@ impl<'a> Matched<'a> {
         self.scratch.matches
     }
 
-    /// What its health is checked by.
+    /// Matches, counts and support points by which the health of the pair is judged.
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
         let range = self.summary.range;

@@ -1,4 +1,4 @@
-//! What a board's light says.
+//! Codes of a board's light: cause of the reset, state of the pairs.
 //!
 //! In: why the board was reset, how its pairs are, the time. Out: lit or dark. Driven once a turn: a light that does not change any more is a program
 //! that does not either.

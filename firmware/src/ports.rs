@@ -1,4 +1,4 @@
-//! What a program needs from its surroundings. Implemented by the boards, by the PC, and by fakes in tests.
+//! Clock, ports, cameras, flash and watchdog as a program sees them. Implemented by the boards, by the PC, and by fakes in tests.
 
 use crate::memory::Memory;
 use core::convert::Infallible;
@@ -7,13 +7,13 @@ use linestereo_wire::{CaptureReport, Reset, Silicon};
 
 /// A clock that counts up and wraps.
 pub trait Clock {
-    /// What [`Clock::elapsed`] counts.
+    /// Unit of [`Clock::elapsed`].
     const UNIT: &'static str;
 
     /// The count now.
     fn now(&self) -> u32;
 
-    /// What passed between two counts, in [`Clock::UNIT`].
+    /// Difference of two counts, in [`Clock::UNIT`].
     fn elapsed(&self, from: u32, to: u32) -> u64;
 
     /// Microseconds between two counts.
@@ -96,7 +96,7 @@ pub trait PairSource {
         None
     }
 
-    /// What was lost on the way so far; `None` where nothing can be.
+    /// Rows and frames lost so far; `None` where nothing can be.
     fn losses(&self) -> Option<CaptureReport> {
         None
     }
@@ -123,7 +123,7 @@ pub trait Cameras {
     }
 }
 
-/// What resets the board when the program no longer does its work.
+/// Resets the board when the program no longer does its work.
 pub trait Watchdog {
     /// The program has done some.
     fn feed(&mut self);
@@ -151,7 +151,7 @@ impl Light for NoLight {
     fn set(&mut self, _: bool) {}
 }
 
-/// What a board gives to the program `live` after a reset.
+/// Peripherals of a board for the program `live`, after a reset.
 #[derive(Debug)]
 pub struct Peripherals<C, H, A, P, F, W, L> {
     /// A [`Clock`].

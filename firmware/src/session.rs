@@ -48,7 +48,7 @@ pub struct Session<'a> {
     sequence: u32,
 }
 
-/// What a command leads to.
+/// Consequence of a command.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reply {
     /// An answer.
@@ -72,7 +72,7 @@ pub enum Reply {
     Pair {
         /// The id of the command.
         command: u16,
-        /// What they are.
+        /// Number, size and kind of the pixels.
         head: PairHead,
         /// Are they raw?
         is_raw: bool,
@@ -153,7 +153,7 @@ impl<'a> Session<'a> {
         self.report.slots.get(usize::from(slot)).copied()?.ok()
     }
 
-    /// What the board is.
+    /// Name, version and limits of the board.
     #[must_use]
     pub fn hello(&self) -> Hello {
         let mut board = linestereo_wire::BoardName::new();
@@ -265,7 +265,7 @@ impl<'a> Session<'a> {
         if self.keeper.is_some() { self.keep_settings() } else { Ok(()) }
     }
 
-    /// What is kept of the settings.
+    /// State of the stored settings.
     #[must_use]
     pub fn kept(&self) -> KeptReport {
         KeptReport { is_kept: self.is_kept, slots: self.settings_slots }

@@ -119,7 +119,7 @@ impl SlotImage for KeptSettings {
 /// Why a slot holds no usable image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SlotError {
-    /// What lies there is refused.
+    /// The image in the slot is refused.
     Image(RigImageError),
     /// The flash cannot be read.
     Flash(NorFlashErrorKind),
@@ -145,7 +145,7 @@ impl fmt::Display for SlotError {
 
 impl core::error::Error for SlotError {}
 
-/// What the slots hold.
+/// Contents of both slots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loaded<T> {
     /// The newest usable image and its slot.
@@ -161,7 +161,7 @@ pub enum StoreError {
     Erase(NorFlashErrorKind),
     /// The flash cannot be written.
     Write(NorFlashErrorKind),
-    /// What was written is not what is read: the flash is worn out.
+    /// The bytes read differ from those written: the flash is worn out.
     NotKept,
 }
 

@@ -21,7 +21,7 @@ pub struct Vehicle {
     pub system: u8,
     /// Distances a second, at most one a pair; 10 ..= 20.
     pub rate_hz: u8,
-    /// What is sent while the pair is not fit.
+    /// Distances that are sent while the pair is not fit.
     pub policy: Policy,
     /// Where [`Policy::Block`] sees obstacles, cm; the near limit of the rig if `None`, and never nearer.
     pub block_cm: Option<u16>,

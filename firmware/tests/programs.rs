@@ -48,7 +48,7 @@ fn replay(
     (port, counters, events)
 }
 
-/// What the board says of objects, pair by pair.
+/// Depths of objects from the board, pair by pair.
 fn objects(messages: &[Message]) -> Vec<Vec<ObjectDepth>> {
     let mut pairs = Vec::new();
     for message in messages {
@@ -194,7 +194,7 @@ fn push_raw(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
     left.chunks(width).zip(right.chunks(width)).for_each(|(left, right)| bytes.extend([left, right].concat()));
 }
 
-/// What `replay` answers: by command, and the frames.
+/// Answers of `replay`: by command, and the frames.
 fn replayed(session: &mut Session<'_>, memory: &mut Workspace, input: Vec<u8>) -> (Vec<(u16, Outcome)>, Vec<Message>) {
     let (port, counters, _) = replay(session, memory, input, 97);
     assert_eq!(counters.bad(), 0);

@@ -82,7 +82,7 @@ fn no_output_replaces_an_input_or_another_output() {
         assert!(line.contains("are the same; write to another file"), "{line}");
     }
     assert_eq!(fs::read(at.join("l.png")).unwrap(), before);
-    // What is not there yet and another link are written; a link stays one.
+    // A file that is not there yet and another link are written; a link stays one.
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("new.json", at.join("link.json")).unwrap();

@@ -205,7 +205,7 @@ fn count_stops_after_so_many_complete_frames() {
     assert!(text(&output.stderr).starts_with("frames: 2 complete, 0 incomplete, 0 lost\n"));
 }
 
-/// What a board does: answers commands as a firmware would, and sends frames while it is started.
+/// A board: answers commands as a firmware would, and sends frames while it is started.
 struct Board<P> {
     port: P,
     decoder: Decoder<Command, MAX_COMMAND>,
@@ -288,7 +288,7 @@ impl<P: Read + Write> Board<P> {
     }
 }
 
-/// What a board was asked, what it has become, and the commands it would still leave without an answer.
+/// Requests that a board was sent, its parameters after them, and the commands it would still leave without an answer.
 type Memory = (Vec<Request>, Params, usize);
 
 /// A board behind a connection, which it closes in the end: its address, and its thread.

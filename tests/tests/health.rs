@@ -665,7 +665,7 @@ fn a_range_that_ends_before_the_nearest_surface_is_told_and_a_sufficient_one_is_
     }
 }
 
-/// What repeats, is blank, or has no partner is no reason to search further.
+/// A scene that repeats, is blank, or has no partner is no reason to search further.
 #[test]
 fn a_range_is_not_doubted_without_a_match_beyond_it() {
     for kind in [Kind::Blank, Kind::Repetition, Kind::Poles] {

@@ -41,7 +41,7 @@ pub(crate) fn build(manifest: &str, library: &str) -> PathBuf {
 /// A function or a piece of data: its section and the address where it starts.
 type Place = (usize, u64);
 
-/// Who refers to whom in one object file.
+/// References between functions in one object file.
 struct Code<'a> {
     file: File<'a>,
     /// Start of everything that has a name, and of every section.

@@ -146,7 +146,7 @@ fn free_is_what_both_cameras_see_whole_with_something_behind() {
     assert_eq!(seen(&plan, &[edge(160.0, 1.5, 0.95)]).sector(&plan, 0, 0), Sector::Unknown);
     assert_eq!(seen(&plan, &[]).sector(&plan, 0, 0), Sector::Unknown);
     assert!(matches!(seen(&plan, &[edge(160.0, 1.5, 0.995)]).sector(&plan, 0, 0), Sector::Free { .. }));
-    // What nobody supports within the range is no obstacle, but the sector is not free either.
+    // A segment without support within the range is no obstacle, but the sector is not free either.
     let mut doubtful = far.clone();
     doubtful.push(edge(160.0, 30.0, 0.9));
     assert_eq!(seen(&plan, &doubtful).sector(&plan, 0, 0), Sector::Unknown);
@@ -233,7 +233,7 @@ fn only_the_height_band_matters() {
     assert!(!ahead(170.0, 200.0, 15.0), "0.34 m to 0.54 m below: the floor");
     assert!(ahead(140.0, 170.0, 15.0), "from 0.14 m to 0.34 m below");
     assert!(ahead(20.0, 220.0, 15.0), "through the band");
-    // What is seen outside of the band lies behind it, as the floor does: free, as far as it is this segment's to say.
+    // A segment seen outside of the band lies behind it, as the floor does: free, as far as it is this segment's to say.
     let free = |heights_m: [f32; 2], from: f64, to: f64, d: f64| {
         let plan = plan_of(|p| p.heights_m = heights_m);
         let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
@@ -243,7 +243,7 @@ fn only_the_height_band_matters() {
     assert!(free([-0.2, 0.3], 10.0, 40.0, 1.5) && free([-0.2, 0.3], 100.0, 130.0, 1.5), "20 m away");
     assert!(!free([-0.2, 0.3], 160.0, 175.0, 15.0), "seen in one eighth of the rows only");
     assert!(!free([0.1, 0.3], 170.0, 200.0, 15.0), "a band above the camera is not seen through by looking down");
-    // What begins shortly behind the range (10 m, 3 px) may reach into it: neither.
+    // An obstacle that begins shortly behind the range (10 m, 3 px) may reach into it: neither.
     assert!(!free([-1.0, 1.0], 100.0, 130.0, 2.9) && !free([-1.0, 1.0], 100.0, 130.0, 2.5));
     assert!(free([-1.0, 1.0], 100.0, 130.0, 2.3));
     assert!(!ahead(100.0, 130.0, 2.9));
@@ -258,7 +258,7 @@ fn an_offset_of_the_rig_moves_distances_not_directions() {
     assert_eq!(distance(seen(&plan, &[edge(160.0, -10.0, 0.995)]).sector(&plan, 0, 0)), Some(100));
 }
 
-/// What the sector ahead says, in short.
+/// The sector ahead in a word or its distance.
 fn word(sector: Sector) -> String {
     match sector {
         Sector::Outside => "outside".to_owned(),
@@ -312,7 +312,7 @@ fn an_unfit_pair_says_nothing() {
         let is_fit = !HealthFlags::UNFIT.contains(flag);
         assert_eq!(obstacles.is_fit(), is_fit, "{name}");
         assert_eq!(distance(obstacles.sector(&plan, 0, 0)).is_some(), is_fit, "{name}");
-        // What was known before grows old.
+        // Earlier knowledge grows old.
         obstacles.update(&plan, &near, None, HealthFlags::GOOD, 0);
         obstacles.update(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::FEW_MATCHES, 100_000);
         assert_eq!(word(obstacles.sector(&plan, 0, 100_000)), "100 cm 100");
@@ -451,7 +451,7 @@ fn captured_frames_give_no_ghosts() {
                 if own.len() < 200 {
                     continue;
                 }
-                // What counts as something: a tenth of the sector.
+                // Least share of the sector that counts as an obstacle: a tenth.
                 let something = own[own.len() / 10];
                 let sector = obstacles.sector(&plan, offset.rem_euclid(72) as u8, 0);
                 if range_m < 10.0 {

@@ -157,7 +157,7 @@ fn no_flipped_bit_and_no_truncation_is_accepted() {
         let surplus = RigImageError::Surplus { needed: RigImage::BYTES, given: RigImage::BYTES + more };
         assert_eq!(RigImage::decode(&longer), Err(surplus));
     }
-    // What is left of a row of erased or cut off bytes in the middle.
+    // The rest of a row of erased or cut off bytes in the middle.
     for from in 0..good.len() {
         let mut damaged = good;
         damaged[from..].fill(0xff);
@@ -383,7 +383,7 @@ fn slots_are_written_in_turn_and_the_newest_is_used() {
         assert_eq!(loaded(&mut store), Some((expected, numbered(n))));
     }
     assert_eq!(store.load().slots, [Ok(4), Ok(5)]);
-    // What is there already is not written again.
+    // An image that is there already is not written again.
     assert_eq!(store.store(&numbered(5)), Ok(Slot::Second));
     assert_eq!(store.load().slots, [Ok(4), Ok(5)]);
     let flash = store.into_flash();

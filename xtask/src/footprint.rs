@@ -15,7 +15,7 @@ const FILE: &str = "docs/board-sizes.toml";
 const PROGRAM: &str = "live";
 
 const HEAD: &str = "\
-# What the program `live`, without logs, takes of every board. Written by `cargo xtask footprint --bless`, compared by `cargo xtask footprint`.
+# Flash and RAM of the program `live`, without logs, on every board. Written by `cargo xtask footprint --bless`, compared by `cargo xtask footprint`.
 #
 # flash: code, constants and first values, bytes. ram: variables, memory of DMA, and all that is set aside for stacks, bytes.
 

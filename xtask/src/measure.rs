@@ -21,7 +21,7 @@ const FILE: &str = "docs/board-numbers.toml";
 pub(crate) const TOLERANCE_PERCENT: u64 = 1;
 
 const HEAD: &str = "\
-# What a pair costs on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
+# Cost of a pair on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
 # an error, a gain of more than 1 % asks for a new blessing.
 #
 # Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states. Cycles of

@@ -1,4 +1,4 @@
-//! What is at the same pixel of both images: one camera delivered twice, the pattern of a sensor, dirt on a common window, overlaid text.
+//! Likeness of both images at the same pixel, per thousand: one camera delivered twice, the pattern of a sensor, dirt on a common window, overlaid text.
 //!
 //! In: the pair and its support points. Out: the share of points without parallax, and the likeness of both images where the scene has some.
 //!
@@ -73,7 +73,7 @@ impl Sums {
         self.energy += i64::from(energy(left) + energy(own));
     }
 
-    /// How much the product at lag 0 is above the others, per thousand of the mean energy.
+    /// Excess of the product at lag 0 over the others, per thousand of the mean energy.
     fn excess_permille(&self) -> i16 {
         let [own, others @ ..] = self.products;
         let excess = own - others.iter().fold(0, |most, product| most.max(product.abs()));

@@ -265,7 +265,7 @@ fn nothing_known_is_65535_everywhere() {
     assert_eq!(sent[1].1.len(), 179);
 }
 
-/// What a receiver of system 1, component 196 takes of these bytes.
+/// Messages that a receiver of system 1, component 196 takes of these bytes.
 fn received(bytes: &[u8]) -> Vec<Received> {
     let mut receiver = Receiver::new();
     bytes.iter().filter_map(|&byte| receiver.push(byte, 1, 196)).collect()

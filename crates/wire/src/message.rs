@@ -41,7 +41,7 @@ pub enum Message {
     Case(CaseReport),
     /// A setting, for `Request::Settings`, before `Message::Kept`.
     Setting(SettingValue),
-    /// What is kept of the settings, for `Request::Settings`, before the answer.
+    /// State of the stored settings, for `Request::Settings`, before the answer.
     Kept(KeptReport),
     /// Time of the board's own clock, in which pairs are captured, microseconds: for `Request::ReadClock`, before the answer.
     Clock(u64),

@@ -94,7 +94,7 @@ pub struct SettingValue {
     pub value: f32,
 }
 
-/// What is kept of a board's settings.
+/// State of a board's stored settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KeptReport {

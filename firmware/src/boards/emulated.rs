@@ -1,4 +1,4 @@
-//! What all emulated machines give to the program `live`, beside a clock and ports of their own.
+//! Peripherals that all emulated machines give to the program `live`, beside a clock and ports of their own.
 
 use super::flash_file::FlashFile;
 use crate::painter::Painter;

@@ -98,7 +98,7 @@ mod wired {
         }
     }
 
-    /// What waits for the host is sent by then.
+    /// Time in which bytes that wait for the host are sent.
     const FAREWELL: Duration = Duration::from_millis(200);
 
     /// Ends the program for the boot ROM's, which shows the board as a drive (RP2350 datasheet, 5.4.8.24).
@@ -110,7 +110,7 @@ mod wired {
         }
     }
 
-    /// What the board gives to `live`. Once.
+    /// Peripherals for `live`; once after a reset.
     pub fn peripherals()
     -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog, OnboardLight>> {
         let (board, reset) = start();

@@ -46,7 +46,7 @@ mod on_board {
     use linestereo_wire::Reset;
     use static_cell::StaticCell;
 
-    /// What a row of its camera interface is.
+    /// Contents of a row of its camera interface.
     pub(in crate::boards) const ROW: Row = Row::Both;
 
     bind_interrupts!(struct Interrupts {
@@ -181,20 +181,17 @@ mod on_board {
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
-        let flash = KeptFlash::slots(p.FLASH);
-        let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
         let light = Light([Output::new(p.PK6, Level::High, Speed::Low)]);
-        let bootloader = Some(bootloader::enter as fn() -> !);
         Some(crate::ports::Peripherals {
-            clock,
+            clock: MicrosecondClock,
             host,
             autopilot,
             pairs,
-            flash,
+            flash: KeptFlash::slots(p.FLASH),
             watchdog,
-            rest,
+            rest: cortex_m::asm::wfe as fn(),
             reset,
-            bootloader,
+            bootloader: Some(bootloader::enter as fn() -> !),
             light,
         })
     }

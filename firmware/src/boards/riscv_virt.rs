@@ -98,7 +98,7 @@ mod on_board {
         }
     }
 
-    /// What it gives to `live`.
+    /// Peripherals for `live`.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, NoPort>> {
         emulated::peripherals(InstructionClock::start(), Port(Uart(())), NoPort)
     }

@@ -43,7 +43,7 @@ mod on_board {
     use linestereo_wire::Reset;
     use static_cell::StaticCell;
 
-    /// What a row of its camera interface is.
+    /// Contents of a row of its camera interface.
     pub(in crate::boards) const ROW: Row = Row::One;
 
     bind_interrupts!(struct Interrupts {
@@ -142,20 +142,17 @@ mod on_board {
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
         let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
-        let flash = KeptFlash::slots(p.FLASH);
-        let (clock, rest) = (MicrosecondClock, cortex_m::asm::wfe as fn());
         let light = Light([output(p.PE3.into()), output(p.PB0.into())]);
-        let bootloader = Some(bootloader::enter as fn() -> !);
         Some(crate::ports::Peripherals {
-            clock,
+            clock: MicrosecondClock,
             host,
             autopilot,
             pairs,
-            flash,
+            flash: KeptFlash::slots(p.FLASH),
             watchdog,
-            rest,
+            rest: cortex_m::asm::wfe as fn(),
             reset,
-            bootloader,
+            bootloader: Some(bootloader::enter as fn() -> !),
             light,
         })
     }

@@ -51,7 +51,7 @@ struct Photo {
 /// Packets of a photo that are sent in one turn: between them commands are served, and a slow port does not starve a watchdog.
 const PHOTO_PACKETS: usize = 8;
 
-/// What a turn has done.
+/// Work done in a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// Nobody wants results.
@@ -507,7 +507,7 @@ fn captured_us(pair: CapturedPair, now_us: u64) -> u64 {
     pair.times_us.map_or(now_us, |[left, _]| left)
 }
 
-/// What is known of a pair before anybody has looked at it.
+/// Health of a captured pair before it is matched.
 fn captured_health(pair: CapturedPair) -> Health {
     if pair.frame_start == Some(FrameStart::Free) { Health::FREE_RUNNING } else { Health::GOOD }
 }

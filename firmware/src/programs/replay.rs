@@ -19,18 +19,18 @@ use linestereo_wire::{
     Refusal, send, send_frame, send_objects,
 };
 
-/// What happened to a pair, for logs and tables.
+/// Outcome of a pair, for logs and tables.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// It was matched.
     Matched {
         /// Its number.
         sequence: u32,
-        /// What its rectification cost; 0 for a pair that came rectified.
+        /// Cost of its rectification; 0 for a pair that came rectified.
         rectification: u64,
-        /// What its stages cost.
+        /// Cost by stage.
         costs: Costs,
-        /// What the depths of its objects cost on top.
+        /// Cost of the depths of its objects, on top.
         objects: u64,
     },
     /// It was refused.

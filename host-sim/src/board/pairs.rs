@@ -22,27 +22,27 @@ const LIMIT: Duration = Duration::from_secs(600);
 /// Instructions by stage.
 pub type Costs = [u64; Stage::ALL.len()];
 
-/// What a board makes of a pair.
+/// Result and cost of a pair on a board.
 #[derive(Clone, Debug)]
 pub struct BoardResult {
     /// The result.
     pub result: FrameResult,
-    /// What rectifying both images cost; 0 for a pair that was rectified before.
+    /// Cost of rectifying both images; 0 for a pair that was rectified before.
     pub rectification: u64,
-    /// What matching cost.
+    /// Cost of matching, by stage.
     pub costs: Costs,
     /// Depths of the objects that were asked for.
     pub objects: Vec<ObjectDepth>,
-    /// What they cost on top.
+    /// Cost of those depths, on top.
     pub objects_cost: u64,
 }
 
-/// What a board makes of a list of pairs.
+/// Results of a list of pairs on a board.
 #[derive(Clone, Debug)]
 pub struct Replayed {
     /// One entry per pair: its result, or why the board refused it. Other commands that it refused stand between them.
     pub pairs: Vec<Result<BoardResult, Refusal>>,
-    /// What the board said last of its rig, if it was asked to describe itself.
+    /// Last report of the board on its rig, if it was asked to describe itself.
     pub rig: Option<RigReport>,
     /// Packets that the board could not read.
     pub bad_packets: u32,

@@ -116,7 +116,7 @@ pub(super) struct Pair {
     given: Dims,
 }
 
-/// What pairs of one size are matched with.
+/// Sizes, rig and parameters with which pairs of one size are matched.
 pub(super) struct Setup<'a> {
     args: &'a InputArgs,
     /// Of the loaded images.
@@ -183,7 +183,7 @@ impl InputArgs {
         Ok(Pair { images: [left, right], given })
     }
 
-    /// What pairs like this one are matched with.
+    /// The set-up for pairs like this one.
     pub(super) fn setup_as(&self, pair: &Pair, known: &Known) -> Result<Setup<'_>> {
         let (loaded, given) = (pair.images[0].dims, pair.given);
         let (setup, source) = match known {
@@ -232,7 +232,7 @@ impl InputArgs {
         }
         let mut params = self.method.params(max_disparity, rig)?;
         if !self.method.has_min_disparity() {
-            // What is infinitely far has its place in the range.
+            // Points at infinity have their place in the range.
             params.min_disparity =
                 ((zero * scale).floor().clamp(-30.0, 0.0) as i16 - BEYOND_INFINITY * i16::from(zero < 0.0)).max(-32);
         }

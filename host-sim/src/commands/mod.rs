@@ -206,7 +206,7 @@ fn machine_for(name: &str, dims: Dims) -> Result<Machine> {
     Machine::new(board)
 }
 
-/// What is wrong, and the widest reduction that fits.
+/// Error text for a size that the board has no memory for, with the widest reduction that fits.
 fn does_not_fit(board: &Board, dims: Dims) -> String {
     let Board { name, largest, .. } = board;
     let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });

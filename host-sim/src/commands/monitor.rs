@@ -187,7 +187,7 @@ struct Waiting {
     attempts: u32,
 }
 
-/// What is known of the board so far.
+/// State of the link and of the board as far as it is known.
 struct Monitor {
     decoder: Decoder<Message, MAX_PACKET>,
     frames: Assembler,

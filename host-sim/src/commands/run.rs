@@ -223,7 +223,7 @@ pub fn run(args: &Args) -> Result<()> {
     let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
     text.push_str(&written([json, csv, objects_csv, refine, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
     output.commit_and_say(&text)?;
-    // What else was found is written by now.
+    // The other results are written by now.
     objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
 }
 
@@ -324,7 +324,7 @@ fn nearest_metres(params: &Params) -> Option<f64> {
     params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
 }
 
-/// What was found, in a few lines.
+/// Summary of the result, a few lines.
 fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> String {
     let (counts, max_disparity) = (&result.counts, params.max_disparity);
     let mut text = format!(

@@ -124,7 +124,7 @@ impl ObjectCase {
     }
 }
 
-/// What one answer is worth; as JSON it keeps every bit.
+/// Score of one answer; as JSON it keeps every bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "PackedObject", try_from = "PackedObject")]
 pub struct ObjectScore {

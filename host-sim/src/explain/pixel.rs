@@ -41,7 +41,7 @@ fn tests(evidence: &PixelEvidence, steps: &mut Vec<Step>) {
     );
     steps.push(Step::test("unique", guided <= allowed, words));
     let (gap, allowed) = (of(PixelKind::LeftRightGap), f64::from(LEFT_RIGHT_GAP_Q8) / 256.0);
-    // What is farther apart is not told apart.
+    // Gaps beyond the largest one stored are not told apart.
     let or_more = if gap >= FARTHEST { " or more" } else { "" };
     let words = format!("{gap:.1} px{or_more} apart, good up to {allowed} px");
     steps.push(Step::test("left-right check", gap <= allowed, words));

@@ -65,7 +65,7 @@ fn add_tests(window: &Curve, paths: &Curve, is_matched: bool, params: &Params, a
     let near = |at: i32| window.near(at, 0).map_or(0, |low| low.cost);
     let here = near(best.at);
     let repeats = repeats(window, best, here);
-    // What is left when nothing else was wrong.
+    // The remaining reason when nothing else was wrong.
     let is_unique = is_matched || is_last || repeats;
     account.steps.push(Step::test("paths", is_unique && !is_last, words(paths, best, second)));
     if is_last {

@@ -134,7 +134,7 @@ pub enum Damage {
     Bricks(f64),
     /// JPEG at this quality.
     Jpeg(u8),
-    /// So many bits a pixel.
+    /// Grey levels of this depth, bits.
     Bits(u32),
     /// Gaussian blur of both images: standard deviation, px.
     Blur(f64),

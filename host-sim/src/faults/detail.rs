@@ -18,7 +18,7 @@ pub(super) fn jpeg(image: &GrayImage, quality: u8) -> GrayImage {
     GrayImage { dims: image.dims, pixels: decoded.into_raw() }
 }
 
-/// So many bits a pixel, spread over all levels.
+/// Quantises an image to `bits` bits, spread over all grey levels.
 pub(super) fn bits(mut image: GrayImage, bits: u32) -> GrayImage {
     let steps = f64::from((1_u32 << bits) - 1);
     for value in &mut image.pixels {

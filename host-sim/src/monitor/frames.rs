@@ -14,7 +14,7 @@ use linestereo_wire::{FrameHead, Segments};
 /// A frame as far as it arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// What the board says of it.
+    /// Head of the frame as the board sent it.
     pub head: FrameHead,
     /// Its segments, in their order.
     pub matches: Vec<Match>,
@@ -54,7 +54,7 @@ pub struct Assembler {
 }
 
 impl Assembler {
-    /// What became of the frames so far.
+    /// Counts of complete, incomplete and lost frames so far.
     #[must_use]
     pub fn counts(&self) -> FrameCounts {
         self.counts

@@ -35,9 +35,9 @@ pub const NAMES: [&str; 15] = [
 /// A request and how it was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
-    /// What to send.
+    /// The request to send.
     pub request: Request,
-    /// What the user wrote.
+    /// The words of the user.
     pub words: String,
 }
 
@@ -71,7 +71,7 @@ pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
     Ok(list)
 }
 
-/// What a word asks for.
+/// Kind of request that a word stands for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Plain,
@@ -242,7 +242,7 @@ pub fn listing(values: &[SettingValue], report: &KeptReport) -> String {
     format!("settings ({kept}; slots: {}): {}", slots.join(", "), words.join(" "))
 }
 
-/// What stands behind the `=`.
+/// A word `key=value` and its value.
 struct Value<'a> {
     word: &'a str,
     text: &'a str,
@@ -344,7 +344,7 @@ mod tests {
         assert_eq!(update(&["parts=support".to_owned()]).unwrap(), parts);
     }
 
-    /// What a board says of its settings is what sets them.
+    /// The words with which a board lists its settings set them.
     #[test]
     fn the_list_of_settings_can_be_sent() {
         let words = ["yaw_deg=-12.5", "range_m=6", "lowest-m=-1", "highest_m=2", "system=7", "rate_hz=12"];

@@ -95,7 +95,7 @@ fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Er
     serializer.collect_map(listing::counts(counts))
 }
 
-/// What arrived and what did not, in a few lines.
+/// Summary of received, incomplete and lost frames, a few lines.
 #[must_use]
 pub fn summary(frames: &FrameCounts, packets: &Counters, bytes: u64, other_version: Option<u8>) -> String {
     let mut text = format!("frames: {} complete, {} incomplete", frames.complete, frames.incomplete);

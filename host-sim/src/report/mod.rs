@@ -33,11 +33,11 @@ const SCRIPT: &str = include_str!("page.js");
 
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {
-    /// What the pair is called.
+    /// Name of the pair.
     pub name: String,
     /// As matched.
     pub images: &'a [GrayImage; 2],
-    /// What was found.
+    /// Result of the pair.
     pub result: &'a FrameResult,
     /// Segments without a match.
     pub rejected: &'a [Rejected],
@@ -47,7 +47,7 @@ pub struct PageFrame<'a> {
     pub tests: &'a SegmentTexts,
 }
 
-/// What holds for all pairs of a page.
+/// Settings common to all pairs of a page.
 pub struct PageSetup {
     /// Title of the page.
     pub title: String,

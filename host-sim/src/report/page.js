@@ -121,7 +121,7 @@ function drawTop() {
   const placed = frame.segments.filter(s => s.z0 !== null && s.z1 !== null);
   const depths = [...placed.flatMap(s => [s.z0, s.z1]), ...frame.points.filter(p => p[3] !== null).map(p => p[3])];
   if (!depths.length) return say("Nothing was placed.");
-  // What is seen through a window should not make the room small.
+  // Points seen through a window should not make the room small.
   const far = 1.2 * quantile(depths, 0.93), [w] = frame.size;
   const edges = [across(-0.5, far), across(w - 0.5, far)], half = 1.08 * Math.max(-edges[0], edges[1], 0.22 * far);
   const W = 720, scale = Math.min((W - 20) / (2 * half), 520 / far), H = far * scale + 46;

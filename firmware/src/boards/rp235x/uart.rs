@@ -53,7 +53,7 @@ impl ByteSink for Autopilot {
 
 impl ByteSource for Autopilot {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        // What was lost or garbled is a frame that the receiver refuses.
+        // Lost or garbled bytes are a frame that the receiver refuses.
         if let Poll::Ready(Ok(count)) = poll_once(self.0.read(bytes)) { count } else { 0 }
     }
 }

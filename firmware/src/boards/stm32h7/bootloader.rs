@@ -13,7 +13,7 @@
 
 use embassy_time::{Duration, block_for};
 
-/// What waits for the host is sent by then.
+/// Time in which bytes that wait for the host are sent.
 const FAREWELL: Duration = Duration::from_millis(200);
 
 /// Ends the program.

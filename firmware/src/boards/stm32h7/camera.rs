@@ -24,7 +24,7 @@ pub const PATIENCE_US: u32 = 150_000;
 /// Clocks of the sensor for a row.
 const ROW_CLOCKS: u32 = 640 + 94;
 
-/// What a row of the camera interface is.
+/// Contents of a row of the camera interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Row {
     /// A row of the left sensor, then one of the right.
@@ -48,7 +48,7 @@ impl Row {
         RingLayout { rows: 128, row_bytes: self.bytes() as u32, band: 8 }
     }
 
-    /// What frames have to be like.
+    /// Limits that every frame has to meet.
     #[must_use]
     pub const fn limits(self) -> Limits {
         // Both at once, or the second one after the first is read out: an exposure and a readout later.

@@ -202,7 +202,7 @@ fn offset(layout: RingLayout) -> u32 {
 
 /// Sets the DMA to the start of the ring and lets the interface wait for the next frame.
 fn start_anew(layout: RingLayout) {
-    // What is left in its buffer goes as well.
+    // The rest of its buffer goes as well.
     pac::RCC.ahb2rstr().modify(|reset| reset.set_dcmirst(true));
     pac::RCC.ahb2rstr().modify(|reset| reset.set_dcmirst(false));
     let stream = pac::DMA1.st(STREAM);
@@ -248,7 +248,7 @@ fn clear_dma_flags() {
     });
 }
 
-/// Whatever has happened, in the order in which it did.
+/// Serves all pending causes of the interrupts, in the order in which they arose.
 fn serve() {
     let now_us = now_us();
     STATE.lock(|state| {

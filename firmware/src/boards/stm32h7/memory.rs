@@ -74,7 +74,7 @@ impl Caches {
 /// Makes memory normal, not cached, shared and never executed.
 ///
 /// # Safety
-/// Whatever lies there may be so. `bytes` is a power of two and divides `address`.
+/// Everything in the region may be normal memory, not cached, shared and never executed. `bytes` is a power of two and divides `address`.
 unsafe fn not_cached(region: u32, address: u32, bytes: u32) {
     /// The address and the number of the region are those given (B3.5.8).
     const VALID: u32 = 1 << 4;

@@ -1,4 +1,4 @@
-//! What boards with an STM32H743 or the Cortex-M7 of an STM32H747 have in common.
+//! Parts common to boards with an STM32H743 or the Cortex-M7 of an STM32H747.
 //!
 //! ```text
 //! memory    caches, and what must not be cached; which memories have clocks

@@ -35,7 +35,7 @@ use static_cell::StaticCell;
 const OUT: usize = 8192;
 const AUTOPILOT_OUT: usize = 1024;
 const IN: usize = 1024;
-/// What the autopilot sends between two turns of the program: 57600 baud for 0.2 s.
+/// Bytes that the autopilot sends between two turns of the program: 57600 baud for 0.2 s.
 const AUTOPILOT_IN: usize = 1024;
 
 static TO_UART: Pipe<OUT> = Pipe::new();
@@ -110,7 +110,7 @@ async fn send_uart<const BYTES: usize>(mut uart: BufferedUartTx<'static>, pipe: 
 async fn receive_uart(mut uart: BufferedUartRx<'static>) -> ! {
     let mut bytes = [0; 64];
     loop {
-        // What was lost or garbled is a command that the decoder refuses.
+        // Lost or garbled bytes are a command that the decoder refuses.
         if let Ok(count) = uart.read(&mut bytes).await {
             put_all(&FROM_UART, bytes.get(..count).unwrap_or_default()).await;
         }
@@ -194,7 +194,7 @@ impl ByteSink for AutopilotPort {
 
 impl ByteSource for AutopilotPort {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        // What was lost or garbled is a frame that the receiver refuses.
+        // Lost or garbled bytes are a frame that the receiver refuses.
         if let Poll::Ready(Ok(count)) = poll_once(self.0.read(bytes)) { count } else { 0 }
     }
 }
