@@ -1,5 +1,6 @@
 //! The library for C: its header, its refusals, and its examples against the PC's program, on a PC and on an emulated Cortex-M7.
 
+use core::fmt::Write as _;
 use linestereo::{Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig};
 use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
@@ -10,7 +11,6 @@ use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
 use linestereo_tests::{captured, drawn};
 use std::ffi::OsStr;
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;

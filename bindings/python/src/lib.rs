@@ -1,4 +1,4 @@
-//! The core for Python: what `linestereo/__init__.py` calls, with images of any strides and results as bytes of structured arrays.
+//! The core for Python: what `python/linestereo/__init__.py` calls, with images of any strides and results as bytes of structured arrays.
 
 mod calibration;
 mod image;

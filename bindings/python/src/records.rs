@@ -1,4 +1,4 @@
-//! Results as bytes of structured arrays, whose dtypes stand in `linestereo/__init__.py`.
+//! Results as bytes of structured arrays, whose dtypes stand in `python/linestereo/__init__.py`.
 
 use linestereo::{
     Depth, Disparity, INFINITE_DEPTH, Match, NoDepth, ObjectDepth, Owner, Params, PixelDepth, PixelRejection, Point,
