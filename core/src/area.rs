@@ -5,6 +5,7 @@ use crate::image::Dims;
 /// Columns `left .. right` of the rows `top .. bottom`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
 pub struct Area {
     /// First column, px.
     pub left: u16,

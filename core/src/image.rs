@@ -23,6 +23,7 @@ pub struct Dims {
 /// Columns `start .. end` of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
 pub struct Span {
     /// First column, px.
     pub start: u16,

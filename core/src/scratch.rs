@@ -1,5 +1,8 @@
 //! Working memory of a run, with its capacities as constants and without.
 
+#[allow(unsafe_code, reason = "lists of a capacity that is known at run time only")]
+mod carve;
+
 use crate::image::Dims;
 use crate::lines::{self, Segment};
 use crate::matching::consistency::Neighbour;
@@ -10,6 +13,7 @@ pub use crate::row_memory::row_bytes;
 use crate::row_memory::{BAND_ROWS, PLANES};
 use crate::support::SupportPoint;
 pub use crate::support::most_support_points;
+pub use carve::{Capacity, Word};
 use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
@@ -188,6 +192,24 @@ pub struct ScratchView<'a> {
 }
 
 impl ScratchView<'_> {
+    /// The same memory for a shorter time.
+    pub fn reborrow(&mut self) -> ScratchView<'_> {
+        ScratchView {
+            marks: self.marks,
+            chain: self.chain,
+            strengths: self.strengths,
+            rows: self.rows,
+            left: self.left,
+            right: self.right,
+            candidates: self.candidates,
+            neighbours: self.neighbours,
+            order: self.order,
+            support: self.support,
+            matches: self.matches,
+            work: self.work,
+        }
+    }
+
     /// Checks that it is large enough for images of this size.
     pub(crate) fn check(&self, dims: Dims) -> Result<(), RunError> {
         let needed = [row_bytes(dims.width), mark_words(dims), most_support_points(dims)];

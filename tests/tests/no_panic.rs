@@ -2,7 +2,8 @@
 //!
 //! `tests/no-panic` is built as a static library whose panic handler calls an undefined function. Its machine code is read as a
 //! graph (who refers to whom, by relocations) and walked from every exported `proof_*` function: the undefined function must not
-//! be met. When it is, the shortest way to it and the source positions it was compiled from are the failure message.
+//! be met. When it is, the shortest way to it and the source positions it was compiled from are the failure message. The library for C is walked
+//! as it is linked by its users, from every function of its header.
 
 use object::read::archive::ArchiveFile;
 use object::{
@@ -12,11 +13,12 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const PANIC: &str = "panic_is_reachable";
+/// What panic handlers call: of the library for the proof, and of the one for C.
+const PANICS: [&str; 2] = ["panic_is_reachable", "linestereo_panic"];
 
-/// Builds the library and returns its path.
-fn build() -> PathBuf {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("no-panic/Cargo.toml");
+/// Builds a library for this machine and returns its path. All have the same profile, and share what they are made of.
+pub(crate) fn build(manifest: &str, library: &str) -> PathBuf {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join(manifest);
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
     let output = Command::new(env!("CARGO"))
         .args(["build", "--release", "--locked", "--manifest-path"])
@@ -29,9 +31,9 @@ fn build() -> PathBuf {
         .env_remove("CARGO_BUILD_TARGET")
         .output()
         .expect("cargo runs");
-    let hint = "when core's dependencies changed: cargo update --workspace --manifest-path tests/no-panic/Cargo.toml";
+    let hint = "when core's dependencies changed: cargo update --workspace --manifest-path with this manifest";
     assert!(output.status.success(), "{}\n{hint}", String::from_utf8_lossy(&output.stderr));
-    let names = ["liblinestereo_no_panic.a", "linestereo_no_panic.lib"];
+    let names = [format!("lib{library}.a"), format!("{library}.lib")];
     let found = names.map(|name| target.join("release").join(name)).into_iter().find(|path| path.is_file());
     found.expect("cargo built a static library")
 }
@@ -117,7 +119,7 @@ impl<'a> Code<'a> {
     }
 
     /// Everything reachable from `entry`, each with the place it was first met from; the nearest one that refers to
-    /// [`PANIC`], if any.
+    /// one of [`PANICS`], if any.
     fn walk(&self, entry: Place) -> (BTreeMap<Place, Place>, Option<Place>) {
         let mut met = BTreeMap::from([(entry, entry)]);
         let mut panicking = None;
@@ -125,9 +127,14 @@ impl<'a> Code<'a> {
         while let Some(place) = pending.pop_front() {
             for (_, reference) in self.references.get(&place).into_iter().flatten() {
                 match reference {
-                    Reference::Outside(name) if name == PANIC => panicking = panicking.or(Some(place)),
+                    Reference::Outside(name) if PANICS.contains(&name.as_str()) => {
+                        panicking = panicking.or(Some(place))
+                    }
                     Reference::Outside(_) => {}
                     &Reference::Inside(section, address) => {
+                        if PANICS.contains(&self.name(self.place(section, address))) {
+                            panicking = panicking.or(Some(place));
+                        }
                         met.entry(self.place(section, address)).or_insert_with_key(|&target| {
                             pending.push_back(target);
                             place
@@ -191,9 +198,9 @@ fn plain(name: &str) -> String {
     name.strip_prefix('_').unwrap_or(&name).to_owned()
 }
 
-#[test]
-fn no_panic_is_reachable_from_the_public_entry_points() {
-    let bytes = std::fs::read(build()).unwrap();
+/// Of a library: entry points that start with `prefix`, those of `control_`, and the failure messages of the former.
+fn examine(library: &Path, prefix: &str) -> (usize, usize, Vec<String>) {
+    let bytes = std::fs::read(library).unwrap();
     let archive = ArchiveFile::parse(&*bytes).unwrap();
     let mut entries = 0;
     let mut controls = 0;
@@ -206,14 +213,28 @@ fn no_panic_is_reachable_from_the_public_entry_points() {
             controls += 1;
             assert!(code.walk(entry).1.is_some(), "the detector overlooks the indexing in {}", code.name(entry));
         }
-        for entry in code.entries("proof_") {
+        let is_exported = |name: &str| !name.contains("::") && !PANICS.contains(&name);
+        for entry in code.entries(prefix).into_iter().filter(|&entry| is_exported(code.name(entry))) {
             entries += 1;
             let (met, panicking) = code.walk(entry);
             failures.extend(panicking.map(|last| code.explain(&met, last)));
             reachable.extend(met.keys().map(|&place| code.name(place).to_owned()));
         }
     }
-    assert_eq!((entries, controls), (31, 1), "entry points found in the library");
     println!("{} functions and tables are reachable", reachable.len());
+    (entries, controls, failures)
+}
+
+#[test]
+fn no_panic_is_reachable_from_the_public_entry_points() {
+    let (entries, controls, failures) = examine(&build("no-panic/Cargo.toml", "linestereo_no_panic"), "proof_");
+    assert_eq!((entries, controls), (31, 1), "entry points found in the library");
+    assert!(failures.is_empty(), "a panic is reachable:\n\n  {}\n", failures.join("\n\n  "));
+}
+
+#[test]
+fn no_panic_is_reachable_from_c() {
+    let (entries, _, failures) = examine(&build("../bindings/c/Cargo.toml", "linestereo_c"), "linestereo_");
+    assert_eq!(entries, 14, "functions found in the library");
     assert!(failures.is_empty(), "a panic is reachable:\n\n  {}\n", failures.join("\n\n  "));
 }

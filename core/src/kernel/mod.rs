@@ -24,10 +24,10 @@ pub const KERNELS: &str = if cfg!(dsp) {
 };
 
 #[cfg(dsp)]
-#[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
+#[allow(unsafe_code, reason = "vector instructions")]
 mod dsp;
 #[cfg(target_arch = "x86_64")]
-#[allow(unsafe_code, reason = "the one module with unsafe code: vector instructions")]
+#[allow(unsafe_code, reason = "vector instructions")]
 mod sse2;
 
 pub use portable::{

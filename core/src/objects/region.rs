@@ -11,6 +11,7 @@ use core::fmt;
 
 /// Adjacent pixels of one row with the same label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(C)]
 pub struct Run {
     /// Label of the object that they belong to.
     pub label: u16,

@@ -1,0 +1,321 @@
+//! The functions of `linestereo.h`: pointers become references here, each checked for null and alignment, and memory for its size.
+//!
+//! What no check can see is the contract of C, which linestereo.h says for all functions: what is neither null nor misaligned points to what its
+//! type says, memory belongs to one matcher alone, and one thread uses it at a time.
+
+use crate::engine::Engine;
+use crate::status::Status;
+use crate::types::{Area, Config, Depth, FAULT_NAMES, Health, Image, Point, Run, Segment};
+use core::cell::{Cell, UnsafeCell};
+use core::ffi::{c_char, c_void};
+use linestereo::scratch::Word;
+use linestereo::{Area as CoreArea, Gray, Region, Span as CoreSpan, objects::Run as CoreRun};
+
+/// A matcher, in memory of the caller.
+pub struct Matcher {
+    /// Its own address: elsewhere, and in memory that was not initialised, there is another value.
+    address: usize,
+    /// True while a callback runs.
+    is_busy: Cell<bool>,
+    engine: UnsafeCell<Engine>,
+}
+
+/// Words of the matcher itself, before those that are carved.
+const HEAD: usize = size_of::<Matcher>().div_ceil(size_of::<Word>());
+const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
+
+/// Called with every point; `context` is what the caller gave.
+pub type PointCallback = Option<unsafe extern "C" fn(context: *mut c_void, point: *const Point)>;
+
+/// What a pointer points to.
+///
+/// # Safety
+/// It points to a `T` that nobody changes during `'a`, if it is neither null nor misaligned.
+unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, Status> {
+    if pointer.is_null() {
+        return Err(Status::Null);
+    }
+    if !pointer.is_aligned() {
+        return Err(Status::Misaligned);
+    }
+    // SAFETY: checked above; the rest is the caller's.
+    Ok(unsafe { &*pointer })
+}
+
+/// So many elements; null is right for none.
+///
+/// # Safety
+/// As [`read`], for all of them.
+unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Status> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    // SAFETY: as this function's.
+    unsafe { read(pointer)? };
+    if count > isize::MAX as usize / size_of::<T>() {
+        return Err(Status::TooMany);
+    }
+    // SAFETY: neither null nor misaligned, and no larger than an object can be; the rest is the caller's.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
+}
+
+/// Writes a result.
+///
+/// # Safety
+/// There is room for a `T`, if the pointer is neither null nor misaligned.
+unsafe fn write<T>(pointer: *mut T, value: Result<T, Status>) -> Status {
+    if pointer.is_null() {
+        return Status::Null;
+    }
+    if !pointer.is_aligned() {
+        return Status::Misaligned;
+    }
+    match value {
+        // SAFETY: checked above; the rest is the caller's.
+        Ok(value) => unsafe { pointer.write(value) },
+        Err(status) => return status,
+    }
+    Status::Ok
+}
+
+/// Works with the engine of a matcher, which nobody else does meanwhile: calls of the same matcher from a callback are refused.
+///
+/// # Safety
+/// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
+unsafe fn with<T>(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<T, Status>) -> Result<T, Status> {
+    // SAFETY: as this function's; the address is looked at alone, since memory that was not initialised is no `Matcher`.
+    let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Matcher, address)).cast::<usize>())? };
+    if address != matcher.addr() || !matcher.is_aligned() {
+        return Err(Status::NotInitialised);
+    }
+    // SAFETY: it was written by `linestereo_init`.
+    let found = unsafe { &*matcher };
+    if found.is_busy.replace(true) {
+        return Err(Status::Busy);
+    }
+    // SAFETY: whoever else comes here finds it busy.
+    let result = work(unsafe { &mut *found.engine.get() });
+    found.is_busy.set(false);
+    result
+}
+
+/// A view of an image.
+///
+/// # Safety
+/// As [`read`], for the image, its pixels and its spans, until the next pair was matched.
+unsafe fn view(image: *const Image, engine: &Engine) -> Result<Gray<'static>, Status> {
+    // SAFETY: as this function's.
+    let image = unsafe { read(image)? };
+    // SAFETY: as this function's.
+    let pixels = unsafe { list(image.pixels, image.bytes)? };
+    // SAFETY: as this function's; both structures have the same fields in the layout of C.
+    let valid = unsafe { list(image.valid.cast::<CoreSpan>(), image.valid_count)? };
+    let view = Gray::new(pixels, engine.dims(), image.stride)?;
+    if valid.is_empty() { Ok(view) } else { Ok(view.with_valid(valid)?) }
+}
+
+/// The default parameters for images of this size, px.
+#[unsafe(no_mangle)]
+pub extern "C" fn linestereo_config(width: u16, height: u16) -> Config {
+    Config::new(width, height)
+}
+
+/// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. QVGA: some 130 KiB.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_scratch_size(config: *const Config) -> usize {
+    // SAFETY: as this function's.
+    let config = unsafe { read(config) };
+    config.and_then(Config::words).map_or(0, |words| (HEAD + words) * size_of::<Word>())
+}
+
+/// Makes a matcher in this memory, which is its own until its last use, and stays where it is. No memory has to be freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_init(
+    memory: *mut c_void,
+    size: usize,
+    config: *const Config,
+    matcher: *mut *mut Matcher,
+) -> Status {
+    let make = || {
+        // SAFETY: as this function's.
+        let config = unsafe { read(config)? };
+        let words = HEAD + config.words()?;
+        let memory: *mut Word = memory.cast();
+        // SAFETY: as this function's; words may have any content.
+        unsafe { read(memory)? };
+        if size / size_of::<Word>() < words {
+            return Err(Status::MemoryTooSmall);
+        }
+        // SAFETY: there are so many words, aligned, behind the matcher; they are its own from here on.
+        let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), words - HEAD) };
+        let engine = UnsafeCell::new(Engine::new(config, rest)?);
+        let made: *mut Matcher = memory.cast();
+        // SAFETY: the first `HEAD` words have room for it, and are aligned.
+        unsafe { made.write(Matcher { address: made.addr(), is_busy: Cell::new(false), engine }) };
+        Ok(made)
+    };
+    // SAFETY: as this function's.
+    unsafe { write(matcher, make()) }
+}
+
+/// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_run(
+    matcher: *mut Matcher,
+    left: *const Image,
+    right: *const Image,
+    times_us: *const u64,
+) -> Status {
+    // SAFETY: as this function's.
+    unsafe { run(matcher, [left, right], times_us, None) }
+}
+
+/// The same in and just around these areas of the left image alone: less work.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_run_areas(
+    matcher: *mut Matcher,
+    left: *const Image,
+    right: *const Image,
+    times_us: *const u64,
+    areas: *const Area,
+    count: usize,
+) -> Status {
+    // SAFETY: as this function's.
+    unsafe { run(matcher, [left, right], times_us, Some((areas, count))) }
+}
+
+/// # Safety
+/// As [`linestereo_run_areas`].
+unsafe fn run(
+    matcher: *mut Matcher,
+    [left, right]: [*const Image; 2],
+    times_us: *const u64,
+    areas: Option<(*const Area, usize)>,
+) -> Status {
+    let work = |engine: &mut Engine| {
+        // SAFETY: as this function's.
+        let images = unsafe { [view(left, engine)?, view(right, engine)?] };
+        let times_us = if times_us.is_null() {
+            None
+        } else {
+            // SAFETY: as this function's.
+            Some(*unsafe { read(times_us.cast::<[u64; 2]>())? })
+        };
+        let areas = match areas {
+            // SAFETY: as this function's; both structures have the same fields in the layout of C.
+            Some((areas, count)) => Some(unsafe { list(areas.cast::<CoreArea>(), count)? }),
+            None => None,
+        };
+        engine.run(images, times_us, areas)
+    };
+    // SAFETY: as this function's.
+    match unsafe { with(matcher, work) } {
+        Ok(()) => Status::Ok,
+        Err(status) => status,
+    }
+}
+
+/// What is wrong with the last pair.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut Health) -> Status {
+    // SAFETY: as this function's.
+    unsafe { write(health, with(matcher, |engine| engine.health())) }
+}
+
+/// Segment `index` of the last pair, from 0, most confident first. `LinestereoHealth.segments_matched` says how many there are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize, segment: *mut Segment) -> Status {
+    // SAFETY: as this function's.
+    unsafe { write(segment, with(matcher, |engine| engine.segment(index))) }
+}
+
+/// Calls `each` with every point of the last pair: those of segments, most probable first, then support points; at most one per pixel.
+/// The callback must return, and not call the same matcher.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCallback, context: *mut c_void) -> Status {
+    let Some(each) = each else { return Status::Null };
+    // SAFETY: the callback is one of C's with these arguments.
+    let tell = |point: Point| unsafe { each(context, &raw const point) };
+    // SAFETY: as this function's.
+    match unsafe { with(matcher, |engine| engine.points(tell)) } {
+        Ok(()) => Status::Ok,
+        Err(status) => status,
+    }
+}
+
+/// The depth of what lies in a box of the left image, or from 100 on why there is none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_box(matcher: *mut Matcher, area: *const Area, depth: *mut Depth) -> Status {
+    let work = |engine: &mut Engine| {
+        // SAFETY: as this function's; both structures have the same fields in the layout of C.
+        let area = *unsafe { read(area.cast::<CoreArea>())? };
+        engine.object(&Region::boxed(0, area, engine.dims())?)
+    };
+    // SAFETY: as this function's.
+    unsafe { object(depth, with(matcher, work)) }
+}
+
+/// The same of the runs with this label, sorted by row and column.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_mask(
+    matcher: *mut Matcher,
+    label: u16,
+    runs: *const Run,
+    count: usize,
+    depth: *mut Depth,
+) -> Status {
+    let work = |engine: &mut Engine| {
+        // SAFETY: as this function's; both structures have the same fields in the layout of C.
+        let runs = unsafe { list(runs.cast::<CoreRun>(), count)? };
+        engine.object(&Region::masked(label, runs, engine.dims())?)
+    };
+    // SAFETY: as this function's.
+    unsafe { object(depth, with(matcher, work)) }
+}
+
+/// Writes the depth of an object, and says why there is none.
+///
+/// # Safety
+/// As [`write`].
+unsafe fn object(pointer: *mut Depth, answer: Result<(Depth, Status), Status>) -> Status {
+    let (depth, status) = answer.map_or_else(|error| (Err(error), error), |(depth, status)| (Ok(depth), status));
+    // SAFETY: as this function's.
+    match unsafe { write(pointer, depth) } {
+        Status::Ok => status,
+        error => error,
+    }
+}
+
+/// The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Matcher, x: u16, y: u16, depth: *mut Depth) -> Status {
+    // SAFETY: as this function's.
+    unsafe { write(depth, with(matcher, |engine| engine.pixel((x, y)))) }
+}
+
+/// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this disparity (1/64 px): x right, y down, z forward of
+/// the left camera, three numbers of 1/65536 m.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_position(
+    matcher: *mut Matcher,
+    x_q5: u16,
+    y_q5: u16,
+    disparity_q6: i16,
+    xyz_q16: *mut i32,
+) -> Status {
+    // SAFETY: as this function's.
+    unsafe { write(xyz_q16.cast::<[i32; 3]>(), with(matcher, |engine| engine.position(x_q5, y_q5, disparity_q6))) }
+}
+
+/// A status in words; never null.
+#[unsafe(no_mangle)]
+pub extern "C" fn linestereo_status_text(status: i32) -> *const c_char {
+    let known = Status::ALL.into_iter().find(|&known| known as i32 == status);
+    known.map_or(c"no status of linestereo", Status::text).as_ptr()
+}
+
+/// Name of a fault by its bit, 0 to 23, as in the JSON of the PC's program; null for other bits.
+#[unsafe(no_mangle)]
+pub extern "C" fn linestereo_fault_name(bit: u32) -> *const c_char {
+    FAULT_NAMES.get(bit as usize).map_or(core::ptr::null(), |name| name.as_ptr().cast())
+}

@@ -1,0 +1,286 @@
+//! Codes of errors and of missing depths, with their texts.
+
+use core::ffi::CStr;
+use linestereo::image::ViewError;
+use linestereo::{NoDepth, ParamError, PixelRejection, RegionError, RigError, RunError};
+
+/// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object or a pixel has no depth.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// All is well.
+    Ok = 0,
+    /// A pointer that has to point to something is null.
+    Null = 1,
+    /// A pointer is not aligned to what it points to; memory needs 8 bytes.
+    Misaligned = 2,
+    /// The memory is smaller than `linestereo_scratch_size` says.
+    MemoryTooSmall = 3,
+    /// There is no matcher at this address: it was not initialised, or copied from elsewhere.
+    NotInitialised = 4,
+    /// The call comes from a callback of the same matcher.
+    Busy = 5,
+    /// No pair has been matched yet.
+    NoPair = 6,
+    /// There are not so many segments.
+    NoSuchSegment = 7,
+    /// More elements than memory can hold.
+    TooMany = 8,
+    /// A size outside 16x16 to 1280x1280.
+    ImageSize = 10,
+    /// A stride shorter than a row.
+    Stride = 11,
+    /// The image ends before its last row does.
+    ImageTooShort = 12,
+    /// The number of spans of valid pixels is not that of rows.
+    SpanCount = 13,
+    /// A span of valid pixels starts after its end, or ends outside of the image.
+    Span = 14,
+    /// `segments` is outside its range.
+    Segments = 20,
+    /// `min_disparity` is outside its range.
+    MinDisparity = 21,
+    /// `max_disparity` is outside its range.
+    MaxDisparity = 22,
+    /// `anchor_gradient` is outside its range.
+    AnchorGradient = 23,
+    /// `edge_gradient` is outside its range.
+    EdgeGradient = 24,
+    /// `min_extent` is outside its range.
+    MinExtent = 25,
+    /// `cell` is outside its range.
+    Cell = 26,
+    /// `reach` is outside its range.
+    Reach = 27,
+    /// `min_confidence_q16` is outside its range.
+    MinConfidence = 28,
+    /// `margin_q6` is outside its range.
+    Margin = 29,
+    /// `focal_px` is outside its range.
+    Focal = 30,
+    /// `baseline_m` is outside its range.
+    Baseline = 31,
+    /// `disparity_offset_px` is outside its range.
+    Offset = 32,
+    /// `principal_point_px` is outside its range.
+    PrincipalPoint = 33,
+    /// There is no rig, and without one no depth in metres.
+    NoRig = 34,
+    /// The depth of this disparity is infinite.
+    Infinite = 35,
+    /// A region without pixels.
+    RegionEmpty = 40,
+    /// A region outside of the image.
+    RegionOutside = 41,
+    /// A run of a mask is empty, outside of the image, or not behind the run before it.
+    RegionRun = 42,
+    /// No depth: too few credible hypotheses in the region.
+    LittleSupport = 100,
+    /// No depth: two surfaces explain the region equally well.
+    TwoSurfaces = 101,
+    /// No depth: hypotheses on the outline only.
+    OnlyOutline = 102,
+    /// No depth: the pair is not fit to be used.
+    UnhealthyPair = 103,
+    /// No depth: the same pixels in both images.
+    NoParallax = 104,
+    /// No depth: the pixel lies outside of the valid image.
+    PixelOutside = 110,
+    /// No depth: too close to the border to compare disparities.
+    NearBorder = 111,
+    /// No depth: nothing to match around the pixel.
+    NoTexture = 112,
+    /// No depth: hidden in the right image, most likely.
+    LeftRight = 113,
+    /// No depth: another disparity matches nearly as well.
+    NotUnique = 114,
+    /// No depth: not credible enough.
+    LowConfidence = 115,
+}
+
+impl Status {
+    /// Every code.
+    pub(crate) const ALL: [Self; 44] = [
+        Self::Ok,
+        Self::Null,
+        Self::Misaligned,
+        Self::MemoryTooSmall,
+        Self::NotInitialised,
+        Self::Busy,
+        Self::NoPair,
+        Self::NoSuchSegment,
+        Self::TooMany,
+        Self::ImageSize,
+        Self::Stride,
+        Self::ImageTooShort,
+        Self::SpanCount,
+        Self::Span,
+        Self::Segments,
+        Self::MinDisparity,
+        Self::MaxDisparity,
+        Self::AnchorGradient,
+        Self::EdgeGradient,
+        Self::MinExtent,
+        Self::Cell,
+        Self::Reach,
+        Self::MinConfidence,
+        Self::Margin,
+        Self::Focal,
+        Self::Baseline,
+        Self::Offset,
+        Self::PrincipalPoint,
+        Self::NoRig,
+        Self::Infinite,
+        Self::RegionEmpty,
+        Self::RegionOutside,
+        Self::RegionRun,
+        Self::LittleSupport,
+        Self::TwoSurfaces,
+        Self::OnlyOutline,
+        Self::UnhealthyPair,
+        Self::NoParallax,
+        Self::PixelOutside,
+        Self::NearBorder,
+        Self::NoTexture,
+        Self::LeftRight,
+        Self::NotUnique,
+        Self::LowConfidence,
+    ];
+
+    /// What is wrong, and the range of a number that is outside it.
+    pub const fn text(self) -> &'static CStr {
+        match self {
+            Self::Ok => c"all is well",
+            Self::Null => c"a pointer is null",
+            Self::Misaligned => c"a pointer is not aligned: memory needs 8 bytes, structures what C gives them",
+            Self::MemoryTooSmall => c"the memory is smaller than linestereo_scratch_size says",
+            Self::NotInitialised => c"no matcher at this address: not initialised, or copied from elsewhere",
+            Self::Busy => c"a callback called the matcher that calls it",
+            Self::NoPair => c"no pair has been matched yet",
+            Self::NoSuchSegment => c"there are not so many segments",
+            Self::TooMany => c"more elements than memory can hold",
+            Self::ImageSize => c"an image is outside 16x16 to 1280x1280",
+            Self::Stride => c"a stride is shorter than a row",
+            Self::ImageTooShort => c"an image ends before its last row does",
+            Self::SpanCount => c"the number of spans of valid pixels is not that of rows",
+            Self::Span => c"the valid pixels of a row are no part of the image",
+            Self::Segments => c"segments is outside 1 to 4096",
+            Self::MinDisparity => c"min_disparity is outside -32 to 0",
+            Self::MaxDisparity => c"max_disparity is outside 8 to 256 above min_disparity, or not below the width",
+            Self::AnchorGradient => c"anchor_gradient is outside 4 to 1020",
+            Self::EdgeGradient => c"edge_gradient is outside 4 to anchor_gradient",
+            Self::MinExtent => c"min_extent is outside 6 to 32",
+            Self::Cell => c"cell is outside 8 to 256",
+            Self::Reach => c"reach is outside 1 to 6",
+            Self::MinConfidence => c"min_confidence_q16 is outside 10 to 99 percent",
+            Self::Margin => c"margin_q6 is outside 16 to 1024",
+            Self::Focal => c"focal_px is outside 1 to 100000",
+            Self::Baseline => c"baseline_m is outside 0.0001 to 100",
+            Self::Offset => c"disparity_offset_px is outside -4096 to 4096",
+            Self::PrincipalPoint => c"principal_point_px is outside -2048 to 2048",
+            Self::NoRig => c"depths in metres need a rig: focal length and baseline",
+            Self::Infinite => c"the depth of this disparity is infinite",
+            Self::RegionEmpty => c"a region without pixels",
+            Self::RegionOutside => c"a region outside of the image",
+            Self::RegionRun => c"a run of the mask is empty, outside of the image, or not behind the run before it",
+            Self::LittleSupport => c"too few credible hypotheses in the region",
+            Self::TwoSurfaces => c"two surfaces explain the region equally well",
+            Self::OnlyOutline => c"hypotheses on the outline only: they may belong to what is beside the region",
+            Self::UnhealthyPair => c"the pair is not fit to be used",
+            Self::NoParallax => c"the same pixels in both images: too far for a depth, or dirt, or overlaid text",
+            Self::PixelOutside => c"the pixel lies outside of the valid image",
+            Self::NearBorder => c"too close to the border to compare disparities",
+            Self::NoTexture => c"nothing to match around the pixel",
+            Self::LeftRight => c"hidden in the right image, most likely",
+            Self::NotUnique => c"another disparity matches nearly as well",
+            Self::LowConfidence => c"not credible enough",
+        }
+    }
+}
+
+impl From<ViewError> for Status {
+    fn from(error: ViewError) -> Self {
+        match error {
+            ViewError::Dims(_) => Self::ImageSize,
+            ViewError::Stride { .. } => Self::Stride,
+            ViewError::TooShort { .. } => Self::ImageTooShort,
+            ViewError::Spans { .. } => Self::SpanCount,
+            ViewError::Span { .. } => Self::Span,
+        }
+    }
+}
+
+impl From<ParamError> for Status {
+    fn from(error: ParamError) -> Self {
+        let ParamError::OutOfRange { name, .. } = error else { return Self::NoRig };
+        match name {
+            "min_disparity" => Self::MinDisparity,
+            "max_disparity" => Self::MaxDisparity,
+            "anchor_gradient" => Self::AnchorGradient,
+            "edge_gradient" => Self::EdgeGradient,
+            "min_extent" => Self::MinExtent,
+            "cell" => Self::Cell,
+            "reach" => Self::Reach,
+            "min_confidence (percent)" => Self::MinConfidence,
+            _ => Self::Margin,
+        }
+    }
+}
+
+impl From<RigError> for Status {
+    fn from(error: RigError) -> Self {
+        match error {
+            RigError::Focal(_) => Self::Focal,
+            RigError::Baseline(_) => Self::Baseline,
+            RigError::Offset(_) => Self::Offset,
+            RigError::PrincipalPoint(_) => Self::PrincipalPoint,
+        }
+    }
+}
+
+impl From<RunError> for Status {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::SizeMismatch { .. } => Self::ImageSize,
+            RunError::ScratchTooSmall { .. } => Self::MemoryTooSmall,
+        }
+    }
+}
+
+impl From<RegionError> for Status {
+    fn from(error: RegionError) -> Self {
+        match error {
+            RegionError::Empty => Self::RegionEmpty,
+            RegionError::Outside => Self::RegionOutside,
+            RegionError::Run(_) => Self::RegionRun,
+        }
+    }
+}
+
+impl From<NoDepth> for Status {
+    fn from(reason: NoDepth) -> Self {
+        match reason {
+            NoDepth::LittleSupport => Self::LittleSupport,
+            NoDepth::TwoSurfaces => Self::TwoSurfaces,
+            NoDepth::OnlyOutline => Self::OnlyOutline,
+            NoDepth::UnhealthyPair => Self::UnhealthyPair,
+            NoDepth::NoParallax => Self::NoParallax,
+        }
+    }
+}
+
+impl From<PixelRejection> for Status {
+    fn from(reason: PixelRejection) -> Self {
+        match reason {
+            PixelRejection::OtherSize => Self::ImageSize,
+            PixelRejection::Outside => Self::PixelOutside,
+            PixelRejection::OutsideRegion => Self::RegionOutside,
+            PixelRejection::NearBorder => Self::NearBorder,
+            PixelRejection::NoTexture => Self::NoTexture,
+            PixelRejection::LeftRight => Self::LeftRight,
+            PixelRejection::NotUnique => Self::NotUnique,
+            PixelRejection::LowConfidence => Self::LowConfidence,
+            PixelRejection::UnhealthyPair => Self::UnhealthyPair,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+/* What no caller may do is refused with a status, and changes nothing: ends with 0, or with the line of the first check that fails. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "linestereo.h"
+
+#define CHECK(is_true) \
+    if (!(is_true)) return __LINE__ > 250 ? 250 : __LINE__
+#define REFUSED(call, code) CHECK((call) == LINESTEREO_STATUS_##code)
+
+enum { WIDTH = 64, HEIGHT = 48 };
+static uint8_t pixels[2][WIDTH * HEIGHT];
+
+typedef struct {
+    LinestereoMatcher *matcher;
+    LinestereoStatus inside;
+    size_t points;
+} Seen;
+
+static void call_again(void *context, const LinestereoPoint *point) {
+    Seen *seen = (Seen *)context;
+    LinestereoHealth health;
+    seen->points += point->x < WIDTH;
+    seen->inside = linestereo_health(seen->matcher, &health);
+}
+
+int main(void) {
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        int x = i % WIDTH, y = i / WIDTH;
+        pixels[0][i] = (uint8_t)(((x * x / 40 + y / 9) % 2 ? 190 : 60) + (x * 7 + y * 13) % 9);
+        pixels[1][i] = (uint8_t)((((x + 5) * (x + 5) / 40 + y / 9) % 2 ? 190 : 60) + ((x + 5) * 7 + y * 13) % 9);
+    }
+    LinestereoConfig config = linestereo_config(WIDTH, HEIGHT);
+    config.max_disparity = 32;
+
+    /* Parameters. */
+    LinestereoMatcher *matcher = 0;
+    size_t size = linestereo_scratch_size(&config);
+    char *memory = (char *)malloc(size + 8);
+    CHECK(size > 0 && memory && linestereo_scratch_size(0) == 0);
+    LinestereoConfig bad = config;
+    bad.width = 15;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), IMAGE_SIZE);
+    CHECK(linestereo_scratch_size(&bad) == 0);
+    bad = config, bad.max_disparity = 64;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), MAX_DISPARITY);
+    bad = config, bad.segments = 0;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), SEGMENTS);
+    bad = config, bad.focal_px = -1;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), FOCAL);
+    bad = config, bad.focal_px = 100, bad.baseline_m = 0.0f / config.focal_px;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), BASELINE);
+    bad = config, bad.min_confidence_q16 = 0;
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), MIN_CONFIDENCE);
+
+    /* Memory. */
+    REFUSED(linestereo_init(0, size, &config, &matcher), NULL);
+    REFUSED(linestereo_init(memory, size, 0, &matcher), NULL);
+    REFUSED(linestereo_init(memory, size, &config, 0), NULL);
+    REFUSED(linestereo_init(memory + 4, size, &config, &matcher), MISALIGNED);
+    REFUSED(linestereo_init(memory, size - 1, &config, &matcher), MEMORY_TOO_SMALL);
+    CHECK(matcher == 0);
+    LinestereoHealth health;
+    memset(memory, 0xa5, size + 8);
+    REFUSED(linestereo_health((LinestereoMatcher *)memory, &health), NOT_INITIALISED);
+    REFUSED(linestereo_health(0, &health), NULL);
+    REFUSED(linestereo_health((LinestereoMatcher *)(memory + 1), &health), MISALIGNED);
+    REFUSED(linestereo_init(memory, size, &config, &matcher), OK);
+    for (int i = 0; i < 8; i++) CHECK(memory[size + i] == (char)0xa5);
+    char *copy = (char *)malloc(size);
+    CHECK(copy);
+    memcpy(copy, memory, size);
+    REFUSED(linestereo_health((LinestereoMatcher *)copy, &health), NOT_INITIALISED);
+
+    /* Images. */
+    LinestereoSegment segment;
+    Seen seen = {matcher, LINESTEREO_STATUS_OK, 0};
+    REFUSED(linestereo_health(matcher, &health), NO_PAIR);
+    REFUSED(linestereo_segment(matcher, 0, &segment), NO_PAIR);
+    REFUSED(linestereo_points(matcher, call_again, &seen), NO_PAIR);
+    LinestereoImage left = {pixels[0], sizeof pixels[0], WIDTH, 0, 0}, right = left, wrong = left;
+    right.pixels = pixels[1];
+    REFUSED(linestereo_run(matcher, &left, 0, 0), NULL);
+    wrong.stride = WIDTH - 1;
+    REFUSED(linestereo_run(matcher, &left, &wrong, 0), STRIDE);
+    wrong = left, wrong.stride = (size_t)-1;
+    REFUSED(linestereo_run(matcher, &left, &wrong, 0), IMAGE_TOO_SHORT);
+    wrong = left, wrong.bytes -= 1;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), IMAGE_TOO_SHORT);
+    wrong = left, wrong.bytes = (size_t)-1;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), TOO_MANY);
+    wrong = left, wrong.pixels = 0;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), NULL);
+    LinestereoSpan spans[HEIGHT];
+    for (int y = 0; y < HEIGHT; y++) spans[y].start = 0, spans[y].end = WIDTH;
+    wrong = left, wrong.valid = spans, wrong.valid_count = HEIGHT - 1;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), SPAN_COUNT);
+    wrong.valid_count = HEIGHT, spans[9].end = WIDTH + 1;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), SPAN);
+    spans[9].end = WIDTH;
+    REFUSED(linestereo_run(matcher, &wrong, &right, 0), OK);
+    REFUSED(linestereo_run_areas(matcher, &left, &right, 0, 0, 1), NULL);
+    REFUSED(linestereo_health(matcher, &health), OK); /* of the last pair: what is refused changes nothing */
+
+    /* Results; of another matcher, which has not seen these images: they would be frozen. */
+    REFUSED(linestereo_init(memory, size, &config, &matcher), OK);
+    REFUSED(linestereo_run(matcher, &left, &right, 0), OK);
+    REFUSED(linestereo_health(matcher, 0), NULL);
+    REFUSED(linestereo_health(matcher, &health), OK);
+    CHECK(health.segments_matched > 0 && health.is_fit);
+    REFUSED(linestereo_segment(matcher, health.segments_matched, &segment), NO_SUCH_SEGMENT);
+    REFUSED(linestereo_segment(matcher, (size_t)-1, &segment), NO_SUCH_SEGMENT);
+    REFUSED(linestereo_segment(matcher, 0, &segment), OK);
+    CHECK(segment.depth_q16[0] == 0);
+    REFUSED(linestereo_points(matcher, 0, 0), NULL);
+    REFUSED(linestereo_points(matcher, call_again, &seen), OK);
+    CHECK(seen.points > 100 && seen.inside == LINESTEREO_STATUS_BUSY);
+    LinestereoDepth depth;
+    LinestereoArea area = {9, 9, 9, 20};
+    REFUSED(linestereo_box(matcher, &area, &depth), REGION_EMPTY);
+    area.left = 500, area.right = 600;
+    REFUSED(linestereo_box(matcher, &area, &depth), REGION_OUTSIDE);
+    LinestereoRun runs[2] = {{1, 20, {10, 50}}, {1, 20, {40, 60}}};
+    REFUSED(linestereo_mask(matcher, 1, runs, 2, &depth), REGION_RUN);
+    REFUSED(linestereo_mask(matcher, 1, 0, 0, &depth), REGION_EMPTY);
+    REFUSED(linestereo_pixel(matcher, WIDTH, 3, &depth), PIXEL_OUTSIDE);
+    int32_t xyz[3];
+    REFUSED(linestereo_position(matcher, 0, 0, 64, xyz), NO_RIG);
+    uint64_t times_us[2] = {0, 5000};
+    REFUSED(linestereo_run(matcher, &left, &right, times_us), OK);
+    REFUSED(linestereo_health(matcher, &health), OK);
+    CHECK(health.is_refused && !health.is_fit && (health.faults & LINESTEREO_FAULT_SKEW));
+    area.left = 8, area.top = 8, area.right = 56, area.bottom = 40;
+    REFUSED(linestereo_box(matcher, &area, &depth), UNHEALTHY_PAIR);
+    CHECK(strcmp(linestereo_fault_name(13), "skew") == 0 && linestereo_fault_name(24) == 0);
+
+    /* A rig: 100 px * 0.1 m / 5 px. */
+    config.focal_px = 100, config.baseline_m = 0.1f;
+    REFUSED(linestereo_init(memory, size, &config, &matcher), OK);
+    REFUSED(linestereo_run(matcher, &left, &right, 0), OK);
+    REFUSED(linestereo_box(matcher, &area, &depth), OK);
+    CHECK(depth.depth_q16 > 2 * 65536 - 3000 && depth.depth_q16 < 2 * 65536 + 3000);
+    REFUSED(linestereo_position(matcher, 32 * 32, 24 * 32, 5 * 64, xyz), OK);
+    CHECK(xyz[2] == 2 * 65536 && xyz[0] > 0 && xyz[0] < 1000);
+    REFUSED(linestereo_position(matcher, 0, 0, 0, xyz), INFINITE);
+    free(memory);
+    free(copy);
+    return 0;
+}

@@ -1,0 +1,220 @@
+"""Sparse stereo depth from line segments and support points, each with the probability of being within 1 px.
+
+    import cv2, linestereo
+    left, right = (cv2.imread(name, cv2.IMREAD_GRAYSCALE) for name in ("left.png", "right.png"))
+    result = linestereo.match(left, right, max_disparity=64, rig=linestereo.Rig(focal_px=451, baseline_m=0.075))
+    if result.is_fit:
+        print(result.points["depth"], result.objects(boxes=[[60, 30, 120, 90]]))
+
+Images are numpy arrays of shape (rows, columns) and dtype uint8, with any strides, rectified: a point lies on one row in both. Left is the
+reference; disparity is x_left - x_right; x grows right, y down, z forward; whole numbers are pixel centres. What cannot be used raises
+`ValueError`, with what to do.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Any, FrozenSet, List, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _core
+from ._core import Calibration, Rig, __version__
+
+__all__ = ["Calibration", "Fault", "Matcher", "Object", "POINT", "Result", "Rig", "SEGMENT", "match", "rectify"]
+
+POINT = np.dtype([("x", "<u2"), ("y", "<u2"), ("disparity", "<f4"), ("confidence", "<f4"), ("segment", "<i4"), ("depth", "<f8")])
+"""A pixel of the left image: column and row in px, disparity in px, probability that it is within 1 px, index of its segment (-1: of a side that
+is not listed, -2: a support point), depth in m (inf: too far, nan: no rig)."""
+
+SEGMENT = np.dtype([
+    ("ends", "<f4", (2, 2)), ("disparity", "<f4", 2), ("sigma", "<f4"), ("confidence", "<f4"), ("owner", "<u4"), ("_", "<u4"),
+    ("depth", "<f8", 2), ("depth_sigma", "<f8", 2),
+])
+"""A line segment of the left image: x, y of both ends in px, disparity at both ends and its standard deviation in px, probability that it is
+within 1 px, side that owns the edge (0 left, 1 right, 2 both; left is above where |dx| > 4 |dy|), depth at both ends and its standard deviation
+in m (inf: too far, nan: no rig)."""
+
+
+class Fault(enum.Enum):
+    """What is wrong with a pair; docs/faults.md says what to do."""
+
+    LEFT_EXPOSURE = "left_exposure"
+    RIGHT_EXPOSURE = "right_exposure"
+    LEFT_SATURATED = "left_saturated"
+    RIGHT_SATURATED = "right_saturated"
+    LEFT_DEAD = "left_dead"
+    RIGHT_DEAD = "right_dead"
+    LEFT_COVERED = "left_covered"
+    RIGHT_COVERED = "right_covered"
+    LEFT_FROZEN = "left_frozen"
+    RIGHT_FROZEN = "right_frozen"
+    LEFT_VIEW = "left_view"
+    RIGHT_VIEW = "right_view"
+    EXPOSURES_DIFFER = "exposures_differ"
+    SKEW = "skew"
+    ROWS_OFF = "rows_off"
+    ROWS_DRIFT = "rows_drift"
+    ROWS_UNEVEN = "rows_uneven"
+    FEW_MATCHES = "few_matches"
+    BEYOND_INFINITY = "beyond_infinity"
+    RANGE_SMALL = "range_small"
+    NO_PARALLAX = "no_parallax"
+    SAME_PIXEL = "same_pixel"
+    TORN = "torn"
+    ROWS_FAR = "rows_far"
+
+
+_FAULTS = [Fault(name) for name in _core.fault_names()]
+
+
+@dataclass(frozen=True)
+class Object:
+    """The depth of an object or of a pixel."""
+
+    label: int
+    """Position in the list of boxes, value or position of a mask."""
+    disparity_px: Optional[float]
+    """At the object's centre; None where it is not known."""
+    sigma_px: float
+    """Standard deviation of the disparity, px; 0 without one."""
+    depth_m: float
+    """nan without a rig or a disparity, inf for what is too far."""
+    sigma_m: float
+    """Standard deviation of the depth, m; nan where the depth is."""
+    nearest_m: float
+    """Depth of the nearest credible hypothesis, m; nan where the depth is."""
+    support: int
+    """Segments and support points behind the answer; 0 of a pixel."""
+    confidence: float
+    """Probability that the disparity is within 1 px, 0 to 1."""
+    reason: Optional[str]
+    """Why there is no disparity, in a word, as in the JSON of `linestereo run`."""
+    text: Optional[str]
+    """The same in a sentence."""
+
+    @classmethod
+    def _of(cls, answer: Any) -> Object:
+        *numbers, reason = answer
+        return cls(*numbers, *(reason or (None, None)))
+
+
+class Result:
+    """A matched pair."""
+
+    points: np.ndarray
+    """Structured array of dtype `POINT`, one a pixel at most: those of segments, most probable first, then support points."""
+    segments: np.ndarray
+    """Structured array of dtype `SEGMENT`, most confident first."""
+    health: FrozenSet[Fault]
+    """Faults of this pair, or of one shortly before; empty when all is well."""
+    is_fit: bool
+    """False when results may be wrong or outdated."""
+
+    def __init__(self, matched: _core.Matched) -> None:
+        self._matched = matched
+        self.points = matched.take_points().view(POINT)
+        self.segments = matched.take_segments().view(SEGMENT)
+        bits, self.is_fit = matched.health
+        self.health = frozenset(fault for bit, fault in enumerate(_FAULTS) if bits >> bit & 1)
+
+    @property
+    def size(self) -> Tuple[int, int]:
+        """Columns and rows of the images, px."""
+        return self._matched.size
+
+    @property
+    def milliseconds(self) -> float:
+        """Time that the core took for the pair and its points, ms."""
+        return self._matched.milliseconds
+
+    @property
+    def segments_found(self) -> int:
+        """Number of segments found in the left image, with a disparity or without."""
+        return self._matched.segments_found
+
+    def objects(self, boxes: Any = None, masks: Any = None) -> List[Object]:
+        """The depth of each object, in the order given; of a mask, in the order of labels.
+
+        boxes: shape (n, 4), left, top, right, bottom in px, the last two exclusive; cut to the image.
+        masks: bool of shape (n, rows, columns), or one image of labels, integers of shape (rows, columns), 0 to 65535, 0 for what is no object.
+        """
+        if (boxes is None) == (masks is None):
+            raise ValueError("give either boxes or masks")
+        if boxes is not None:
+            boxes = np.asarray(boxes)
+            if boxes.dtype.kind not in "iuf":
+                raise ValueError(f"boxes have dtype {boxes.dtype}: give numbers")
+            boxes = boxes.astype(np.float64, copy=False)
+            if boxes.size == 0:
+                return []
+            if boxes.ndim != 2 or boxes.shape[1] != 4:
+                raise ValueError(f"boxes have shape {boxes.shape}: give (n, 4), left, top, right, bottom")
+            return [Object._of(answer) for answer in self._matched.boxes(boxes)]
+        masks = np.asarray(masks)
+        if masks.dtype == np.bool_ and masks.ndim == 3:
+            found = (self._of_labels(mask, index) for index, mask in enumerate(masks))
+            return [answer for answers in found for answer in answers]
+        if masks.dtype == np.bool_ and masks.ndim == 2:
+            return self._of_labels(masks, 0)
+        if masks.dtype.kind not in "iu" or masks.ndim != 2:
+            raise ValueError(f"masks have shape {masks.shape} and dtype {masks.dtype}: give bool of (n, rows, columns), or labels of (rows, columns)")
+        if masks.size and not (0 <= masks.min() and masks.max() <= 65535):
+            raise ValueError("masks: labels are outside 0 to 65535")
+        return [Object._of(answer) for answer in self._matched.labels(masks.astype(np.uint16, copy=False))]
+
+    def _of_labels(self, mask: np.ndarray, label: int) -> List[Object]:
+        answers = self._matched.labels(mask.astype(np.uint16))
+        if not answers:
+            raise ValueError(f"masks[{label}]: a region without pixels")
+        return [Object._of((label, *answer[1:])) for answer in answers]
+
+    def pixel(self, x: int, y: int) -> Object:
+        """The depth of a pixel of the left image, on a segment or not; `reason` says why there is none."""
+        width, height = self.size
+        if not (0 <= x < width and 0 <= y < height):
+            raise ValueError(f"pixel {x},{y} is outside of the image of {width}x{height}")
+        return Object._of(self._matched.pixel(x, y))
+
+    def __repr__(self) -> str:
+        health = "+".join(sorted(fault.value for fault in self.health)) or "good"
+        return f"Result({len(self.points)} points, {len(self.segments)} segments, health: {health})"
+
+
+class Matcher:
+    """A matcher of the consecutive pairs of one rig: health knows those before (a frozen camera, drifting rows)."""
+
+    def __init__(self, max_disparity: int = 64, rig: Union[Rig, Calibration, None] = None, *, min_disparity: int = 0,
+                 min_confidence: Optional[float] = None) -> None:
+        """max_disparity: end of the disparities searched, px; 8 to 256 above min_disparity, below the width. focal length in px * baseline in m /
+        max_disparity is the nearest depth.
+        rig: a `Rig` gives depths; a `Calibration` rectifies raw pairs first.
+        min_disparity: first disparity searched, px; -32 to 0.
+        min_confidence: least probability of points and segments, 0.1 to 0.99; 0.9 without.
+        """
+        limits = {"max_disparity": (max_disparity, 0, 65535), "min_disparity": (min_disparity, -32768, 32767)}
+        for name, (value, low, high) in limits.items():
+            if not low <= value <= high:
+                raise ValueError(f"{name} is {value}, outside {low} to {high}")
+        self._matcher = _core.Matcher(max_disparity, rig, min_disparity, min_confidence)
+
+    def match(self, left: Any, right: Any, times_us: Optional[Tuple[int, int]] = None) -> Result:
+        """Matches the next pair. Other threads run meanwhile; this matcher must not be used by two.
+
+        left, right: grey images, dtype uint8, shape (rows, columns), 16x16 to 1280x1280.
+        times_us: times of capture, left and right, us of one clock: more than 1 ms apart are refused (`Fault.SKEW`).
+        """
+        return Result(self._matcher.match(np.asarray(left), np.asarray(right), times_us))
+
+
+def match(left: Any, right: Any, max_disparity: int = 64, rig: Union[Rig, Calibration, None] = None, **parameters: Any) -> Result:
+    """Matches one pair that stands alone; parameters and images as those of `Matcher`."""
+    return Matcher(max_disparity, rig, **parameters).match(left, right)
+
+
+def rectify(left: Any, right: Any, calibration: Calibration) -> Tuple[np.ndarray, np.ndarray]:
+    """Rectifies a raw pair: two uint8 images of `calibration.size`. What has no source is black; `match` with the calibration as its rig leaves
+    such pixels out, which it cannot with these images."""
+    first, second = calibration.rectify(np.asarray(left), np.asarray(right))
+    return first, second

@@ -1,0 +1,64 @@
+"""The compiled part: `linestereo` says what is for use."""
+
+from os import PathLike
+from typing import Any, List, Optional, Tuple, Union
+
+import numpy as np
+
+__version__: str
+
+class Rig:
+    """A rectified pair: depth = focal_px * baseline_m / (disparity + disparity_offset_px)."""
+    def __new__(cls, focal_px: float, baseline_m: float, disparity_offset_px: float = 0.0,
+                principal_point_px: Optional[Tuple[float, float]] = None) -> Rig:
+        """focal_px: 1 to 100000; baseline_m: 0.0001 to 100; disparity_offset_px: column of the principal point on the right minus that on the
+        left, -4096 to 4096; principal_point_px: of the left image, its centre without."""
+    @property
+    def focal_px(self) -> float:
+        """Focal length, px."""
+    @property
+    def baseline_m(self) -> float:
+        """Distance of the cameras, m."""
+
+class Calibration:
+    """Two calibrated cameras, and the view that their images are rectified to."""
+    @staticmethod
+    def load(path: Union[str, PathLike[str]], size: Optional[Tuple[int, int]] = None, alpha: float = 0.0,
+             focal_px: Optional[float] = None) -> Calibration:
+        """Of a `rig.toml` as `linestereo calibrate` and `linestereo convert-rig` write it.
+
+        size: columns and rows of rectified images, those of raw ones without. alpha: 0 keeps no pixel without a source, 1 every raw pixel.
+        focal_px: focal length of rectified images, px, instead of alpha."""
+    @property
+    def size(self) -> Tuple[int, int]:
+        """Columns and rows of rectified images, px."""
+    @property
+    def raw_size(self) -> Tuple[int, int]:
+        """Columns and rows of raw images, px."""
+    @property
+    def rig(self) -> Rig:
+        """The rig of the rectified images."""
+    def rectify(self, left: np.ndarray, right: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """As `linestereo.rectify`."""
+
+class Matcher:
+    def __new__(cls, max_disparity: int, rig: Union[Rig, Calibration, None], min_disparity: int,
+                min_confidence: Optional[float]) -> Matcher: ...
+    def match(self, left: np.ndarray, right: np.ndarray, times_us: Optional[Tuple[int, int]]) -> Matched: ...
+
+class Matched:
+    def take_points(self) -> np.ndarray: ...
+    def take_segments(self) -> np.ndarray: ...
+    @property
+    def milliseconds(self) -> float: ...
+    @property
+    def size(self) -> Tuple[int, int]: ...
+    @property
+    def health(self) -> Tuple[int, bool]: ...
+    @property
+    def segments_found(self) -> int: ...
+    def boxes(self, boxes: np.ndarray) -> List[Any]: ...
+    def labels(self, labels: np.ndarray) -> List[Any]: ...
+    def pixel(self, x: int, y: int) -> Any: ...
+
+def fault_names() -> List[str]: ...

@@ -1,0 +1,127 @@
+//! Rigs: numbers of a rectified pair, and calibrations of raw ones.
+
+use crate::image::{grey, view};
+use crate::rectify::PairRectifier;
+use crate::refused;
+use crate::rig_file::RigFile;
+use linestereo::{Dims, Span};
+use linestereo_baselines::GrayImage;
+use linestereo_rig::{CameraSide, RigImage, View};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray as _, PyArray2};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// Numbers of a rectified pair.
+#[pyclass(frozen, module = "linestereo")]
+pub(crate) struct Rig(pub(crate) linestereo::Rig);
+
+#[pymethods]
+impl Rig {
+    #[new]
+    #[pyo3(signature = (focal_px, baseline_m, disparity_offset_px = 0.0, principal_point_px = None))]
+    fn new(
+        focal_px: f32,
+        baseline_m: f32,
+        disparity_offset_px: f32,
+        principal_point_px: Option<[f32; 2]>,
+    ) -> PyResult<Self> {
+        let rig = linestereo::Rig::new(focal_px, baseline_m, disparity_offset_px).map_err(refused)?;
+        match principal_point_px {
+            Some(point) => rig.with_principal_point(point).map_err(refused).map(Self),
+            None => Ok(Self(rig)),
+        }
+    }
+
+    /// In px.
+    #[getter]
+    fn focal_px(&self) -> f64 {
+        self.0.focal_q16() as f64 / 65536.0
+    }
+
+    /// In m.
+    #[getter]
+    fn baseline_m(&self) -> f64 {
+        self.0.focal_baseline_q16() as f64 / self.0.focal_q16() as f64
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Rig(focal_px={:.3}, baseline_m={:.5})", self.focal_px(), self.baseline_m())
+    }
+}
+
+/// A calibrated pair of cameras, and the view that its images are rectified to.
+#[pyclass(module = "linestereo")]
+pub(crate) struct Calibration {
+    pub(crate) rig: linestereo::Rig,
+    raw: Dims,
+    dims: Dims,
+    pub(crate) usable: [Vec<Span>; 2],
+    rectifier: PairRectifier,
+}
+
+#[pymethods]
+impl Calibration {
+    #[staticmethod]
+    #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None))]
+    fn load(path: PathBuf, size: Option<(u16, u16)>, alpha: f64, focal_px: Option<f64>) -> PyResult<Self> {
+        let calibration = RigFile::load(&path).map_err(refused)?.calibration;
+        let raw = calibration.camera(CameraSide::Left).dims();
+        let dims = size.map_or(raw, |(width, height)| Dims { width, height });
+        let range = linestereo::Params::DEFAULT;
+        let most = range.max_disparity.min(dims.width.saturating_sub(1));
+        let view = focal_px.map_or(View::Alpha(alpha), View::Focal);
+        let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
+        let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
+        let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
+        Ok(Self { rig: image.remap().rig().map_err(refused)?, raw, dims, usable, rectifier })
+    }
+
+    /// Columns and rows of rectified images.
+    #[getter]
+    fn size(&self) -> (u16, u16) {
+        (self.dims.width, self.dims.height)
+    }
+
+    /// Columns and rows of raw images.
+    #[getter]
+    fn raw_size(&self) -> (u16, u16) {
+        (self.raw.width, self.raw.height)
+    }
+
+    /// The rig of the rectified images.
+    #[getter]
+    fn rig(&self) -> Rig {
+        Rig(self.rig)
+    }
+
+    fn rectify<'py>(
+        &mut self,
+        py: Python<'py>,
+        left: &Bound<'py, PyAny>,
+        right: &Bound<'py, PyAny>,
+    ) -> PyResult<[Bound<'py, PyArray2<u8>>; 2]> {
+        let images = [grey(left, "left")?, grey(right, "right")?];
+        let [left, right] = py.detach(|| self.pair(&images))?;
+        Ok([array(py, left)?, array(py, right)?])
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Calibration(raw_size={:?}, size={:?}, rig={})", self.raw_size(), self.size(), self.rig().__repr__())
+    }
+}
+
+impl Calibration {
+    pub(crate) fn pair(&mut self, [left, right]: &[GrayImage; 2]) -> PyResult<[GrayImage; 2]> {
+        let (left, right) = self.rectifier.pair(left, right).map_err(refused)?;
+        for (image, usable) in [&left, &right].into_iter().zip(&self.usable) {
+            view(image, usable)?;
+        }
+        Ok([left, right])
+    }
+}
+
+fn array(py: Python<'_>, GrayImage { dims, pixels }: GrayImage) -> PyResult<Bound<'_, PyArray2<u8>>> {
+    let shape = (usize::from(dims.height), usize::from(dims.width));
+    Ok(Array2::from_shape_vec(shape, pixels).map_err(refused)?.into_pyarray(py))
+}

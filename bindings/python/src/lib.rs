@@ -1,0 +1,41 @@
+//! The core for Python: what `python/linestereo/__init__.py` calls, with images of any strides and results as bytes of structured arrays.
+
+mod calibration;
+mod image;
+mod matcher;
+mod memory;
+mod records;
+
+/// The simulator's own files: rigs are read, and images rectified, by the same code.
+#[allow(dead_code, reason = "files are written elsewhere")]
+#[path = "../../../host-sim/src/input/rectify.rs"]
+mod rectify;
+#[allow(dead_code, reason = "files are written elsewhere")]
+#[path = "../../../host-sim/src/input/rig_file.rs"]
+mod rig_file;
+
+use core::fmt::Display;
+use linestereo::HealthFlags;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// A `ValueError` with the core's text.
+fn refused(error: impl Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Names of the faults by bit.
+#[pyfunction]
+fn fault_names() -> Vec<&'static str> {
+    HealthFlags::NAMES.into_iter().map(|(_, name)| name).collect()
+}
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<calibration::Calibration>()?;
+    module.add_class::<calibration::Rig>()?;
+    module.add_class::<matcher::Matched>()?;
+    module.add_class::<matcher::Matcher>()?;
+    module.add_function(wrap_pyfunction!(fault_names, module)?)
+}

@@ -1,0 +1,246 @@
+//! Matching, and what is asked of a matched pair.
+
+use crate::calibration::{Calibration, Rig};
+use crate::image::{grey, view};
+use crate::memory::Memory;
+use crate::records::{self, Answer};
+use crate::refused;
+use linestereo::objects::Run;
+use linestereo::scratch::Capacity;
+use linestereo::{Area, Dims, Pair, Params, Plan, Region, Span, Summary};
+use linestereo_baselines::GrayImage;
+use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::time::Instant;
+
+/// Segments listed in each image, as the PC's program does.
+const SEGMENTS: u16 = 4096;
+
+/// A matcher of consecutive pairs: it knows the health of those before.
+#[pyclass(module = "linestereo")]
+pub(crate) struct Matcher {
+    params: Params,
+    calibration: Option<Py<Calibration>>,
+    state: Option<(Dims, linestereo::Matcher)>,
+}
+
+#[pymethods]
+impl Matcher {
+    #[new]
+    #[pyo3(signature = (max_disparity, rig, min_disparity, min_confidence))]
+    fn new(
+        max_disparity: u16,
+        rig: Option<&Bound<'_, PyAny>>,
+        min_disparity: i16,
+        min_confidence: Option<f64>,
+    ) -> PyResult<Self> {
+        let mut params = Params { max_disparity, min_disparity, ..Params::default() };
+        if let Some(confidence) = min_confidence {
+            if !(0.0..1.0).contains(&confidence) {
+                return Err(PyValueError::new_err(format!("min_confidence is {confidence}, allowed are 0.1 to 0.99")));
+            }
+            params.min_confidence = linestereo::Confidence::from_num(confidence);
+        }
+        let mut calibration = None;
+        if let Some(rig) = rig {
+            if let Ok(rig) = rig.cast::<Rig>() {
+                params.rig = Some(rig.get().0);
+            } else if let Ok(found) = rig.cast::<Calibration>() {
+                params.rig = Some(found.borrow().rig);
+                calibration = Some(found.clone().unbind());
+            } else {
+                return Err(PyValueError::new_err("rig is neither a Rig nor a Calibration"));
+            }
+        }
+        Ok(Self { params, calibration, state: None })
+    }
+
+    #[pyo3(name = "match")]
+    fn run(
+        &mut self,
+        py: Python<'_>,
+        left: &Bound<'_, PyAny>,
+        right: &Bound<'_, PyAny>,
+        times_us: Option<[u64; 2]>,
+    ) -> PyResult<Matched> {
+        let mut images = [grey(left, "left")?, grey(right, "right")?];
+        let mut usable = [Vec::new(), Vec::new()];
+        if let Some(calibration) = &self.calibration {
+            let mut calibration = calibration.bind(py).try_borrow_mut()?;
+            usable.clone_from(&calibration.usable);
+            let calibration = &mut *calibration;
+            images = py.detach(|| calibration.pair(&images))?;
+        }
+        py.detach(|| self.matched(images, usable, times_us))
+    }
+}
+
+impl Matcher {
+    fn matched(
+        &mut self,
+        images: [GrayImage; 2],
+        usable: [Vec<Span>; 2],
+        times_us: Option<[u64; 2]>,
+    ) -> PyResult<Matched> {
+        let dims = images[0].dims;
+        if self.state.as_ref().is_none_or(|(planned, _)| *planned != dims) {
+            self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
+        }
+        let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
+        let mut memory =
+            Memory::new(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell }).map_err(refused)?;
+        let start = Instant::now();
+        let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
+        let mut matched = matcher.run(Pair { left, right, times_us }, None, memory.view(), &mut ()).map_err(refused)?;
+        let (mut points, mut segments) = (Vec::with_capacity(16384), Vec::new());
+        matched.points(|point| points.push(point));
+        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        matched.segments().iter().for_each(|found| records::push_segment(&mut segments, found));
+        let records = records::of_points(&points, &self.params);
+        let (summary, plan) = (*matched.summary(), *matcher.plan());
+        Ok(Matched {
+            plan,
+            summary,
+            images,
+            usable,
+            memory,
+            points: Some(records),
+            segments: Some(segments),
+            milliseconds,
+        })
+    }
+}
+
+/// A matched pair with all that its results need.
+#[pyclass(module = "linestereo")]
+pub(crate) struct Matched {
+    plan: Plan,
+    summary: Summary,
+    images: [GrayImage; 2],
+    usable: [Vec<Span>; 2],
+    memory: Memory,
+    points: Option<Vec<u8>>,
+    segments: Option<Vec<u8>>,
+    milliseconds: f64,
+}
+
+#[pymethods]
+impl Matched {
+    /// Bytes of the points, once.
+    fn take_points<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.points.take().unwrap_or_default().into_pyarray(py)
+    }
+
+    /// Bytes of the segments, once.
+    fn take_segments<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.segments.take().unwrap_or_default().into_pyarray(py)
+    }
+
+    /// Time that the core took, ms.
+    #[getter]
+    fn milliseconds(&self) -> f64 {
+        self.milliseconds
+    }
+
+    /// Columns and rows.
+    #[getter]
+    fn size(&self) -> (u16, u16) {
+        (self.plan.dims().width, self.plan.dims().height)
+    }
+
+    /// Bits of the faults, and whether results may be used.
+    #[getter]
+    fn health(&self) -> (u32, bool) {
+        let flags = self.summary.health().flags;
+        (flags.bits(), flags.is_fit())
+    }
+
+    /// Segments found in the left image.
+    #[getter]
+    fn segments_found(&self) -> u16 {
+        self.summary.counts().segments_left
+    }
+
+    fn boxes(&mut self, py: Python<'_>, boxes: PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Answer>> {
+        let boxes = boxes.as_array();
+        let dims = self.plan.dims();
+        let mut regions = Vec::with_capacity(boxes.nrows());
+        for (index, row) in boxes.rows().into_iter().enumerate() {
+            let wrong = |what: &str| PyValueError::new_err(format!("boxes[{index}]: {what}"));
+            let area = nearest_area([row[0], row[1], row[2], row[3]], dims).map_err(wrong)?;
+            let label = u16::try_from(index).map_err(|_| wrong("more than 65535 boxes"))?;
+            regions.push(Region::boxed(label, area, dims).map_err(|error| wrong(&error.to_string()))?);
+        }
+        py.detach(|| self.answers(&regions))
+    }
+
+    /// Of an image of labels, 0 for what is no object.
+    fn labels(&mut self, py: Python<'_>, labels: PyReadonlyArray2<'_, u16>) -> PyResult<Vec<Answer>> {
+        let labels = labels.as_array();
+        let dims = self.plan.dims();
+        if labels.dim() != (dims.height.into(), dims.width.into()) {
+            let (rows, columns) = labels.dim();
+            return Err(PyValueError::new_err(format!("a mask is {columns}x{rows}, the pair {dims}")));
+        }
+        let mut runs: Vec<Run> = Vec::new();
+        for (y, row) in (0..dims.height).zip(labels.rows()) {
+            for (x, &label) in (0..dims.width).zip(row) {
+                match runs.last_mut() {
+                    Some(run) if run.label == label && run.y == y && run.span.end == x => run.span.end = x + 1,
+                    _ if label > 0 => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
+                    _ => {}
+                }
+            }
+        }
+        let mut names: Vec<u16> = runs.iter().map(|run| run.label).collect();
+        names.sort_unstable();
+        names.dedup();
+        let region = |&label: &u16| Region::masked(label, &runs, dims).map_err(refused);
+        let regions = names.iter().map(region).collect::<PyResult<Vec<_>>>()?;
+        py.detach(|| self.answers(&regions))
+    }
+
+    /// Or the reason why there is none.
+    fn pixel(&mut self, x: u16, y: u16) -> PyResult<Answer> {
+        self.with(|matched| match matched.pixel((x, y), None) {
+            Ok(found) => records::of_pixel(&found),
+            Err(reason) => records::of_rejection(reason),
+        })
+    }
+}
+
+/// Borders go to the nearest border of a pixel; what has an area keeps a pixel: as the PC's program reads a detector's boxes.
+fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
+    if borders.iter().any(|border| !border.is_finite()) {
+        return Err("not a finite number");
+    }
+    let [left, top, right, bottom] = borders;
+    if left >= right || top >= bottom {
+        return Err("a region without pixels");
+    }
+    let (width, height) = (f64::from(dims.width), f64::from(dims.height));
+    if right <= 0.0 || bottom <= 0.0 || left >= width || top >= height {
+        return Err("a region outside of the image");
+    }
+    let side = |from: f64, to: f64, limit: f64| {
+        let start = from.clamp(0.0, limit).round().min(limit - 1.0);
+        (start as u16, to.clamp(0.0, limit).round().max(start + 1.0) as u16)
+    };
+    let ((left, right), (top, bottom)) = (side(left, right, width), side(top, bottom, height));
+    Ok(Area { left, top, right, bottom })
+}
+
+impl Matched {
+    fn with<T>(&mut self, ask: impl FnOnce(&mut linestereo::Matched<'_>) -> T) -> PyResult<T> {
+        let images = [view(&self.images[0], &self.usable[0])?, view(&self.images[1], &self.usable[1])?];
+        let mut matched = self.plan.resume(&self.summary, images, self.memory.view()).map_err(refused)?;
+        Ok(ask(&mut matched))
+    }
+
+    fn answers(&mut self, regions: &[Region<'_>]) -> PyResult<Vec<Answer>> {
+        let mut answers = Vec::with_capacity(regions.len());
+        self.with(|matched| matched.objects(regions, |found| answers.push(records::of_object(&found))))?;
+        Ok(answers)
+    }
+}

@@ -1,0 +1,286 @@
+"""What a user of numpy and OpenCV does, right and wrong."""
+
+import json
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import linestereo
+from linestereo import Fault
+
+TOP = pathlib.Path(__file__).resolve().parents[3]
+cv2 = pytest.importorskip("cv2")
+
+
+def wall(disparity, rows=240, columns=320):
+    """A wall with bars of many widths, at this disparity."""
+    y, x = np.mgrid[:rows, :columns]
+    x = x + disparity
+    bars = np.where((x * x // 400 + y // 30) % 2 == 0, 60, 190)
+    return (bars + (x * 7 + y * 13) % 9).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return wall(0), wall(12)
+
+
+@pytest.fixture(scope="module")
+def result(pair):
+    return linestereo.match(*pair, max_disparity=32, rig=linestereo.Rig(200, 0.06))
+
+
+def same(a, b):
+    return a.points.tobytes() == b.points.tobytes() and a.segments.tobytes() == b.segments.tobytes()
+
+
+def test_a_wall_is_where_it_is(result):
+    assert result.is_fit and result.health == frozenset() and result.size == (320, 240)
+    assert len(result.points) > 3000 and len(result.segments) > 30 and result.segments_found >= len(result.segments)
+    assert np.abs(result.points["depth"] - 1).max() < 0.05  # 200 px * 0.06 m / 12 px
+    assert np.abs(result.segments["disparity"] - 12).max() < 0.5
+    assert (result.points["confidence"] >= 0.9).all() and (result.points["confidence"] < 1).all()
+    assert result.points["segment"].max() < len(result.segments)
+    assert "points" in repr(result)
+
+
+def test_depths_need_a_rig(pair):
+    alone = linestereo.match(*pair, max_disparity=32)
+    assert np.isnan(alone.points["depth"]).all() and np.isnan(alone.segments["depth"]).all()
+    assert np.isnan(alone.objects(boxes=[[60, 30, 120, 90]])[0].depth_m)
+
+
+def test_objects(result):
+    [whole, out] = result.objects(boxes=[[60, 30, 120, 90], [300.4, 200, 400, 300]])
+    assert abs(whole.depth_m - 1) < 0.03 and whole.reason is None and whole.support > 3 and whole.label == 0
+    assert out.label == 1
+    mask = np.zeros((2, 240, 320), bool)
+    mask[0, 30:90, 60:120] = mask[1, 100:200, 100:200] = True
+    labels = mask[0] * 7 + mask[1] * 9
+    by_mask, by_label = result.objects(masks=mask), result.objects(masks=labels)
+    assert [found.depth_m for found in by_mask] == [found.depth_m for found in by_label]
+    assert [found.label for found in by_label] == [7, 9] and abs(by_mask[1].depth_m - 1) < 0.03
+    assert result.objects(boxes=np.empty((0, 4))) == [] and result.objects(masks=labels * 0) == []
+    assert abs(result.pixel(97, 61).depth_m - 1) < 0.03
+    assert result.pixel(0, 0).reason is not None and result.pixel(0, 0).text
+
+
+@pytest.mark.parametrize("boxes, masks, text", [
+    (None, None, "either"),
+    ([[1, 2, 3]], None, "shape"),
+    ([[1, 2, np.nan, 4]], None, "finite"),
+    ([[9, 9, 9, 20]], None, "without pixels"),
+    ([[500, 9, 600, 20]], None, "outside"),
+    ([["a", "b", "c", "d"]], None, "dtype"),
+    (None, np.zeros((240, 320)), "dtype"),
+    (None, np.ones((3, 4), bool), "a mask is 4x3, the pair 320x240"),
+    (None, np.zeros((1, 240, 320), bool), "without pixels"),
+    (None, np.full((240, 320), 70000), "65535"),
+])
+def test_regions_that_are_none_are_refused(result, boxes, masks, text):
+    with pytest.raises(ValueError, match=text):
+        result.objects(boxes=boxes, masks=masks)
+
+
+def test_any_strides_are_right(pair, result):
+    left, right = pair
+    wide = np.zeros((240, 700), np.uint8)
+    wide[:, :320], wide[:, 350:670] = left, right
+    doubled = np.repeat(np.repeat(left, 2, 0), 3, 1)
+    frozen = left.copy()
+    frozen.flags.writeable = False
+    reader = memoryview(left)
+    for view, other in [
+        (wide[:, :320], wide[:, 350:670]),
+        (np.asfortranarray(left), np.asfortranarray(right)),
+        (doubled[::2, ::3], right),
+        (left[::-1, ::-1].copy()[::-1, ::-1], right),
+        (frozen, right),
+        (reader, right),
+        (cv2.UMat(left).get(), right),
+        (cv2.merge([left, left, left])[:, :, 1], right),
+        (left.tolist() and np.array(left.tolist(), np.uint8), right),
+    ]:
+        assert same(linestereo.match(view, other, max_disparity=32, rig=linestereo.Rig(200, 0.06)), result)
+
+
+@pytest.mark.parametrize("make, text", [
+    (lambda image: image.astype(np.uint16), "left has dtype uint16"),
+    (lambda image: image.astype(np.int8), "left has dtype int8"),
+    (lambda image: image > 100, "left has dtype bool"),
+    (lambda image: np.full(image.shape, np.nan), "left has dtype float64"),
+    (lambda image: image.astype(object), "left has dtype object"),
+    (lambda image: cv2.merge([image] * 3), "left has shape .240, 320, 3.: give grey"),
+    (lambda image: image.ravel(), "left has shape"),
+    (lambda image: image[:10], "left: an image of 320x10 is outside 16x16 to 1280x1280"),
+    (lambda image: np.zeros((0, 0), np.uint8), "left: an image of 0x0"),
+    (lambda image: np.zeros((16, 70000), np.uint8), "left: an image of 65535x16"),
+    (lambda image: image[:, :300], "planned for 300x240, the frame is 320x240"),
+    (lambda image: None, "left has"),
+])
+def test_what_is_no_image_is_refused(pair, make, text):
+    with pytest.raises(ValueError, match=text):
+        linestereo.match(make(pair[0]), pair[1])
+
+
+@pytest.mark.parametrize("parameters, text", [
+    ({"max_disparity": 500}, "max_disparity is 500, allowed are 8 to 256"),
+    ({"max_disparity": -1}, "max_disparity is -1"),
+    ({"max_disparity": 2**40}, "max_disparity is"),
+    ({"min_disparity": -40}, "min_disparity is -40, allowed are -32 to 0"),
+    ({"min_confidence": 0.05}, "min_confidence .percent. is 5, allowed are 10 to 99"),
+    ({"min_confidence": float("nan")}, "min_confidence"),
+    ({"rig": 3}, "neither a Rig nor a Calibration"),
+])
+def test_parameters_outside_their_ranges_are_refused(pair, parameters, text):
+    with pytest.raises(ValueError, match=text):
+        linestereo.match(*pair, **parameters)
+    with pytest.raises(ValueError, match="focal length -1 px is outside"):
+        linestereo.Rig(-1, 0.1)
+
+
+def test_health_is_a_set_and_knows_the_pairs_before(pair):
+    assert [fault.value for fault in Fault] == linestereo._core.fault_names()
+    dead = linestereo.match(pair[0], np.full_like(pair[1], 90), max_disparity=32)
+    assert Fault.RIGHT_DEAD in dead.health and not dead.is_fit
+    [refused] = dead.objects(boxes=[[60, 30, 120, 90]])
+    assert refused.reason == "unhealthy_pair" and refused.disparity_px is None and "not fit" in refused.text
+    matcher = linestereo.Matcher(32)
+    assert matcher.match(*pair).health == frozenset()
+    assert {Fault.LEFT_FROZEN, Fault.RIGHT_FROZEN} <= matcher.match(*pair).health
+    assert Fault.SKEW in matcher.match(*pair, times_us=(0, 5000)).health
+    assert len(matcher.match(*pair, times_us=(0, 5000)).points) == 0
+
+
+def test_results_stay_when_others_are_matched(pair, result):
+    matcher = linestereo.Matcher(32, linestereo.Rig(200, 0.06))
+    first = matcher.match(*pair)
+    before = first.points.copy()
+    matcher.match(pair[1], pair[0])
+    pair[0].copy()[:] = 0
+    assert (first.points == before).all() and same(first, result)
+    assert first.objects(boxes=[[60, 30, 120, 90]]) == result.objects(boxes=[[60, 30, 120, 90]])
+    points = first.points
+    del first, matcher
+    assert (points == before).all() and points.flags.writeable
+
+
+def test_other_threads_run_meanwhile():
+    """The GIL is released: a thread that counts goes on while a large pair is matched."""
+    left, right = wall(0, 1280, 1280), wall(12, 1280, 1280)
+    counts, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counts[0] += 1
+            time.sleep(0)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before = counts[0]
+    linestereo.match(left, right, max_disparity=128)
+    after = counts[0]
+    stop.set()
+    thread.join()
+    assert after - before > 100
+
+
+RIG = """version = 1
+[left]
+size = [320, 240]
+focal_px = [250.0, 250.0]
+centre_px = [159.5, 119.5]
+lens = { model = "brown-conrady", k = [-0.1, 0.0, 0.0], p = [0.0, 0.0] }
+[right]
+size = [320, 240]
+focal_px = [250.0, 250.0]
+centre_px = [159.5, 119.5]
+lens = { model = "brown-conrady", k = [-0.1, 0.0, 0.0], p = [0.0, 0.0] }
+[pose]
+rotation_rad = [0.0, 0.0, 0.0]
+translation_m = [-0.06, 0.0, 0.0]
+"""
+
+
+@pytest.fixture
+def rig_file(tmp_path):
+    path = tmp_path / "rig.toml"
+    path.write_text(RIG)
+    return path
+
+
+def test_a_calibration_rectifies(pair, rig_file):
+    calibration = linestereo.Calibration.load(rig_file)
+    assert calibration.size == calibration.raw_size == (320, 240) and abs(calibration.rig.baseline_m - 0.06) < 1e-4
+    left, right = linestereo.rectify(*pair, calibration)
+    assert left.shape == (240, 320) and left.dtype == np.uint8 and (left != pair[0]).any()
+    raw = linestereo.match(*pair, max_disparity=32, rig=calibration)
+    assert raw.is_fit and same(raw, linestereo.match(left, right, max_disparity=32, rig=calibration.rig))
+    small = linestereo.Calibration.load(str(rig_file), size=(160, 120))
+    assert linestereo.rectify(*pair, small)[0].shape == (120, 160)
+    with pytest.raises(ValueError, match="raw images of 320x240, these are 320x200"):
+        linestereo.rectify(pair[0][:200], pair[1][:200], calibration)
+
+
+def test_files_that_are_no_rig_are_refused(rig_file):
+    with pytest.raises(ValueError, match="No such file"):
+        linestereo.Calibration.load(rig_file.parent / "none.toml")
+    rig_file.write_text(RIG.replace("size = [320, 240]", "size = [320, -3]", 1))
+    with pytest.raises(ValueError, match="line 3"):
+        linestereo.Calibration.load(rig_file)
+    rig_file.write_text(RIG)
+    with pytest.raises(ValueError, match="lpha"):
+        linestereo.Calibration.load(rig_file, alpha=2.0)
+
+
+def program():
+    found = os.environ.get("LINESTEREO_PROGRAM") or TOP / "target/release/linestereo"
+    return found if pathlib.Path(found).is_file() else shutil.which("linestereo")
+
+
+def five_decimals(value):
+    """As the program rounds; None for what is infinite."""
+    return None if value == np.inf else np.floor(value * 1e5 + 0.5) / 1e5
+
+
+@pytest.mark.skipif(program() is None, reason="no program of the PC: cargo build --release, or LINESTEREO_PROGRAM")
+@pytest.mark.parametrize("kind", ["drawn", "raw", "teddy"])
+def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
+    if kind == "teddy":
+        folder = pathlib.Path(os.environ.get("LINESTEREO_FRAMES", TOP.parent / "shared/frames")) / "qvga/teddy"
+        if not folder.is_dir():
+            pytest.skip("no captured frames; set LINESTEREO_FRAMES")
+        pair = [cv2.imread(str(folder / name), cv2.IMREAD_GRAYSCALE) for name in ("left.png", "right.png")]
+    for name, image in zip(("left.png", "right.png"), pair):
+        cv2.imwrite(str(tmp_path / name), image)
+    command = [program(), "run", "left.png", "right.png", "--max-disparity", "32", "--quiet", "--json", "-"]
+    command += ["--rig", "rig.toml"] if kind == "raw" else ["--focal-px", "200", "--baseline-m", "0.06"]
+    listing = json.loads(subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout)
+    rig = linestereo.Calibration.load(rig_file) if kind == "raw" else linestereo.Rig(200, 0.06)
+    result = linestereo.match(*pair, max_disparity=32, rig=rig)
+    points = [(int(p["x"]), int(p["y"]), float(p["disparity"]), five_decimals(float(p["confidence"]))) for p in result.points]
+    assert points == [tuple(point) for point in listing["points"]]
+    assert result.segments["ends"].tolist() == [segment["left"] for segment in listing["segments"]]
+    assert result.segments["disparity"].tolist() == [segment["disparity_px"] for segment in listing["segments"]]
+    depths = [[five_decimals(z) for z in depth] for depth in result.segments["depth"].tolist()]
+    assert depths == [segment["depth_m"] for segment in listing["segments"]]
+    assert sorted(fault.value for fault in result.health) == sorted(listing["health"]["flags"])
+
+
+def test_python_adds_little_to_the_time_of_the_core(pair):
+    matcher = linestereo.Matcher(64, linestereo.Rig(200, 0.06))
+
+    def ratio():
+        start = time.perf_counter()
+        result = matcher.match(*pair)
+        return (time.perf_counter() - start) * 1e3 / result.milliseconds
+
+    ratio()
+    assert statistics.median(ratio() for _ in range(101)) < 1.25  # 1.1 on a quiet machine

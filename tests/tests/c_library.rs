@@ -1,0 +1,257 @@
+//! The library for C: its header, its refusals, and its examples against the PC's program, on a PC and on an emulated Cortex-M7.
+
+use core::fmt::Write as _;
+use linestereo::{Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig};
+use linestereo_baselines::GrayImage;
+use linestereo_boards::Board;
+use linestereo_sim::board::{qemu, toolchain::Toolchain};
+use linestereo_sim::engine::Engine;
+use linestereo_sim::results::listing;
+use linestereo_sim::scene::Kind;
+use linestereo_tests::board::or_skip;
+use linestereo_tests::{captured, drawn};
+use std::ffi::OsStr;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+#[expect(dead_code, unreachable_pub, reason = "the library's own file: its texts are compared, codes are C's")]
+#[path = "../../bindings/c/src/status.rs"]
+mod status;
+
+/// Focal length in px and baseline in m of the pairs, as they are told to the examples.
+const RIG: [&str; 2] = ["300.5", "0.1"];
+const QVGA: Dims = Dims { width: 320, height: 240 };
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../bindings/c")
+}
+
+fn library() -> PathBuf {
+    super::no_panic::build("../bindings/c/Cargo.toml", "linestereo_c")
+}
+
+/// Says so where a tool is missing; the test ends there.
+fn has(tool: &str) -> bool {
+    let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        // Not by a macro: those are silent in tests that pass.
+        let _ = writeln!(std::io::stderr(), "\nSKIPPED: {tool} is not installed\n");
+    }
+    there
+}
+
+/// Runs a tool to its end, which is a good one.
+fn run(command: &mut Command) -> Vec<u8> {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let said = [&output.stderr[..], &output.stdout[..output.stdout.len().min(2000)]].concat();
+    assert!(output.status.success(), "{command:?}: {} {}", output.status, String::from_utf8_lossy(&said));
+    output.stdout
+}
+
+/// A compiled program of C for this machine.
+fn compiled(compiler: &str, flags: &[&str], source: &Path, into: &Path) -> PathBuf {
+    let program = into.join("program");
+    let mut command = Command::new(compiler);
+    command.args(["-Wall", "-Wextra", "-Werror", "-O1"]).args(flags).arg("-I").arg(folder().join("include"));
+    run(command.arg(source).args(["-x", "none"]).arg(library()).arg("-o").arg(&program));
+    program
+}
+
+/// Ten captured pairs cut to QVGA, and drawn ones.
+fn pairs() -> Vec<(String, [GrayImage; 2])> {
+    let drawn = [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {
+        let rendering = drawn::rendered(kind, dims, 2.0, 3);
+        (format!("drawn-{dims}"), [rendering.left, rendering.right])
+    });
+    let captured = captured::qvga().unwrap_or_default().into_iter().take(10);
+    captured.map(|scene| (scene.name, [cut(&scene.left), cut(&scene.right)])).chain(drawn).collect()
+}
+
+fn cut(image: &GrayImage) -> GrayImage {
+    let height = image.dims.height.min(QVGA.height);
+    let pixels = image.pixels[..usize::from(image.dims.width) * usize::from(height)].to_vec();
+    GrayImage { dims: Dims { height, ..image.dims }, pixels }
+}
+
+fn write_pair(folder: &Path, images: &[GrayImage; 2]) {
+    for (name, GrayImage { dims, pixels }) in ["left.pgm", "right.pgm"].into_iter().zip(images) {
+        let head = format!("P5\n# made by a test\n{} {}\n255\n", dims.width, dims.height);
+        std::fs::write(folder.join(name), [head.as_bytes(), pixels].concat()).unwrap();
+    }
+}
+
+/// What the examples print, by the PC's program: its CSV, its points, an object, its health.
+fn expected([left, right]: &[GrayImage; 2]) -> String {
+    let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
+    let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
+    let mut engine = Engine::new(&params, left.dims).unwrap();
+    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let mut text = listing::csv(&result) + "x,y,disparity_px,confidence\n";
+    let decimals = |value: f64| (value * 1e5).round() / 1e5;
+    for point in &result.points {
+        let (disparity, confidence) = (point.disparity.to_num::<f64>(), decimals(point.confidence.to_num()));
+        writeln!(text, "{},{},{disparity},{confidence}", point.x, point.y).unwrap();
+    }
+    let [width, height] = [left.dims.width / 4, left.dims.height / 4];
+    let middle = Area { left: width, top: height, right: 3 * width, bottom: 3 * height };
+    let flags: HealthFlags = engine.matched().health().flags;
+    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()], flags.is_fit()).remove(0);
+    match object.disparity {
+        Err(reason) => writeln!(text, "middle: {reason}").unwrap(),
+        Ok(disparity) => {
+            let pixels = [disparity, object.sigma].map(Disparity::to_num::<f64>);
+            let metres = [object.depth, object.nearest].map(|depth| listing::finite_metres(depth.unwrap()).unwrap());
+            writeln!(text, "middle: {} +- {} px,{},{}", pixels[0], pixels[1], metres[0], metres[1]).unwrap();
+        }
+    }
+    writeln!(text, "health: {flags}, {}", if flags.is_fit() { "fit" } else { "not fit" }).unwrap();
+    text
+}
+
+#[track_caller]
+fn assert_equal(name: &str, found: &[u8], expected: &str) {
+    let found = String::from_utf8_lossy(found);
+    let differs = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
+    assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
+}
+
+#[test]
+fn the_header_is_what_cbindgen_makes_of_the_source() {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["run", "--quiet", "--locked", "-p", "linestereo-c-header", "--target-dir"]).arg(target);
+    let made = run(cargo.current_dir(folder()).env_remove("RUSTFLAGS").env_remove("CARGO_BUILD_TARGET"));
+    let kept = std::fs::read_to_string(folder().join("include/linestereo.h")).unwrap();
+    let how = "cd bindings/c && cargo run -p linestereo-c-header -- include/linestereo.h";
+    assert!(String::from_utf8(made).unwrap() == kept, "include/linestereo.h is not up to date: {how}");
+}
+
+#[test]
+fn reasons_have_the_texts_of_the_core() {
+    use status::Status;
+    let text = |status: Status| status.text().to_str().unwrap().to_owned();
+    for reason in NoDepth::ALL {
+        assert_eq!(text(reason.into()), reason.to_string());
+    }
+    let of_pixels = PixelRejection::ALL.into_iter().filter(|&reason| Status::from(reason) as i32 >= 100);
+    assert_eq!(of_pixels.clone().count(), 7);
+    for reason in of_pixels {
+        assert_eq!(text(reason.into()), reason.to_string());
+    }
+}
+
+#[test]
+fn what_no_caller_may_do_is_refused() {
+    let source = folder().join("tests/refusals.c");
+    for (compiler, flags) in [("cc", &["-std=c99", "-pedantic"][..]), ("c++", &["-x", "c++"])] {
+        if has(compiler) {
+            let into = tempfile::tempdir().unwrap();
+            run(&mut Command::new(compiled(compiler, flags, &source, into.path())));
+        }
+    }
+}
+
+#[test]
+fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
+    if !has("cc") {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let program = compiled("cc", &["-std=c99", "-pedantic"], &folder().join("examples/pc.c"), into.path());
+    let run_on = |arguments: &[&str]| Command::new(&program).current_dir(into.path()).args(arguments).output().unwrap();
+    for (name, images) in pairs() {
+        write_pair(into.path(), &images);
+        let found = run_on(&["left.pgm", "right.pgm", "64", RIG[0], RIG[1]]);
+        assert_equal(&name, &found.stdout, &expected(&images));
+    }
+    let refused = run_on(&["left.pgm", "right.pgm", "5000"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let text = "max_disparity is outside 8 to 256 above min_disparity, or not below the width\n";
+    assert_eq!(String::from_utf8_lossy(&refused.stderr), text);
+}
+
+/// By `arm-none-eabi-gcc` and QEMU; what is linked has no way to a panic.
+#[test]
+fn the_example_for_a_cortex_m7_prints_the_bytes_of_the_program() {
+    if !has("arm-none-eabi-gcc") {
+        return;
+    }
+    let target = "thumbv7em-none-eabihf";
+    let Some(toolchain) = or_skip(Toolchain::for_target(target)) else { return };
+    let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c-library");
+    let mut cargo = toolchain.cargo();
+    cargo.args(["build", "--release", "--locked", "--target", target, "--target-dir"]).arg(&built_in);
+    run(cargo.current_dir(folder()));
+    let into = tempfile::tempdir().unwrap();
+    let (elf, example) = (into.path().join("pair.elf"), folder().join("examples/cortex-m7"));
+    let mut gcc = Command::new("arm-none-eabi-gcc");
+    gcc.args(["-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-sp-d16", "-mfloat-abi=hard", "-std=c99", "-Wall", "-Wextra"]);
+    gcc.args([
+        "-Werror",
+        "-Os",
+        "-ffreestanding",
+        "-nostdlib",
+        "-ffunction-sections",
+        "-Wl,--gc-sections,-z,noexecstack",
+    ]);
+    gcc.arg("-I").arg(folder().join("include")).arg("-T").arg(example.join("link.ld")).arg(example.join("main.c"));
+    run(gcc.arg(built_in.join(target).join("release/liblinestereo_c.a")).arg("-o").arg(&elf));
+
+    let bytes = std::fs::read(&elf).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let names: Vec<&str> = object::Object::symbols(&file).filter_map(|s| object::ObjectSymbol::name(&s).ok()).collect();
+    assert!(names.contains(&"linestereo_run") && !names.contains(&"linestereo_panic"), "a panic is linked");
+
+    for (name, images) in pairs() {
+        write_pair(into.path(), &images);
+        let arguments = ["left.pgm", "right.pgm", "64", RIG[0], RIG[1]];
+        let Some(mut machine) = or_skip(qemu::command(&Board::MPS2_AN500, &elf, &arguments, into.path())) else {
+            return;
+        };
+        assert_equal(&name, &run(machine.args(["-serial", "none"])), &expected(&images));
+    }
+}
+
+/// A project that knows nothing but the folder: once with a library that cargo builds, once with one that is there.
+#[test]
+fn a_fresh_cmake_project_links_it() {
+    if !has("cmake") || !has("cc") {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let project = format!(
+        "cmake_minimum_required(VERSION 3.16)\nproject(robot C)\nadd_subdirectory({} linestereo)\n\
+         add_executable(robot {})\ntarget_link_libraries(robot PRIVATE linestereo::linestereo)\n",
+        folder().canonicalize().unwrap().display(),
+        folder().join("examples/pc.c").canonicalize().unwrap().display(),
+    );
+    std::fs::write(into.path().join("CMakeLists.txt"), project).unwrap();
+    let (_, images) = pairs().remove(0);
+    write_pair(into.path(), &images);
+    let given = format!("-DLINESTEREO_LIBRARY={}", library().display());
+    for (folder, settings) in [("given", &[given.as_str()][..]), ("built", &[])] {
+        run(Command::new("cmake").current_dir(into.path()).args(["-S", ".", "-B", folder]).args(settings));
+        let mut build = Command::new("cmake");
+        build.current_dir(into.path()).args(["--build", folder]);
+        // What cargo made already is there again.
+        let shared = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
+        if settings.is_empty() {
+            std::fs::create_dir_all(into.path().join(folder).join("linestereo")).unwrap();
+            let link = into.path().join(folder).join("linestereo/cargo");
+            link_folder(&shared, &link);
+        }
+        run(&mut build);
+        let mut robot = Command::new(into.path().join(folder).join("robot"));
+        let found = run(robot.current_dir(into.path()).args(["left.pgm", "right.pgm", "64"]).args(RIG.map(OsStr::new)));
+        assert_equal(folder, &found, &expected(&images));
+    }
+}
+
+#[cfg(unix)]
+fn link_folder(from: &Path, to: &Path) {
+    std::os::unix::fs::symlink(from, to).unwrap();
+}
+
+#[cfg(not(unix))]
+fn link_folder(_: &Path, _: &Path) {}
