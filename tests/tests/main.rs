@@ -10,6 +10,7 @@ mod example;
 mod extremes;
 mod focus;
 mod frames;
+mod fuzz;
 mod hardware;
 mod health;
 mod kernels;
