@@ -25,8 +25,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
+/// A function of bytes.
+pub type Target = fn(&[u8]);
+
 /// Every function, with the name of its corpus.
-pub const TARGETS: [(&str, fn(&[u8])); 7] = [
+pub const TARGETS: [(&str, Target); 7] = [
     ("wire", wire),
     ("rig_image", rig_image),
     ("rig_files", rig_files),
@@ -145,7 +148,7 @@ pub fn pair(bytes: &[u8]) {
         min_disparity: Some(-i16::from(first)),
         max_disparity: Some(8 + u16::from(range)),
         anchor_gradient: Some(gradient.into()),
-        edge_gradient: Some(gradient / 2).map(u16::from),
+        edge_gradient: Some(u16::from(gradient / 2)),
         min_extent: Some(extent.into()),
         cell: Some(8 + u16::from(cell)),
         reach: Some(reach.into()),

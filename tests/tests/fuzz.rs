@@ -1,9 +1,10 @@
 //! The functions of `fuzz/`, on mutations of its corpora by a seeded generator: what a coverage-guided run would find first.
 
+use core::time::Duration;
 use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 #[path = "../../fuzz/src/lib.rs"]
 #[allow(unreachable_pub, reason = "the library of another package")]

@@ -82,7 +82,9 @@ pub fn score(engine: &mut Engine, result: &FrameResult, cases: &[ObjectCase], tr
         tally.refused = 1;
         return tally;
     }
-    if std::env::var_os("DBG").is_some() { eprintln!("FIT {} {:?}", cases.first().map_or("", |c| &c.name), result.pair.as_ref().map(|p| p.rows)); }
+    if std::env::var_os("DBG").is_some() {
+        eprintln!("FIT {} {:?}", cases.first().map_or("", |c| &c.name), result.pair.as_ref().map(|p| p.rows));
+    }
     for answer in score_objects(engine, cases).iter().filter(|answer| answer.refused.is_none()) {
         tally.answers += 1;
         tally.wrong += usize::from(answer.wrong);
