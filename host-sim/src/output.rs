@@ -11,6 +11,7 @@
 //! Links are followed: a link to a photo is the photo, and what is written to another link is written to what it points to.
 
 use crate::interruption;
+use crate::untrusted::printable;
 use anyhow::{Result, anyhow, bail};
 use core::fmt;
 use core::ops::Deref;
@@ -85,9 +86,9 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Writes results to stdout; [`ClosedPipe`] where nobody reads it any more (`| head`).
+/// Writes results to stdout, without what a terminal obeys in names of others; [`ClosedPipe`] where nobody reads it any more (`| head`).
 pub fn print(text: &str) -> Result<()> {
-    print_bytes(text.as_bytes())
+    print_bytes(printable(text).as_bytes())
 }
 
 /// Writes a note for people to stdout, unless they want none.
@@ -98,7 +99,7 @@ pub fn say(text: &str) -> Result<()> {
 /// Tells on stderr what a command takes and does, where that is asked for.
 pub fn detail(text: impl FnOnce() -> String) {
     if VERBOSE.load(Ordering::Relaxed) {
-        eprintln!("{}", text());
+        eprintln!("{}", printable(&text()));
     }
 }
 

@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 25] = [
+const NOT_RUN: [(&str, &str); 26] = [
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
     ("monitor run.bin", "the recording of a board"),
@@ -24,6 +24,7 @@ const NOT_RUN: [(&str, &str); 25] = [
     ("--on mps2-an500", "QEMU and the firmware: `on_board` runs it"),
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
     ("cargo test", "runs this test"),
+    ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),
     ("cargo bench", "minutes; measures, and asserts nothing"),
     ("cargo install", "builds the program anew"),
     ("frames get", "brings packages over the network: `frames_get` and `registry` test it with packages of their own"),

@@ -1,5 +1,7 @@
 //! Tests of the simulator and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
+#![allow(clippy::disallowed_methods, reason = "tests read what they wrote")]
+
 mod bench_board;
 mod calibrate;
 mod calibration;
@@ -28,3 +30,5 @@ mod scale;
 mod scene;
 mod support;
 mod synthetic;
+#[cfg(unix)]
+mod untrusted;

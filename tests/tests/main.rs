@@ -11,6 +11,7 @@ mod example;
 mod extremes;
 mod focus;
 mod frames;
+mod fuzz;
 mod hardware;
 mod health;
 mod kernels;

@@ -4,6 +4,7 @@ use super::firmware::{self, Logs};
 use super::toolchain::Toolchain;
 use super::{Board, qemu};
 use crate::engine::FrameResult;
+use crate::untrusted::{self, RESULT_BYTES};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo::diagnostics::Stage;
@@ -194,9 +195,10 @@ impl Machine {
         }
         qemu::run(&self.board, &self.elf, &arguments, folder.path(), LIMIT)?.success("replay", &self.board)?;
         if let Some(flash) = flash {
-            *flash = std::fs::read(at("flash"))?;
+            *flash = untrusted::read(&at("flash"), RESULT_BYTES)?;
         }
-        let (table, output) = (std::fs::read_to_string(at("table"))?, std::fs::read(at("output"))?);
+        let (table, output) =
+            (untrusted::read_text(&at("table"), RESULT_BYTES)?, untrusted::read(&at("output"), RESULT_BYTES)?);
         collect(&output, &table).with_context(|| format!("what {} answered cannot be used", self.board.name))
     }
 }

@@ -15,6 +15,7 @@
 
 use super::board::{Board, BoardCorners};
 use super::corner;
+use crate::untrusted;
 use calib_targets_chessboard::{
     ChessboardDetection, ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
 };
@@ -54,6 +55,8 @@ impl fmt::Display for NotFound {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ChessFinder;
 
+/// Images of a shorter side, px, hold no board: the detector's rings reach 10 px to each side.
+const LEAST_SIDE: u16 = 32;
 /// Responses below this are no corners.
 const LEAST_RESPONSE: f32 = 15.0;
 /// Images of more pixels are not enlarged, or not looked at by the slow Radon transform.
@@ -64,24 +67,31 @@ const FALSE_SHARE: f64 = 0.5;
 
 impl BoardFinder for ChessFinder {
     fn find(&self, image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
-        let view =
-            GrayImageView { width: image.dims.width.into(), height: image.dims.height.into(), data: &image.pixels };
-        let mut why = NotFound::Nothing;
-        for (config, least) in ways(image.pixels.len()) {
-            let junctions = detect_corners(&view, &config);
-            for mut params in ChessboardParams::sweep_default() {
-                params.min_corner_strength = least;
-                let Ok(detector) = ChessboardDetector::new(params) else { continue };
-                for detection in detector.detect_all(&junctions) {
-                    match placed(image, board, &Grid::new(&detection)) {
-                        Ok(corners) => return Ok(corners),
-                        Err(other) => why = more_telling(why, other),
-                    }
+        if image.dims.width.min(image.dims.height) < LEAST_SIDE {
+            return Err(NotFound::Nothing);
+        }
+        untrusted::guarded(|| found(image, board)).unwrap_or(Err(NotFound::Nothing))
+    }
+}
+
+/// The board by the first way of looking that shows all of it.
+fn found(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
+    let view = GrayImageView { width: image.dims.width.into(), height: image.dims.height.into(), data: &image.pixels };
+    let mut why = NotFound::Nothing;
+    for (config, least) in ways(image.pixels.len()) {
+        let junctions = detect_corners(&view, &config);
+        for mut params in ChessboardParams::sweep_default() {
+            params.min_corner_strength = least;
+            let Ok(detector) = ChessboardDetector::new(params) else { continue };
+            for detection in detector.detect_all(&junctions) {
+                match placed(image, board, &Grid::new(&detection)) {
+                    Ok(corners) => return Ok(corners),
+                    Err(other) => why = more_telling(why, other),
                 }
             }
         }
-        Err(why)
     }
+    Err(why)
 }
 
 /// Ways of looking with their least responses, cheap before dear.
@@ -217,4 +227,21 @@ fn refined(image: &GrayImage, board: &Board, rough: &[[f64; 2]]) -> Vec<[f64; 2]
         corner::refine(image, rough[index], spacing, outermost).unwrap_or(rough[index])
     };
     (0..rough.len()).map(refine).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::Dims;
+
+    /// The detector's rings reach 10 px: it looked beyond the rows of images that are narrower than two of them, and so ended all photos.
+    #[test]
+    fn photos_of_every_size_are_looked_at() {
+        let board = Board::new(9, 6, 0.02).unwrap();
+        for (width, height) in (1..48).flat_map(|side| [(side, 16), (side, 100), (16, side), (100, side)]) {
+            let dims = Dims { width, height };
+            let pixels = (0..usize::from(width) * usize::from(height)).map(|i| ((i * i * 37) >> 3) as u8).collect();
+            assert!(ChessFinder.find(&GrayImage { dims, pixels }, &board).is_err(), "{dims}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
 use crate::input::{Scene, StoredPair};
 use crate::output::{OutputFiles, OutputPath, say, spare};
+use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::FITTED_PIXEL;
 use std::path::PathBuf;
@@ -148,7 +149,8 @@ fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>], m
     let text = pixel_source_text(&fit_pixels(&pixels), &origin);
     if let Some(path) = &args.check {
         say(&scores)?;
-        let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let there =
+            untrusted::read_text(path, SETTINGS_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
         if there != text {
             bail!("{} is not what these frames give; write it again with --out", path.display());
         }

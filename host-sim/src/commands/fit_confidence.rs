@@ -9,6 +9,7 @@ use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
 use crate::input::{Perturbation, Scene};
 use crate::output::{OutputFiles, print, say};
+use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -83,7 +84,8 @@ fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[Sc
     ];
     if args.check.is_some() {
         for (path, text) in &texts {
-            let there = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let there = untrusted::read_text(path, SETTINGS_BYTES)
+                .with_context(|| format!("cannot read {}", path.display()))?;
             if there != *text {
                 bail!("{} is not what these frames give; write it again with --out", path.display());
             }

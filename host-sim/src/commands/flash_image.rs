@@ -2,6 +2,7 @@
 
 use super::view::ViewArgs;
 use crate::output::{OutputFiles, OutputPath, print};
+use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
 use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
@@ -10,8 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// Disparity range without an option.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
-/// Larger files are no images; far more than any version will have.
-const MAX_BYTES: u64 = 1 << 20;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -66,11 +65,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// What is in a file, or why it is no image.
 fn explain(path: &Path) -> Result<String> {
-    let length = std::fs::metadata(path).with_context(|| format!("{} cannot be read", path.display()))?.len();
-    if length > MAX_BYTES {
-        return Err(anyhow!("{} is larger than 1 MiB: no rig image; give a file of flash-image", path.display()));
-    }
-    let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+    let bytes = untrusted::read(path, SETTINGS_BYTES).with_context(|| format!("{} cannot be read", path.display()))?;
     let head = RigImageHead::read(&bytes);
     match (RigImage::decode(&bytes), head) {
         (Ok(image), Ok(head)) => Ok(description(&image, &head)),

@@ -41,6 +41,7 @@ use crate::engine::Engine;
 use crate::input::resampled_height;
 use crate::interruption::{self, Interrupted};
 use crate::output::{self, ClosedPipe, OutputPath, print};
+use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
 use linestereo::image::MIN_SIDE;
@@ -175,7 +176,7 @@ fn report_usage(error: &clap::Error) -> ExitCode {
 
 fn report(message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let _ = writeln!(io::stderr(), "linestereo: {line}"); // nowhere else to say it
+    let _ = writeln!(io::stderr(), "linestereo: {}", printable(&line)); // nowhere else to say it
 }
 
 /// The core with default parameters for one disparity range, rig and image size.

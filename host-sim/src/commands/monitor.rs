@@ -7,6 +7,7 @@ use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
 use crate::output::OutputPath;
 use crate::results::health;
+use crate::untrusted::printable;
 use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -457,6 +458,7 @@ impl Screen {
     }
 
     fn note(&self, note: &str) -> io::Result<()> {
+        let note = printable(note); // a board's name is in it
         match self {
             Self::Live(bar) => bar.suspend(|| writeln!(io::stdout(), "{note}")),
             Self::Lines => writeln!(io::stdout(), "{note}"),

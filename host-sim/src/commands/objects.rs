@@ -5,11 +5,11 @@ use crate::engine::{Engine, FrameResult};
 use crate::input::regions::{self, Frame, Object, ObjectsError, Skipped};
 use crate::results::health;
 use crate::results::listing::{self, Answers};
-use crate::results::outline::{OutlineFile, Refined, label_png, refine};
-use anyhow::{Context, Result, bail};
+use crate::results::outline::{OutlineFile, label_png, refine};
+use anyhow::{Result, bail};
 use core::fmt::Write;
 use linestereo::objects::Shape;
-use linestereo::{Area, Dims, ObjectDepth};
+use linestereo::{Area, ObjectDepth};
 use linestereo_wire::{MAX_REGIONS, RegionBox};
 use std::path::{Path, PathBuf};
 
@@ -39,15 +39,15 @@ pub(super) struct ObjectArgs {
 pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
-    /// Their outlines moved to the edges that they own.
-    refined: Vec<Refined>,
-    /// Size of the image that they lie in.
-    dims: Option<Dims>,
+    /// What the core said of them.
+    depths: Vec<ObjectDepth>,
     pub(super) skipped: Skipped,
     /// The folder holds no file of this frame.
     pub(super) no_file: bool,
     /// Why there is no list.
     pub(super) error: Option<String>,
+    /// Their outlines as a file, where one is asked for.
+    pub(super) refined: Option<Vec<u8>>,
 }
 
 impl ObjectArgs {
@@ -90,11 +90,7 @@ impl ObjectArgs {
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
-        let matched = engine.matched();
-        let refined =
-            regions.iter().zip(&depths).map(|(region, depth)| refine(region, depth, matched.candidates(), dims));
-        let refined = refined.collect();
-        Some(Asked { list: list.collect(), refined, dims: Some(dims), skipped: objects.skipped, no_file, error: None })
+        Some(Asked { list: list.collect(), skipped: objects.skipped, depths, no_file, ..Asked::default() })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -160,10 +156,16 @@ impl Asked {
         }
     }
 
-    /// The refined outlines as a file: a label image where its name ends in .png, else JSON.
-    pub(super) fn refined_file(&self, path: &Path) -> Result<Vec<u8>> {
-        let dims = self.dims.context("no objects were read")?;
-        let list = self.list.iter().map(|(object, _)| object).zip(&self.refined);
+    /// Outlines moved to the edges that the objects own, of the pair that was matched last, as a file: a label image where its name ends in
+    /// .png, else JSON.
+    pub(super) fn refined_file(&self, path: &Path, engine: &mut Engine) -> Result<Vec<u8>> {
+        let dims = engine.dims();
+        let matched = engine.matched();
+        // One after the other: each takes a flag for each pixel.
+        let list = self.list.iter().zip(&self.depths).filter_map(|((object, _), depth)| {
+            let region = object.region(dims).ok()?;
+            Some((object, refine(&region, depth, matched.candidates(), dims)))
+        });
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
             return label_png(dims, list);
         }

@@ -4,6 +4,7 @@
 
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::is_quiet;
+use crate::untrusted::printable;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
@@ -17,7 +18,7 @@ const STACK_BYTES: usize = 64 << 20;
 pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Vec<StoredPair>, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()).into_owned())
     };
     if let Some(right) = right {
         let title = format!("{} and {}", name(left), name(right));

@@ -149,7 +149,7 @@ pub struct Args {
     objects_csv: Option<OutputPath>,
     /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
     /// image where FILE ends in .png.
-    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with = "only_objects")]
+    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with_all = ["only_objects", "on"])]
     refine: Option<OutputPath>,
     #[command(flatten)]
     input: InputArgs,
@@ -209,8 +209,8 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
         output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
     }
-    if let (Some(path), Some(asked)) = (&args.refine, objects.as_ref().filter(|asked| asked.error.is_none())) {
-        output.add(path, &asked.refined_file(path)?)?;
+    if let (Some(path), Some(refined)) = (&args.refine, objects.as_ref().and_then(|asked| asked.refined.as_ref())) {
+        output.add(path, refined)?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = summary(left.dims, &setup.params, &result, &cost);
@@ -272,7 +272,10 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
-    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
+    let mut objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
+    if let (Some(path), Some(asked)) = (&args.refine, objects.as_mut().filter(|asked| asked.error.is_none())) {
+        asked.refined = Some(asked.refined_file(path, &mut matcher.engine)?);
+    }
     let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))

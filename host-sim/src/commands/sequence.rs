@@ -12,6 +12,7 @@ use crate::interruption::{self, Interrupted};
 use crate::output::{LineFile, OutputFiles, OutputPath, is_quiet, print, say, spare};
 use crate::results::{health, listing};
 use crate::statistics::upper_median;
+use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use linestereo::{Dims, Disparity};
 use serde_json::{Value, json};
@@ -122,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
     if out.is_some() {
         say(&notes)?;
     } else if !is_quiet() {
-        eprint!("{notes}");
+        eprint!("{}", printable(&notes));
     }
     tally.outcome(frames.len(), out.map(|path| path.display().to_string()))
 }

@@ -9,6 +9,7 @@ use crate::engine::Engine;
 use crate::input::{FrameError, Scene, load_values};
 use crate::results::outline::{Mask, RefinedOutline, refine};
 use crate::statistics::{interpolated_quantile, median};
+use crate::untrusted::{self, SETTINGS_BYTES};
 use core::fmt::Write;
 use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
@@ -417,7 +418,7 @@ fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
 }
 
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, FrameError> {
-    let text = std::fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    let text = untrusted::read(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
     serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
 }
 

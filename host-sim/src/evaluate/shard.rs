@@ -7,13 +7,13 @@
 //!
 //! Which pairs there are is found anew by every part, so that no part waits for another: the head holds a digest of their names.
 
+use crate::untrusted::{self, RESULT_BYTES};
 use core::fmt;
 use core::str::FromStr;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Written first into every part; another number is another format.
@@ -161,7 +161,8 @@ impl<R: Serialize + DeserializeOwned> ShardFile<R> {
 
     /// Reads a part.
     pub fn read(path: &Path) -> Result<Self, ShardError> {
-        let bytes = fs::read(path).map_err(|error| ShardError::Read(path.to_path_buf(), error.kind()))?;
+        let bytes =
+            untrusted::read(path, RESULT_BYTES).map_err(|error| ShardError::Read(path.to_path_buf(), error.kind()))?;
         let broken = |what: String| ShardError::NoShard(path.to_path_buf(), what);
         let part: Self = serde_json::from_slice(&bytes).map_err(|error| broken(error.to_string()))?;
         if part.head.format != FORMAT {

@@ -5,16 +5,21 @@
 //!
 //! 16 bits become 8 by `round(v / 257)`. Sensors of 10 and 12 bits store their values as they are: where all values of a pair lie below 1024 or
 //! 4096, that is white. Both images of a pair have one scale: [`load_images`].
+//!
+//! # Bounds
+//! A header of more than [`PIXELS`] or [`IMAGE_BYTES`] is all that is read of a file.
 
 use super::error::FrameError;
 use super::resample::halves;
 use super::sequence::PairFiles;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
+use image::error::{LimitError, LimitErrorKind};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits, Pixel};
 use linestereo::Dims;
 use linestereo::image::ViewError;
 use linestereo_baselines::GrayImage;
-use std::fs::{self, File};
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
@@ -63,13 +68,17 @@ impl StoredGray {
     fn load(path: &Path) -> Result<Self, FrameError> {
         let image = decode(path)?;
         let dims = dims_of(path, &image)?;
-        let values = match image.color() {
-            image::ColorType::L8 | image::ColorType::La8 => Values::Eight(image.into_luma8().into_raw()),
-            image::ColorType::L16 | image::ColorType::La16 => Values::Sixteen(image.into_luma16().into_raw()),
-            image::ColorType::Rgb16 | image::ColorType::Rgba16 => {
-                Values::Sixteen(image.into_rgb16().pixels().map(|rgb| luma(rgb.0.map(u32::from))).collect())
-            }
-            _ => Values::Eight(image.into_rgb8().pixels().map(|rgb| luma(rgb.0.map(u32::from)) as u8).collect()),
+        // From each layout at once: an image in between would double the memory.
+        let values = match image {
+            DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
+            DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
+            DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| luma(pixel) as u8).collect()),
+            DynamicImage::ImageRgba8(image) => Values::Eight(image.pixels().map(|pixel| luma(pixel) as u8).collect()),
+            DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
+            DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
+            DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(luma).collect()),
+            DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(luma).collect()),
+            other => Values::Eight(other.into_rgb8().pixels().map(|pixel| luma(pixel) as u8).collect()),
         };
         Ok(Self { dims, values })
     }
@@ -111,16 +120,13 @@ pub(crate) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
 
 /// An image has 16 bits a value.
 pub(super) fn is_16_bit(path: &Path) -> Result<bool, FrameError> {
-    let decoder =
-        open(path)?.into_decoder().map_err(|error| FrameError::Decode(path.to_path_buf(), error.to_string()))?;
-    Ok(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count() == 2)
+    let color = decoded(path, reader(path)?, |decoder| Ok(decoder.color_type()))?;
+    Ok(color.bytes_per_pixel() / color.channel_count() == 2)
 }
 
-/// Height of an image, by its first bytes.
-pub(super) fn rows(path: &Path) -> Result<u16, FrameError> {
-    let dims = open(path)?.into_dimensions();
-    let (_, rows) = dims.map_err(|error| FrameError::Decode(path.to_path_buf(), error.to_string()))?;
-    Ok(u16::try_from(rows).unwrap_or(u16::MAX))
+/// Width and height of an image, by its first bytes.
+pub(super) fn dimensions(path: &Path) -> Result<(u32, u32), FrameError> {
+    decoded(path, reader(path)?, |decoder| Ok(decoder.dimensions()))
 }
 
 /// Refuses an image in which nothing can be matched: one value only, or more than 95 % of it black or white.
@@ -153,26 +159,62 @@ pub fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
 }
 
 fn decode(path: &Path) -> Result<DynamicImage, FrameError> {
-    let reader = open(path)?;
+    let reader = reader(path)?;
     if reader.format() == Some(ImageFormat::Jpeg) {
-        let bytes = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        let bytes = untrusted::read(path, IMAGE_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
         if !is_whole_jpeg(&bytes) {
             return Err(FrameError::Decode(path.to_path_buf(), "a JPEG that ends too early".to_owned()));
         }
     }
-    let decoded = || {
-        let mut decoder = reader.into_decoder()?;
+    decoded(path, reader, |mut decoder| {
         let orientation = decoder.orientation()?;
         let mut image = DynamicImage::from_decoder(decoder)?;
         image.apply_orientation(orientation);
         Ok(image)
-    };
-    decoded().map_err(|error: image::ImageError| match error {
-        image::ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+    })
+}
+
+type Reader = ImageReader<BufReader<File>>;
+
+fn reader(path: &Path) -> Result<Reader, FrameError> {
+    let read_error = |error| FrameError::Read(path.to_path_buf(), error);
+    let mut reader = ImageReader::new(untrusted::open(path, IMAGE_BYTES).map_err(read_error)?);
+    if let Ok(format) = ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(IMAGE_BYTES);
+    reader.limits(limits);
+    reader.with_guessed_format().map_err(read_error)
+}
+
+/// What `work` makes of a file by its decoder, once its header is within the limits.
+fn decoded<T>(
+    path: &Path,
+    reader: Reader,
+    work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<T>,
+) -> Result<T, FrameError> {
+    let broken = |what: &str| FrameError::Decode(path.to_path_buf(), what.to_owned());
+    let decoded = untrusted::guarded(|| {
+        let decoder = reader.into_decoder()?;
+        check_limits(&decoder)?;
+        work(Box::new(decoder))
+    });
+    decoded.ok_or_else(|| broken("its decoder failed"))?.map_err(|error| match error {
+        ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             FrameError::Read(path.to_path_buf(), error)
         }
-        other => FrameError::Decode(path.to_path_buf(), other.to_string()),
+        ImageError::Limits(_) => FrameError::TooLarge(path.to_path_buf()),
+        other => broken(&other.to_string()),
     })
+}
+
+fn check_limits(decoder: &impl ImageDecoder) -> ImageResult<()> {
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > PIXELS || decoder.total_bytes() > IMAGE_BYTES {
+        return Err(ImageError::Limits(LimitError::from_kind(LimitErrorKind::DimensionError)));
+    }
+    Ok(())
 }
 
 /// The end marker stands where it has to; decoders fill up with grey what is missing.
@@ -198,11 +240,6 @@ fn is_marker(pair: &[u8]) -> bool {
     pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7 | 0xff)
 }
 
-fn open(path: &Path) -> Result<ImageReader<BufReader<File>>, FrameError> {
-    let read_error = |error| FrameError::Read(path.to_path_buf(), error);
-    ImageReader::open(path).map_err(read_error)?.with_guessed_format().map_err(read_error)
-}
-
 fn dims_of(path: &Path, image: &DynamicImage) -> Result<Dims, FrameError> {
     match (u16::try_from(image.width()), u16::try_from(image.height())) {
         (Ok(width), Ok(height)) => Ok(Dims { width, height }),
@@ -213,8 +250,9 @@ fn dims_of(path: &Path, image: &DynamicImage) -> Result<Dims, FrameError> {
     }
 }
 
-/// BT.601 in thousandths, rounded; for 8 or 16-bit channels alike.
-fn luma([red, green, blue]: [u32; 3]) -> u16 {
+/// BT.601 in thousandths, rounded; for 8 or 16-bit channels alike, whatever stands behind the first three.
+fn luma<P: Pixel<Subpixel: Into<u32>>>(pixel: &P) -> u16 {
+    let [red, green, blue] = pixel.to_rgb().0.map(Into::into);
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u16
 }
 

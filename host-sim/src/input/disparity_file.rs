@@ -12,7 +12,7 @@
 //! 0 lie outside of 1e-4 .. 1e5 px as marked, and more than half lie inside with the bytes turned, the marker is wrong.
 //!
 //! # Bounds
-//! At most 65 535 pixels a side, and memory only for what the file holds.
+//! At most 65 535 pixels a side, [`PIXELS`] and [`IMAGE_BYTES`] in all, and memory only for what the file holds.
 //!
 //! # Source
 //! PFM: Debevec's Portable FloatMap as the Middlebury benchmark uses it (`vision.middlebury.edu/stereo/submit3/upload-format.html`: only the
@@ -20,9 +20,9 @@
 
 use super::error::{DisparityFault, FrameError};
 use super::numpy::array;
+use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
 use linestereo::Dims;
-use std::fs;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 use zip::ZipArchive;
 
@@ -32,8 +32,6 @@ const EXTENSIONS: [&str; 3] = ["pfm", "npy", "npz"];
 const ARRAY_NAMES: [&str; 4] = ["disp", "disparity", "gt", "arr_0"];
 /// No disparity is smaller or larger than this, px: a wrong byte order gives numbers of any size.
 const PLAUSIBLE_PX: core::ops::Range<f32> = 1e-4..1e5;
-/// Larger arrays are no images.
-const MAX_ARRAY_BYTES: u64 = 1 << 30;
 
 /// A file of this name is read by [`load_disparities`].
 pub(super) fn is_float_file(path: &Path) -> bool {
@@ -43,7 +41,7 @@ pub(super) fn is_float_file(path: &Path) -> bool {
 
 /// Reads a PFM, NPY or NPZ file of disparities in px, row-major; NaN = unknown.
 pub fn load_disparities(path: &Path) -> Result<(Dims, Vec<f32>), FrameError> {
-    let bytes = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    let bytes = untrusted::read(path, IMAGE_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
     disparities(&bytes).map_err(|fault| FrameError::Disparities(path.to_path_buf(), fault))
 }
 
@@ -74,6 +72,9 @@ fn float_map(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let (Some(width), Some(height)) = (side(), side()) else {
         return Err(DisparityFault::Header("width and height are not two numbers of 1 to 65535"));
     };
+    if u64::from(width) * u64::from(height) > PIXELS {
+        return Err(DisparityFault::Shape(vec![height.into(), width.into()]));
+    }
     let marker = word(&mut rest).ok_or(DisparityFault::Header("the scale is missing"))?;
     let scale = marker.parse::<f32>().ok().filter(|scale| *scale != 0.0 && scale.is_finite());
     let is_big = scale.ok_or_else(|| DisparityFault::NoByteOrder(marker.chars().take(24).collect()))? > 0.0;
@@ -120,10 +121,7 @@ fn zipped(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
             .find_map(|wanted| several.iter().find(|name| name == wanted))
             .ok_or_else(|| DisparityFault::Arrays(several.to_vec()))?,
     };
-    let mut member = archive.by_name(&format!("{wanted}.npy")).map_err(|error| broken(&error))?;
-    let mut array_bytes = Vec::new();
-    member.by_ref().take(MAX_ARRAY_BYTES).read_to_end(&mut array_bytes).map_err(|error| broken(&error))?;
-    array(&array_bytes)
+    array(archive.by_name(&format!("{wanted}.npy")).map_err(|error| broken(&error))?)
 }
 
 #[cfg(test)]

@@ -1,11 +1,15 @@
 //! Errors of frames on disk, each as one line that says what is wrong and what to do.
 
 use super::layout::Layout;
+use crate::untrusted::{IMAGE_BYTES, PIXELS};
 use core::fmt;
 use linestereo::image::{MAX_WIDTH, ViewError};
 use linestereo::{Dims, RigError};
 use std::io;
 use std::path::PathBuf;
+
+/// Names of arrays that a message lists.
+const LISTED: usize = 8;
 
 /// Why frames cannot be used: one line that says what is wrong and what to do.
 #[derive(Debug)]
@@ -18,6 +22,8 @@ pub enum FrameError {
     ColouredTruth(PathBuf),
     /// The image is smaller or larger than the core accepts.
     Size(PathBuf, ViewError),
+    /// The image has more pixels, or bytes of pixels, than are read.
+    TooLarge(PathBuf),
     /// Two images that belong together differ in size.
     SizesDiffer {
         /// One file.
@@ -74,6 +80,13 @@ impl fmt::Display for FrameError {
                 let what = if too_large { "reduce it with --width" } else { "give a larger one" };
                 write!(f, "{}: {error}; {what}", path.display())
             }
+            Self::TooLarge(path) => write!(
+                f,
+                "{}: an image of more than {} million pixels or {} MiB of them is not read; give a smaller one",
+                path.display(),
+                PIXELS / 1_000_000,
+                IMAGE_BYTES >> 20
+            ),
             Self::SizesDiffer { first, second } => write!(
                 f,
                 "{} is {} but {} is {}; give two images of one size",
@@ -197,12 +210,18 @@ impl fmt::Display for DisparityFault {
                 write!(f, "it ends after {found} of {needed} bytes of values; copy or download it again")
             }
             Self::NothingKnown => write!(f, "no pixel has a finite disparity; give another file, or remove it"),
-            Self::Shape(shape) => write!(f, "an array of {shape:?} is no image; store (height, width)"),
+            Self::Shape(shape) => write!(
+                f,
+                "an array of {shape:?} is no image that is read; store (height, width), at most {} million of them",
+                PIXELS / 1_000_000
+            ),
             Self::ElementType(name) => write!(f, "an array of {name} holds no disparities; store floats or integers"),
             Self::Array(what) => write!(f, "it cannot be read as NumPy's ({what}); store it again with numpy.save"),
             Self::Arrays(names) if names.is_empty() => write!(f, "it holds no array; store one with numpy.savez"),
             Self::Arrays(names) => {
-                write!(f, "it holds the arrays {}; call the one with disparities disp", names.join(", "))
+                let (more, listed) = (names.len() > LISTED, &names[..names.len().min(LISTED)]);
+                let list = listed.join(", ") + if more { ", ..." } else { "" };
+                write!(f, "it holds the arrays {list}; call the one with disparities disp")
             }
         }
     }

@@ -12,20 +12,28 @@ pub(super) const IMAGE_EXTENSIONS: [&str; 10] =
 /// Every folder at or below `root` that holds a `scene.json`, sorted.
 pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
     let mut found = Vec::new();
-    let mut pending = vec![root.to_path_buf()];
-    while let Some(folder) = pending.pop() {
-        let read_error = |error| FrameError::Read(folder.clone(), error);
-        for entry in fs::read_dir(&folder).map_err(read_error)? {
-            let path = entry.map_err(read_error)?.path();
-            if path.is_dir() {
-                pending.push(path);
-            } else if path.file_name().is_some_and(|name| name == "scene.json") {
-                found.push(folder.clone());
-            }
-        }
-    }
+    walk(root, |folder| {
+        found.extend(folder.has("scene.json").then(|| folder.path.clone()));
+        Ok(true)
+    })?;
     found.sort();
     Ok(found)
+}
+
+/// Calls `visit` for a folder and, where that says so, for those below it, by name: each once, whatever links lead to it.
+pub(super) fn walk(root: &Path, mut visit: impl FnMut(&Listing) -> Result<bool, FrameError>) -> Result<(), FrameError> {
+    let (mut pending, mut seen) = (vec![root.to_path_buf()], BTreeSet::new());
+    while let Some(path) = pending.pop() {
+        // A link to a folder above it begins the tree anew, two of them double it at every level.
+        if path.canonicalize().is_ok_and(|place| !seen.insert(place)) {
+            continue;
+        }
+        let folder = Listing::read(&path)?;
+        if visit(&folder)? {
+            pending.extend(folder.folders.iter().rev().map(|name| path.join(name)));
+        }
+    }
+    Ok(())
 }
 
 /// The image of this name in a folder, whatever its format.
@@ -55,14 +63,14 @@ impl Listing {
         for entry in fs::read_dir(path).map_err(read_error)? {
             let entry = entry.map_err(read_error)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            // Links are followed.
+            // Links are followed. Pipes and devices are nobody's frames: to open one may wait for ever.
             let kind = entry.file_type().map_err(read_error)?;
-            let is_folder = if kind.is_symlink() { entry.path().is_dir() } else { kind.is_dir() };
-            if is_folder {
-                folders.insert(name)
-            } else {
-                files.insert(name)
-            };
+            let is = |plain: bool, linked: fn(&Path) -> bool| plain || (kind.is_symlink() && linked(&entry.path()));
+            if is(kind.is_dir(), Path::is_dir) {
+                folders.insert(name);
+            } else if is(kind.is_file(), Path::is_file) {
+                files.insert(name);
+            }
         }
         Ok(Self { path: path.to_path_buf(), files, folders })
     }

@@ -1,6 +1,6 @@
 //! NumPy's array files (`.npy`): shape and values, as far as an array can be an image.
 //!
-//! In: a file's bytes. Out: its size, and its values as floats, row-major.
+//! In: a file from its beginning. Out: its size, and its values as floats, row-major.
 //!
 //! ```text
 //! \x93NUMPY, major, minor version, length of the header: 2 bytes in version 1, 4 in later ones
@@ -8,21 +8,24 @@
 //! ```
 //!
 //! # Cost
-//! Memory only for what the file holds: its length is compared with the header before any is taken.
+//! Memory only for what the file holds: values become floats as they are read, and none is where the header states more than is allowed.
 //!
 //! # Source
 //! NumPy enhancement proposal 1. The header is read here and not by a library: the ones at hand bring a parser of all Python literals, and
 //! take memory for what a header states.
 
 use super::error::DisparityFault;
+use crate::untrusted::{IMAGE_BYTES, PIXELS};
 use linestereo::Dims;
+use std::io::{self, BufReader, ErrorKind, Read};
 
 /// Longer headers are no plain array's; NumPy itself reads no longer ones.
 const MAX_HEADER_BYTES: usize = 10_000;
 
 /// Reads an array of two dimensions, or of three of which one is 1.
-pub(super) fn array(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
-    let (text, data) = split(bytes)?;
+pub(super) fn array(file: impl Read) -> Result<(Dims, Vec<f32>), DisparityFault> {
+    let mut file = BufReader::new(file);
+    let text = header(&mut file)?;
     let (width, height) = sides(shape(&text)?)?;
     let by_columns =
         match value(&text, "fortran_order").map(|order| order.split([',', '}']).next().unwrap_or("").trim()) {
@@ -33,7 +36,7 @@ pub(super) fn array(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let kind = value(&text, "descr").ok_or_else(|| broken("its header tells no descr"))?;
     let Some(kind) = quoted(kind) else { return Err(DisparityFault::ElementType("records".to_owned())) };
     let count = usize::from(width) * usize::from(height);
-    let values = elements(kind, data, count, bytes.len())?;
+    let values = elements(kind, &mut file, [height.into(), width.into()])?;
     let values = if by_columns {
         let (width, height) = (usize::from(width), usize::from(height));
         (0..count).map(|i| values[i % width * height + i / width]).collect()
@@ -47,19 +50,24 @@ fn broken(what: &str) -> DisparityFault {
     DisparityFault::Array(what.to_owned())
 }
 
-/// The header's text, and what follows it.
-fn split(bytes: &[u8]) -> Result<(String, &[u8]), DisparityFault> {
-    let cut_off = || broken("its header is cut off");
-    let (first, length) = match bytes.get(6..12).ok_or_else(cut_off)? {
-        [1, _, low, high, ..] => (10, usize::from(u16::from_le_bytes([*low, *high]))),
-        [_, _, length @ ..] => (12, length.iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte))),
-        _ => return Err(cut_off()),
-    };
+/// The header's text; behind it stand the values.
+fn header(file: &mut impl Read) -> Result<String, DisparityFault> {
+    let cut_off = |_: io::Error| broken("its header is cut off");
+    let mut first = [0; 10];
+    file.read_exact(&mut first).map_err(cut_off)?;
+    let [.., version, _, low, high] = first;
+    let mut length = usize::from(u16::from_le_bytes([low, high]));
+    if version > 1 {
+        let mut upper = [0; 2];
+        file.read_exact(&mut upper).map_err(cut_off)?;
+        length |= usize::from(u16::from_le_bytes(upper)) << 16;
+    }
     if length > MAX_HEADER_BYTES {
         return Err(DisparityFault::Array(format!("its header has {length} bytes")));
     }
-    let (header, data) = bytes.get(first..).and_then(|rest| rest.split_at_checked(length)).ok_or_else(cut_off)?;
-    Ok((String::from_utf8_lossy(header).into_owned(), data))
+    let mut text = vec![0; length];
+    file.read_exact(&mut text).map_err(cut_off)?;
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// Text after a key and its colon; `None` where the header has no such key.
@@ -96,20 +104,20 @@ fn sides(shape: Vec<u64>) -> Result<(u16, u16), DisparityFault> {
     }
 }
 
-/// The first `count` values of `data` as floats; their type in NumPy's words, such as `<f4`.
-fn elements(kind: &str, data: &[u8], count: usize, file_bytes: usize) -> Result<Vec<f32>, DisparityFault> {
+/// The values of an array of this height and width; their type in NumPy's words, such as `<f4`.
+fn elements(kind: &str, file: &mut impl Read, sides: [u64; 2]) -> Result<Vec<f32>, DisparityFault> {
     let (is_big, kind) = match kind.strip_prefix(['<', '|', '=']) {
         Some(plain) => (false, plain),
         None => (kind.starts_with('>'), kind.strip_prefix('>').unwrap_or(kind)),
     };
     macro_rules! read {
         ($number:ty) => {
-            floats(data, count, |bytes| {
+            floats(file, sides, |bytes| {
                 (if is_big { <$number>::from_be_bytes(bytes) } else { <$number>::from_le_bytes(bytes) }) as f32
             })
         };
     }
-    let found = match kind {
+    match kind {
         "f4" => read!(f32),
         "f8" => read!(f64),
         "u1" => read!(u8),
@@ -118,20 +126,34 @@ fn elements(kind: &str, data: &[u8], count: usize, file_bytes: usize) -> Result<
         "i2" => read!(i16),
         "i4" => read!(i32),
         "i8" => read!(i64),
-        _ => return Err(DisparityFault::ElementType(kind.to_owned())),
-    };
-    found.map_err(|needed| DisparityFault::Truncated { needed: needed as u64, found: file_bytes as u64 })
+        _ => Err(DisparityFault::ElementType(kind.to_owned())),
+    }
 }
 
-/// Converts values of `SIZE` bytes; an error is how many bytes are needed.
+/// Converts values of `SIZE` bytes each.
 fn floats<const SIZE: usize>(
-    data: &[u8],
-    count: usize,
+    file: &mut impl Read,
+    sides: [u64; 2],
     convert: impl Fn([u8; SIZE]) -> f32,
-) -> Result<Vec<f32>, usize> {
-    let needed = count.saturating_mul(SIZE);
-    let (values, _) = data.get(..needed).ok_or(needed)?.as_chunks();
-    Ok(values.iter().map(|&bytes| convert(bytes)).collect())
+) -> Result<Vec<f32>, DisparityFault> {
+    let count = sides[0] * sides[1];
+    let needed = count * SIZE as u64;
+    if count > PIXELS || needed > IMAGE_BYTES {
+        return Err(DisparityFault::Shape(sides.to_vec()));
+    }
+    let (mut values, mut bytes) = (Vec::new(), [0; SIZE]);
+    for before in 0..count {
+        match file.read_exact(&mut bytes) {
+            Ok(()) => values.push(convert(bytes)),
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
+                return Err(DisparityFault::Truncated { needed, found: before * SIZE as u64 });
+            }
+            Err(error) => return Err(DisparityFault::Array(error.to_string())),
+        }
+    }
+    // An archive tells a wrong checksum at the end of a file alone.
+    file.read(&mut [0]).map_err(|error| DisparityFault::Array(error.to_string()))?;
+    Ok(values)
 }
 
 #[cfg(test)]
@@ -160,18 +182,18 @@ mod tests {
             (">i4", vec![0, 0, 0, 1, 0, 0, 0, 3]),
             ("<i8", [1_i64.to_le_bytes(), 3_i64.to_le_bytes()].concat()),
         ] {
-            assert_eq!(array(&two(kind, &data)), Ok((dims, vec![1.0, 3.0])), "{kind}");
+            assert_eq!(array(&*two(kind, &data)), Ok((dims, vec![1.0, 3.0])), "{kind}");
             let needed = data.len() as u64;
-            let cut = array(&two(kind, &data[1..]));
+            let cut = array(&*two(kind, &data[1..]));
             assert!(matches!(cut, Err(DisparityFault::Truncated { needed: n, .. }) if n == needed), "{kind}: {cut:?}");
         }
         let columns = file(2, "{\"shape\":(1,2,3),\"fortran_order\":True,\"descr\":\"|u1\"}\n", &[1, 4, 2, 5, 3, 6]);
-        assert_eq!(array(&columns), Ok((Dims { width: 3, height: 2 }, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])));
+        assert_eq!(array(&*columns), Ok((Dims { width: 3, height: 2 }, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])));
     }
 
     #[test]
     fn what_is_no_image_is_named() {
-        let of = |header: &str| array(&file(1, header, &[0; 64])).unwrap_err();
+        let of = |header: &str| array(&*file(1, header, &[0; 64])).unwrap_err();
         let order = "'fortran_order': False, 'shape': (2, 2)";
         assert!(matches!(of(&format!("{{'descr': [('x', '<f4')], {order}}}")), DisparityFault::ElementType(_)));
         assert_eq!(of(&format!("{{'descr': '<c8', {order}}}")), DisparityFault::ElementType("c8".to_owned()));
@@ -180,7 +202,7 @@ mod tests {
         }
         assert_eq!(of(&format!("{{{order}}}")), broken("its header tells no descr"));
         assert_eq!(of("{'descr': '<f4', 'fortran_order': False}"), broken("its header tells no shape"));
-        assert_eq!(array(b"\x93NUMPY\x01\x00\x40"), Err(broken("its header is cut off")));
-        assert_eq!(array(b"\x93NUMPY\x01\x00\x40\x00{'descr'"), Err(broken("its header is cut off")));
+        assert_eq!(array(&b"\x93NUMPY\x01\x00\x40"[..]), Err(broken("its header is cut off")));
+        assert_eq!(array(&b"\x93NUMPY\x01\x00\x40\x00{'descr'"[..]), Err(broken("its header is cut off")));
     }
 }

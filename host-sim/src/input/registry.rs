@@ -11,13 +11,14 @@
 
 use crate::output::OutputFiles;
 use crate::programs::process;
+use crate::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt;
 use core::time::Duration;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
@@ -27,8 +28,6 @@ use zip::result::ZipError;
 const LIST: &str = include_str!("registry.toml");
 /// Longest download or unpacking of a package.
 const LIMIT: Duration = Duration::from_secs(900);
-/// No file of these packages is as large; a bomb is.
-const MAX_FILE_BYTES: u64 = 64 << 20;
 
 /// The client of a registry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -160,7 +159,7 @@ impl Package {
         self.scenes.iter().all(|scene| {
             let folder = out.join(&scene.folder);
             let same = |(_, name, expected): &(String, String, String)| {
-                fs::read(folder.join(name)).is_ok_and(|bytes| sha256(&bytes) == *expected)
+                untrusted::read(&folder.join(name), IMAGE_BYTES).is_ok_and(|bytes| sha256(&bytes) == *expected)
             };
             folder.join("scene.json").is_file() && scene.files.iter().all(same)
         })
@@ -237,14 +236,14 @@ impl Package {
 
 /// A package's files.
 enum Source {
-    Wheel(PathBuf, ZipArchive<File>),
+    Wheel(PathBuf, ZipArchive<BufReader<File>>),
     Unpacked(PathBuf, TempDir),
 }
 
 impl Source {
     fn open(way: Way, package: &Path) -> Result<Self> {
         let path = package.to_path_buf();
-        let file = File::open(package).map_err(|error| PackageError::Read(path.clone(), error))?;
+        let file = untrusted::open(package, PACKAGE_BYTES).map_err(|error| PackageError::Read(path.clone(), error))?;
         match way {
             Way::Pip => {
                 let archive = ZipArchive::new(file);
@@ -271,13 +270,12 @@ impl Source {
                     other => PackageError::Archive(path.clone(), other.to_string()),
                 })?;
                 let mut bytes = Vec::new();
-                let read = member.take(MAX_FILE_BYTES).read_to_end(&mut bytes);
+                let read = member.take(IMAGE_BYTES).read_to_end(&mut bytes);
                 read.map_err(|error| PackageError::Archive(path.clone(), error.to_string()))?;
                 Ok(bytes)
             }
-            Self::Unpacked(path, folder) => {
-                fs::read(folder.path().join(name)).map_err(|_| PackageError::Missing(path.clone(), name.to_owned()))
-            }
+            Self::Unpacked(path, folder) => untrusted::read(&folder.path().join(name), IMAGE_BYTES)
+                .map_err(|_| PackageError::Missing(path.clone(), name.to_owned())),
         }
     }
 }

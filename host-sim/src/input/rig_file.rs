@@ -1,16 +1,15 @@
 //! `rig.toml`: two cameras and the pose between them, for people to read and programs to load.
 
+use crate::untrusted::{self, SETTINGS_BYTES};
 use core::fmt::{self, Write};
 use linestereo::Dims;
 use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens};
 use serde::Deserialize;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 /// The version of the format that is written.
 const VERSION: u32 = 1;
-/// Larger files are none.
-const MAX_BYTES: u64 = 1 << 20;
 
 /// A calibrated pair with what is known of its making.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +41,6 @@ pub struct Quality {
 pub enum RigFileError {
     /// It cannot be read.
     Read(PathBuf, io::Error),
-    /// It is larger than a rig file can be.
-    TooLarge(PathBuf),
     /// It is no rig file: line and column stand in the text.
     Parse(PathBuf, String),
     /// A later version.
@@ -58,7 +55,6 @@ impl fmt::Display for RigFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::TooLarge(path) => write!(f, "{} is larger than 1 MiB: no rig file", path.display()),
             Self::Parse(path, what) => write!(f, "{}: {what}", path.display()),
             Self::Version(path, version) => {
                 write!(f, "{} has version {version}, this program knows {VERSION}", path.display())
@@ -112,11 +108,7 @@ impl RigFile {
     /// Reads and checks a file.
     pub fn load(path: &Path) -> Result<Self, RigFileError> {
         let at = || path.to_path_buf();
-        let read = |error| RigFileError::Read(at(), error);
-        if fs::metadata(path).map_err(read)?.len() > MAX_BYTES {
-            return Err(RigFileError::TooLarge(at()));
-        }
-        let text = fs::read_to_string(path).map_err(read)?;
+        let text = untrusted::read_text(path, SETTINGS_BYTES).map_err(|error| RigFileError::Read(at(), error))?;
         let raw: Raw = toml::from_str(&text).map_err(|error| RigFileError::Parse(at(), error.to_string()))?;
         if raw.version != VERSION {
             return Err(RigFileError::Version(at(), raw.version));
@@ -212,6 +204,7 @@ pub fn rotation_vector([w, x, y, z]: [f64; 4]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_file_is_read_back_as_it_was_written() {

@@ -9,6 +9,7 @@ use super::layout::Layout;
 use super::scene_info::SceneInfo;
 use super::sequence::PairFiles;
 use super::stored::{Scale, Scene, StoredPair, StoredRig, StoredTruth, Visibility};
+use crate::untrusted::printable;
 use std::path::Path;
 
 /// The folder's `scene.json` names ground truth.
@@ -29,7 +30,7 @@ pub(super) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let truth = stored_truth(folder, &info)?;
     let rig = info.rig_numbers(1.0);
     Ok(StoredPair {
-        name: info.scene.clone().unwrap_or_else(|| folder_name(folder)),
+        name: printable(&info.scene.clone().unwrap_or_else(|| folder_name(folder))).into_owned(),
         number: None,
         layout: Layout::SceneJson,
         folder: folder.to_path_buf(),

@@ -16,11 +16,11 @@
 //! is refused, but for those of notes.
 
 use super::error::FrameError;
+use crate::untrusted::{self, SETTINGS_BYTES};
 use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
 use serde::Deserialize;
 use serde_json::Value;
-use std::fs;
 use std::path::Path;
 
 const KEYS: [&str; 5] = ["scene", "max_disparity", "disparity_zero_px", "ground_truth", "rectified"];
@@ -103,7 +103,8 @@ impl SceneInfo {
 
     /// Reads a `scene.json`.
     pub fn load(path: &Path) -> Result<Self, FrameError> {
-        let text = fs::read(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        let text =
+            untrusted::read(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
         Self::parsed(&text).map_err(|what| FrameError::SceneFile(path.to_path_buf(), what))
     }
 

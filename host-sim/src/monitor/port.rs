@@ -2,10 +2,10 @@
 //!
 //! In: a path, an address or the name of a serial port. Out: bytes, silence, or the end; every failure names the port.
 
+use crate::untrusted;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use serialport::SerialPort;
-use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::path::Path;
@@ -70,7 +70,7 @@ impl Port {
         if path == Path::new("-") {
             return Ok(Self { name: "stdin".to_owned(), line: Line::File(Box::new(io::stdin())) });
         }
-        let file = File::open(path).map_err(|error| unreadable(&name, &error))?;
+        let file = untrusted::opened(path).map_err(|error| unreadable(&name, &error))?;
         Ok(Self { name, line: Line::File(Box::new(file)) })
     }
 

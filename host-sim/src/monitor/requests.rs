@@ -4,6 +4,7 @@
 //! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
 //! only has to be one that can be sent.
 
+use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity};
@@ -103,7 +104,8 @@ impl Kind {
 /// A rig for a board's flash: what `linestereo flash-image` writes.
 fn rig(word: &str) -> Result<Request> {
     let path = word.split_once('=').map_or("", |(_, path)| path);
-    let bytes = std::fs::read(path).with_context(|| format!("--send {word}: {path} cannot be read"))?;
+    let bytes = untrusted::read(path.as_ref(), SETTINGS_BYTES)
+        .with_context(|| format!("--send {word}: {path} cannot be read"))?;
     RigImage::decode(&bytes).with_context(|| {
         format!("--send {word}: {path} is no rig for a board; make one with linestereo flash-image")
     })?;

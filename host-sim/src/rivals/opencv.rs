@@ -1,5 +1,6 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
 
+use crate::untrusted::{self, RESULT_BYTES};
 use core::fmt;
 use linestereo_baselines::{DisparityMap, GrayImage, Search};
 use serde::Deserialize;
@@ -129,7 +130,7 @@ impl OpenCv {
         let answer: Answer =
             serde_json::from_slice(&output.stdout).map_err(|error| OpenCvError::Failed(error.to_string()))?;
         let read = |name: &'static str| {
-            let bytes = fs::read(at(&format!("{name}.i16")))?;
+            let bytes = untrusted::read(&at(&format!("{name}.i16")), RESULT_BYTES)?;
             let milliseconds = answer.milliseconds.get(name).copied().unwrap_or(f64::NAN);
             Ok(OpenCvMap { name, map: map(left, &bytes), milliseconds })
         };

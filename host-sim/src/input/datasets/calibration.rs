@@ -14,8 +14,8 @@
 //! devkits' readme.txt; Geiger, Lenz, Stiller, Urtasun, "Vision meets robotics", IJRR 2013, Eq. 4.
 
 use crate::input::error::{FrameError, LayoutFault};
+use crate::untrusted::{self, SETTINGS_BYTES};
 use linestereo_wire::RigUpdate;
-use std::fs;
 use std::path::Path;
 
 /// Numbers of a `calib.txt`.
@@ -68,7 +68,7 @@ pub(super) fn single_number(path: &Path, what: &'static str) -> Result<f64, Fram
 }
 
 fn read(path: &Path) -> Result<String, FrameError> {
-    fs::read_to_string(path).map_err(|error| FrameError::Read(path.to_path_buf(), error))
+    untrusted::read_text(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))
 }
 
 fn finite(text: &str) -> Option<f64> {

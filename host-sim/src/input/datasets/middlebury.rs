@@ -17,7 +17,7 @@
 //! depth = 3740 px * 0.16 m / (disparity + dmin), both scaled with the images.
 
 use super::calibration;
-use crate::input::decode::rows;
+use crate::input::decode::dimensions;
 use crate::input::error::{FrameError, LayoutFault};
 use crate::input::folder::Listing;
 use crate::input::layout::Layout;
@@ -95,8 +95,8 @@ fn beside_training(scene: &Path) -> Option<PathBuf> {
 /// 2001 and 2003.
 fn by_steps(folder: &Listing, images: [PathBuf; 2]) -> Result<Option<StoredPair>, FrameError> {
     let Some(file) = folder.image("disp2") else { return Ok(None) };
-    let rows = rows(&images[0])?;
-    let is_2003 = STEPS_2003.iter().any(|(known, _)| *known == rows);
+    let (_, rows) = dimensions(&images[0])?;
+    let is_2003 = STEPS_2003.iter().any(|(known, _)| u32::from(*known) == rows);
     let (layout, scale) = if is_2003 {
         (Layout::Middlebury2003, Scale::ByHeight(STEPS_2003))
     } else {
@@ -130,9 +130,9 @@ fn views(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
         return Err(FrameError::Layout(path, LayoutFault::MissingCalibration(Layout::Middlebury2006)));
     }
     let least = calibration::single_number(&path, "the least disparity")?;
-    let rows = rows(&found[0].1[0])?;
+    let (_, rows) = dimensions(&found[0].1[0])?;
     // Images of another height have been resized by somebody: their truth has no known scale, nor have they a focal length.
-    let steps = STEPS_2006.iter().find(|(known, _)| *known == rows).map(|(_, steps)| f64::from(*steps));
+    let steps = STEPS_2006.iter().find(|(known, _)| u32::from(*known) == rows).map(|(_, steps)| f64::from(*steps));
     let rig = steps.map_or(StoredRig::Unknown, |steps| {
         let numbers =
             RigUpdate { focal_px: FOCAL_2006_PX / steps, baseline_m: BASELINE_2006_M, offset_px: least / steps };

@@ -21,11 +21,12 @@ mod middlebury;
 mod plain;
 
 use super::error::{FrameError, LayoutFault};
-use super::folder::{Listing, folder_name};
+use super::folder::{Listing, folder_name, walk};
 use super::layout::Layout;
 use super::scene_file;
 use super::sequence::number;
 use super::stored::StoredPair;
+use crate::untrusted::printable;
 use std::path::Path;
 
 /// The pairs of a folder, whatever their layout.
@@ -43,7 +44,7 @@ impl Dataset {
     /// Finds every pair at or below `root`.
     pub fn find(root: &Path) -> Result<Self, FrameError> {
         let mut found = Self::default();
-        found.search(root, root)?;
+        found.search(root)?;
         if found.pairs.is_empty() {
             found.pairs = plain::side_by_side_tree(root)?;
             name_below(root, &mut found.pairs);
@@ -54,15 +55,15 @@ impl Dataset {
         Ok(found)
     }
 
-    /// The same of recordings, where no truth is needed: a calibration that a data set lacks costs depths alone, and every image holds both
-    /// views where that is said. Pairs come in the order of their numbers, then of their names.
+    /// The same of recordings, where no truth is needed: a calibration that a data set lacks costs depths alone, a file that is broken its
+    /// own pairs, and every image holds both views where that is said. Pairs come in the order of their numbers, then of their names.
     pub fn recording(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
         let mut found = Self { is_lenient: true, ..Self::default() };
         if side_by_side {
-            found.pairs = plain::side_by_side(&Listing::read(root)?)?;
+            found.pairs = plain::side_by_side(&Listing::read(root)?, true)?;
             name_below(root, &mut found.pairs);
         } else {
-            found.search(root, root)?;
+            found.search(root)?;
         }
         if found.pairs.is_empty() {
             return Err(FrameError::Layout(root.to_path_buf(), LayoutFault::NotRecognised));
@@ -81,20 +82,16 @@ impl Dataset {
         counts.into_iter().collect()
     }
 
-    fn search(&mut self, root: &Path, path: &Path) -> Result<(), FrameError> {
-        let folder = Listing::read(path)?;
-        let mut taken = recognised(&folder, self.is_lenient)?;
-        name_below(root, &mut taken.pairs);
-        // Single pairs may stand above others; what has frames in folders of its own has been searched.
-        let descend = taken.pairs.iter().all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
-        self.pairs.append(&mut taken.pairs);
-        self.alone += taken.alone;
-        if descend {
-            for name in &folder.folders {
-                self.search(root, &path.join(name))?;
-            }
-        }
-        Ok(())
+    fn search(&mut self, root: &Path) -> Result<(), FrameError> {
+        walk(root, |folder| {
+            let mut taken = recognised(folder, self.is_lenient)?;
+            name_below(root, &mut taken.pairs);
+            // Single pairs may stand above others; what has frames in folders of its own has been searched.
+            let descend = taken.pairs.iter().all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
+            self.pairs.append(&mut taken.pairs);
+            self.alone += taken.alone;
+            Ok(descend)
+        })
     }
 }
 
@@ -103,20 +100,25 @@ fn recognised(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError>
     let of = |pairs| Ok(Dataset { pairs, ..Dataset::default() });
     let has_scene = folder.has("scene.json");
     if has_scene && folder.image("left").is_some() && folder.image("right").is_some() {
-        return of(vec![scene_file::stored(&folder.path)?]);
+        match scene_file::stored(&folder.path) {
+            Err(_) if is_lenient => {} // the pair says so, when it is loaded
+            stored => return of(vec![stored?]),
+        }
     }
     for find in [middlebury::find, kitti::find, euroc::find] {
         let pairs = match find(folder) {
-            Err(FrameError::Layout(_, LayoutFault::MissingCalibration(_))) if is_lenient => continue,
+            Err(FrameError::Layout(_, LayoutFault::MissingCalibration(_)) | FrameError::Decode(..)) if is_lenient => {
+                continue;
+            }
             found => found?,
         };
         if !pairs.is_empty() {
             return of(pairs);
         }
     }
-    let plain = plain::find(folder)?;
+    let plain = plain::find(folder, is_lenient)?;
     // A scene that lacks its images is an error of its own when it is loaded.
-    if plain.pairs.is_empty() && has_scene && scene_file::has_truth(&folder.path)? {
+    if plain.pairs.is_empty() && has_scene && !is_lenient && scene_file::has_truth(&folder.path)? {
         return of(vec![scene_file::stored(&folder.path)?]);
     }
     Ok(plain)
@@ -135,5 +137,6 @@ fn name_below(root: &Path, pairs: &mut [StoredPair]) {
         } else if pair.name.is_empty() {
             pair.name = folder_name(&pair.folder);
         }
+        pair.name = printable(&pair.name).into_owned();
     }
 }

@@ -11,8 +11,9 @@
 //! `disparity_scale`, the steps of truth images, for every frame.
 
 use super::Dataset;
+use crate::input::decode::dimensions;
 use crate::input::error::FrameError;
-use crate::input::folder::Listing;
+use crate::input::folder::{Listing, walk};
 use crate::input::layout::Layout;
 use crate::input::scene_info::SceneInfo;
 use crate::input::sequence::{Sequence, SequencePair};
@@ -22,17 +23,25 @@ use std::path::Path;
 const TRUTH_FOLDERS: [&str; 4] = ["disp", "disparity", "gt", "disp_occ"];
 const TRUTH_NAMES: [&str; 3] = ["disp", "disparity", "gt"];
 /// Sides of an image that holds two views: a single one is seldom as wide.
-const LEAST_ASPECT: u32 = 2;
+const LEAST_ASPECT: u64 = 2;
 
 /// The pairs of this folder itself; folders below are for the caller.
-pub(super) fn find(folder: &Listing) -> Result<Dataset, FrameError> {
+pub(super) fn find(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError> {
     let (sequence, in_folders) = Sequence::here(folder)?;
-    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
+    let info = info(folder, is_lenient)?;
     let truths = TRUTH_FOLDERS.iter().filter(|_| in_folders).find(|name| folder.has_folder(name));
     let truths = truths.map(|name| folder.below(name)).transpose()?.flatten();
     let pairs =
         sequence.pairs.iter().map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
     Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone, ..Dataset::default() })
+}
+
+/// The folder's `scene.json`; of one that is broken its pairs say so when they are loaded, if that is early enough.
+fn info(folder: &Listing, is_lenient: bool) -> Result<Option<SceneInfo>, FrameError> {
+    match folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose() {
+        Err(_) if is_lenient => Ok(None),
+        info => info,
+    }
 }
 
 /// `truths` is the folder with truth, if there is one, of frames in folders.
@@ -67,8 +76,8 @@ fn stored(
 }
 
 /// Every image of this folder, each of both views.
-pub(super) fn side_by_side(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
-    let info = folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose()?;
+pub(super) fn side_by_side(folder: &Listing, is_lenient: bool) -> Result<Vec<StoredPair>, FrameError> {
+    let info = info(folder, is_lenient)?;
     let pairs = Sequence::side_by_side(&folder.path)?.pairs;
     let stored = |pair| StoredPair { layout: Layout::SideBySide, ..stored(folder, pair, info.as_ref(), Some(None)) };
     Ok(pairs.iter().map(stored).collect())
@@ -76,14 +85,13 @@ pub(super) fn side_by_side(folder: &Listing) -> Result<Vec<StoredPair>, FrameErr
 
 /// The images of a tree that hold both views.
 pub(super) fn side_by_side_tree(root: &Path) -> Result<Vec<StoredPair>, FrameError> {
-    let folder = Listing::read(root)?;
-    let mut found = side_by_side(&folder)?;
-    found.retain(|pair| {
-        let sides = image::image_dimensions(pair.images.paths()[0]);
-        sides.is_ok_and(|(width, height)| width >= LEAST_ASPECT * height)
-    });
-    for name in &folder.folders {
-        found.extend(side_by_side_tree(&root.join(name))?);
-    }
+    let mut found = Vec::new();
+    walk(root, |folder| {
+        found.extend(side_by_side(folder, false)?.into_iter().filter(|pair| {
+            let sides = dimensions(pair.left());
+            sides.is_ok_and(|(width, height)| u64::from(width) >= LEAST_ASPECT * u64::from(height))
+        }));
+        Ok(true)
+    })?;
     Ok(found)
 }

@@ -23,17 +23,14 @@ pub use camera::LensModel;
 pub use error::{InterchangeError, Problem};
 
 use crate::input::rig_file::RigFile;
+use crate::untrusted::{self, SETTINGS_BYTES};
 use core::fmt;
 use error::{Fault, Place};
 use linestereo::Dims;
 use linestereo_rig::{Calibration, CameraSide};
 use node::Node;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-
-/// Larger files are no calibrations.
-const MAX_BYTES: u64 = 1 << 20;
 
 /// A format of rigs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -262,12 +259,9 @@ fn looks_like_toml(text: &str) -> bool {
 
 fn read_text(path: &Path, file: usize) -> Result<String, Fault> {
     let place = |problem: Problem| Fault { place: Some(Place { file, line: 0 }), problem };
-    let read = |error: io::Error| place(Problem::Read(error));
-    let mut bytes = Vec::new();
-    File::open(path).map_err(read)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(read)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(place(Problem::TooLarge));
-    }
+    let bytes = untrusted::read(path, SETTINGS_BYTES).map_err(|error| {
+        place(if error.kind() == ErrorKind::FileTooLarge { Problem::TooLarge } else { Problem::Read(error) })
+    })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count();

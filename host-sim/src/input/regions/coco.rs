@@ -3,11 +3,16 @@
 //! Annotations are an object with `annotations`, and perhaps `images` and `categories`; results are a list of annotations. An annotation has a
 //! `segmentation` (run lengths or polygons), else a `bbox` (left, top, width, height). In a file of several images those of the image that
 //! is called like the left one are taken; where only numbers tell images apart, there may be one image.
+//!
+//! # Bounds
+//! Lists are told apart into their texts first and read one by one, of 1 MiB at most: a value of two bytes takes up to 90 times as many.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read, run_length};
+use crate::untrusted::SETTINGS_BYTES;
 use linestereo::Dims;
 use serde::Deserialize;
 use serde_json::Value;
+use serde_json::value::RawValue;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -25,31 +30,50 @@ struct Category {
     name: String,
 }
 
+/// An object of lists, none of which is read yet.
+#[derive(Default, Deserialize)]
+struct File<'a> {
+    #[serde(borrow)]
+    objects: Option<&'a RawValue>,
+    #[serde(borrow)]
+    annotations: Option<&'a RawValue>,
+    #[serde(borrow)]
+    images: Option<&'a RawValue>,
+    #[serde(borrow)]
+    categories: Option<&'a RawValue>,
+}
+
 pub(super) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsError> {
     let broken = |what: String| ObjectsError::Json(path.to_path_buf(), what);
-    let file: Value = serde_json::from_slice(&read(path)?).map_err(|error| broken(error.to_string()))?;
-    if let Some(objects) = file.get("objects") {
-        let list = objects.as_array().ok_or_else(|| broken("\"objects\" is no list".to_owned()))?;
-        return Ok(project_list(list, frame));
-    }
-    let list = match file.get("annotations").unwrap_or(&file) {
-        Value::Array(list) => list,
-        _ => return Err(broken("there is no list of annotations".to_owned())),
+    let bytes = read(path)?;
+    let whole: &RawValue = serde_json::from_slice(&bytes).map_err(|error| broken(error.to_string()))?;
+    let file = if whole.get().starts_with('{') {
+        serde_json::from_str(whole.get()).map_err(|error| broken(error.to_string()))?
+    } else {
+        File { annotations: Some(whole), ..File::default() }
     };
-    let images: Vec<Image> = part(&file, "images").map_err(broken)?;
-    let categories: Vec<Category> = part(&file, "categories").map_err(broken)?;
+    if let Some(objects) = file.objects {
+        let list: Vec<&RawValue> =
+            serde_json::from_str(objects.get()).map_err(|_| broken("\"objects\" is no list".to_owned()))?;
+        return Ok(project_list(&list, frame));
+    }
+    let list = file.annotations.and_then(|list| serde_json::from_str::<Vec<&RawValue>>(list.get()).ok());
+    let list = list.ok_or_else(|| broken("there is no list of annotations".to_owned()))?;
+    let images: Vec<Image> = part(file.images, "images").map_err(broken)?;
+    let categories: Vec<Category> = part(file.categories, "categories").map_err(broken)?;
     let names: BTreeMap<u64, String> = categories.into_iter().map(|category| (category.id, category.name)).collect();
-    let wanted = wanted_image(path, list, &images, frame)?;
-    let is_wanted = |annotation: &&Value| {
-        let image = annotation.get("image_id");
-        wanted.as_ref().is_none_or(|wanted| image.is_none_or(|image| image == wanted))
+    let wanted = wanted_image(path, &list, &images, frame)?;
+    let is_wanted = |annotation: &&&RawValue| {
+        let image = image_of(annotation);
+        wanted.as_ref().is_none_or(|wanted| image.is_none_or(|image| image == *wanted))
     };
     let mut collector = Collector::new(frame);
     for annotation in list.iter().filter(is_wanted) {
+        let annotation = one(annotation).unwrap_or_default();
         let category = annotation.get("category_id").and_then(Value::as_u64);
         let name = category.and_then(|id| names.get(&id).cloned());
         let unknown = name.is_none() && category.is_some() && !names.is_empty();
-        let shape = shape(annotation, frame.given);
+        let shape = shape(&annotation, frame.given);
         collector.objects.skipped.unknown_class += usize::from(unknown && shape.is_ok());
         collector.put(shape.map(|shape| (shape, name, None)));
     }
@@ -57,20 +81,35 @@ pub(super) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
 }
 
 /// A list that may be missing.
-fn part<T: for<'a> Deserialize<'a>>(file: &Value, name: &str) -> Result<Vec<T>, String> {
-    match file.get(name) {
+fn part<'a, T: Deserialize<'a>>(list: Option<&'a RawValue>, name: &str) -> Result<Vec<T>, String> {
+    match list {
         None => Ok(Vec::new()),
-        Some(list) => Vec::deserialize(list).map_err(|error| format!("\"{name}\": {error}")),
+        Some(list) => serde_json::from_str(list.get()).map_err(|error| format!("\"{name}\": {error}")),
     }
+}
+
+/// One object of a list.
+fn one(text: &RawValue) -> Option<Value> {
+    (text.get().len() as u64 <= SETTINGS_BYTES).then(|| serde_json::from_str(text.get()).ok())?
+}
+
+/// Number or name of the image that an annotation belongs to.
+fn image_of(annotation: &RawValue) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Of<'a> {
+        #[serde(borrow)]
+        image_id: Option<&'a RawValue>,
+    }
+    Some(serde_json::from_str::<Of<'_>>(annotation.get()).ok()?.image_id?.get().to_owned())
 }
 
 /// The image whose objects are taken; `None` takes all.
 fn wanted_image(
     path: &Path,
-    list: &[Value],
+    list: &[&RawValue],
     images: &[Image],
     frame: Frame<'_>,
-) -> Result<Option<Value>, ObjectsError> {
+) -> Result<Option<String>, ObjectsError> {
     let stem = |name: &str| Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
     let wanted = frame.image_name.and_then(stem);
     let named = images.iter().find(|image| {
@@ -84,9 +123,9 @@ fn wanted_image(
         return Err(ObjectsError::ImageSize { path: path.to_path_buf(), size: [width, height], image: frame.given });
     }
     if let Some(image) = named {
-        return Ok(Some(image.id.into()));
+        return Ok(Some(image.id.to_string()));
     }
-    let ids: BTreeSet<String> = list.iter().filter_map(|a| a.get("image_id")).map(Value::to_string).collect();
+    let ids: BTreeSet<String> = list.iter().filter_map(|annotation| image_of(annotation)).collect();
     if ids.len() > 1 || images.len() > 1 {
         return Err(ObjectsError::NoSuchImage {
             path: path.to_path_buf(),
@@ -111,7 +150,7 @@ fn shape(annotation: &Value, given: Dims) -> Result<Shape, Why> {
                 }
                 _ => return Err(Why::BrokenMask),
             };
-            Ok(Shape::Bits(run_length::bits(&counts, given)?))
+            Ok(Shape::RunLengths(counts))
         }
         Some(Value::Array(parts)) if !parts.is_empty() => {
             let parts = parts.iter().map(|part| {
@@ -128,9 +167,10 @@ fn shape(annotation: &Value, given: Dims) -> Result<Shape, Why> {
 }
 
 /// Boxes `[x0, y0, x1, y1)` with name and label.
-fn project_list(list: &[Value], frame: Frame<'_>) -> Objects {
+fn project_list(list: &[&RawValue], frame: Frame<'_>) -> Objects {
     let mut collector = Collector::new(frame);
     for object in list {
+        let object = one(object).unwrap_or_default();
         let name = object.get("name").and_then(Value::as_str).map(str::to_owned);
         let label = object.get("label").and_then(Value::as_u64).and_then(|label| u16::try_from(label).ok());
         let borders = object.get("box").and_then(numbers).and_then(|borders| <[f64; 4]>::try_from(borders).ok());

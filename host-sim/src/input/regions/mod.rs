@@ -12,6 +12,9 @@
 //!
 //! Positions count from 0, and count objects that are skipped. What is wrong with the file as a whole is an [`ObjectsError`]; what is wrong
 //! with one object skips it ([`Skipped`]): the others are kept.
+//!
+//! # Bounds
+//! At most [`MAX_OBJECTS`] objects, and for all of a file's masks and outlines together at most [`MAX_RUNS`] runs or crossings of rows.
 
 mod coco;
 mod label_image;
@@ -21,14 +24,18 @@ mod table;
 mod yolo;
 
 use crate::input::error::FrameError;
+use crate::untrusted::{self, OBJECTS_BYTES};
 use core::fmt::{self, Write};
 use linestereo::objects::Run;
-use linestereo::{Area, Dims, Region, RegionError};
+use linestereo::{Area, Dims, Region, RegionError, Span};
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// Objects beyond so many are skipped: more than any detector reports, few enough for a page to show.
 pub const MAX_OBJECTS: usize = 4096;
+
+/// Runs of all masks, and rows that edges of outlines cross, of one file: 4096 objects of a thousand each. Objects beyond are skipped.
+pub const MAX_RUNS: usize = 1 << 22;
 
 /// Why a file gives no objects.
 #[derive(Debug)]
@@ -131,7 +138,7 @@ pub struct Skipped {
     pub broken_mask: usize,
     /// Run lengths of another size than the left image.
     pub mask_size: usize,
-    /// Beyond [`MAX_OBJECTS`].
+    /// Beyond [`MAX_OBJECTS`] or [`MAX_RUNS`].
     pub too_many: usize,
     /// Kept, without a name: its class is not in the list of names.
     pub unknown_class: usize,
@@ -153,7 +160,7 @@ impl Skipped {
             (self.unreadable, "unreadable"),
             (self.broken_mask, "with broken run lengths"),
             (self.mask_size, "with a mask of another size"),
-            (self.too_many, "beyond the first 4096"),
+            (self.too_many, "beyond 4096 objects or 4 million runs"),
         ];
         let list: Vec<String> =
             reasons.iter().filter(|(count, _)| *count > 0).map(|(count, why)| format!("{count} {why}")).collect();
@@ -174,6 +181,7 @@ impl Skipped {
             Why::Unreadable => &mut self.unreadable,
             Why::BrokenMask => &mut self.broken_mask,
             Why::MaskSize => &mut self.mask_size,
+            Why::TooMuch => &mut self.too_many,
         } += 1;
     }
 }
@@ -186,6 +194,7 @@ enum Why {
     Unreadable,
     BrokenMask,
     MaskSize,
+    TooMuch,
 }
 
 /// Regions of one pair.
@@ -239,6 +248,15 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
+    /// Of each column and row of the image as matched that of the image as given which lies in its middle.
+    fn sources(&self) -> [Vec<u16>; 2] {
+        let source = |index: u16, matched: u16, given: u16| {
+            (((f64::from(index) + 0.5) * f64::from(given) / f64::from(matched)) as u16).min(given - 1)
+        };
+        let all = |matched, given| (0..matched).map(|index| source(index, matched, given)).collect();
+        [all(self.matched.width, self.given.width), all(self.matched.height, self.given.height)]
+    }
+
     /// Matched over given.
     fn scale(&self) -> f64 {
         f64::from(self.matched.width) / f64::from(self.given.width)
@@ -262,21 +280,28 @@ struct Collector<'a> {
     frame: Frame<'a>,
     objects: Objects,
     position: usize,
+    /// Runs that may still be made.
+    runs_left: usize,
 }
 
 impl<'a> Collector<'a> {
     fn new(frame: Frame<'a>) -> Self {
-        Self { frame, objects: Objects::default(), position: 0 }
+        Self { frame, objects: Objects::default(), position: 0, runs_left: MAX_RUNS }
     }
 
     /// The next object of the file, or why it is none. A label that is given comes before its position.
     fn put(&mut self, found: Result<(Shape, Option<String>, Option<u16>), Why>) {
         let position = self.position;
         self.position += 1;
-        let kept = found.and_then(|(shape, name, label)| Ok((shape.scaled(&self.frame)?, name, label)));
+        let is_full = self.objects.list.len() >= MAX_OBJECTS;
+        let found = found.and_then(|found| if is_full { Err(Why::TooMuch) } else { Ok(found) });
+        let kept = found.and_then(|(shape, name, label)| {
+            let pixels = shape.scaled(&self.frame, &mut self.runs_left)?;
+            // Names go to terminals, tables and pages.
+            Ok((pixels, name.map(|name| untrusted::printable(&name).into_owned()), label))
+        });
         match kept {
             Err(why) => self.objects.skipped.count(why),
-            Ok(_) if self.objects.list.len() >= MAX_OBJECTS => self.objects.skipped.too_many += 1,
             Ok((pixels, name, label)) => match label.or(u16::try_from(position).ok()) {
                 Some(label) => self.objects.list.push(Object { label, name, pixels: pixels.labelled(label) }),
                 None => self.objects.skipped.too_many += 1,
@@ -299,22 +324,28 @@ impl Pixels {
 enum Shape {
     /// Left, top, right, bottom border: whole numbers are borders of pixels.
     Box([f64; 4]),
-    /// A bit per pixel, row by row, of the image as given.
-    Bits(Vec<bool>),
+    /// Run lengths of the image as given, column by column.
+    RunLengths(Vec<u64>),
     /// Corners of the parts of an outline, in the same positions as a box.
     Polygons(Vec<Vec<[f64; 2]>>),
 }
 
 impl Shape {
-    fn scaled(self, frame: &Frame<'_>) -> Result<Pixels, Why> {
+    /// What is taken of `runs_left` is what it costs.
+    fn scaled(self, frame: &Frame<'_>, runs_left: &mut usize) -> Result<Pixels, Why> {
         match self {
             Self::Box(borders) => scaled_box(borders, frame),
-            Self::Bits(bits) => masked(label_image::runs(&reduced(&bits, frame), frame.matched)),
+            Self::RunLengths(counts) => {
+                let runs = run_length::runs(&counts, frame.given, *runs_left)?;
+                *runs_left -= runs.len();
+                masked(reduced_runs(&runs, frame))
+            }
             Self::Polygons(parts) => {
                 let scale = frame.scale();
                 let parts: Vec<Vec<[f64; 2]>> =
                     parts.into_iter().map(|part| part.into_iter().map(|p| p.map(|v| v * scale)).collect()).collect();
                 polygon::check(&parts, frame.matched)?;
+                *runs_left = runs_left.checked_sub(polygon::crossings(&parts, frame.matched)).ok_or(Why::TooMuch)?;
                 masked(polygon::runs(&parts, frame.matched))
             }
         }
@@ -349,15 +380,32 @@ fn scaled_box(borders: [f64; 4], frame: &Frame<'_>) -> Result<Pixels, Why> {
 
 /// Values of the image as given at the pixels of the image as matched: those that lie in the middle of the latter.
 fn reduced<T: Copy>(values: &[T], frame: &Frame<'_>) -> Vec<T> {
-    let Frame { given, matched, .. } = *frame;
-    let source = |index: u16, matched: u16, given: u16| {
-        usize::from((((f64::from(index) + 0.5) * f64::from(given) / f64::from(matched)) as u16).min(given - 1))
-    };
-    let columns: Vec<usize> = (0..matched.width).map(|x| source(x, matched.width, given.width)).collect();
-    let rows = (0..matched.height).map(|y| source(y, matched.height, given.height) * usize::from(given.width));
-    rows.flat_map(|row| columns.iter().map(move |column| row + column)).map(|index| values[index]).collect()
+    let [columns, rows] = frame.sources();
+    let width = usize::from(frame.given.width);
+    let places =
+        rows.iter().flat_map(|&row| columns.iter().map(move |&column| usize::from(row) * width + usize::from(column)));
+    places.map(|index| values[index]).collect()
+}
+
+/// The same of runs by row.
+fn reduced_runs(runs: &[Run], frame: &Frame<'_>) -> Vec<Run> {
+    let [columns, rows] = frame.sources();
+    let column = |x: u16| columns.partition_point(|&source| source < x) as u16;
+    let mut reduced: Vec<Run> = Vec::new();
+    for (&row, y) in rows.iter().zip(0..) {
+        let first = runs.partition_point(|run| run.y < row);
+        for run in runs[first..].iter().take_while(|run| run.y == row) {
+            let span = Span { start: column(run.span.start), end: column(run.span.end) };
+            match reduced.last_mut() {
+                _ if span.start >= span.end => {}
+                Some(last) if last.y == y && last.span.end == span.start => last.span.end = span.end,
+                _ => reduced.push(Run { label: run.label, y, span }),
+            }
+        }
+    }
+    reduced
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ObjectsError> {
-    std::fs::read(path).map_err(|error| ObjectsError::Read(path.to_path_buf(), error))
+    untrusted::read(path, OBJECTS_BYTES).map_err(|error| ObjectsError::Read(path.to_path_buf(), error))
 }

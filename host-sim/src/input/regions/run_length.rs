@@ -7,7 +7,9 @@
 //! `rleFrString` and `rleDecode` of the COCO API (`maskApi.c`).
 
 use super::Why;
-use linestereo::Dims;
+use core::ops::Range;
+use linestereo::objects::Run;
+use linestereo::{Dims, Span};
 
 /// A number has at most so many characters: values are below 2^32.
 const MOST_CHARACTERS: u32 = 7;
@@ -39,20 +41,73 @@ pub(super) fn decompressed(text: &str) -> Result<Vec<u64>, Why> {
     Ok(counts)
 }
 
-/// A bit per pixel, row by row.
-pub(super) fn bits(counts: &[u64], dims: Dims) -> Result<Vec<bool>, Why> {
+/// The rows' runs of an image of this size, with label 1; an error also where they are more than `most`.
+///
+/// # Cost
+/// A step for each number and column, and one for each row at which a column differs from the one before it: nothing for each pixel.
+pub(super) fn runs(counts: &[u64], dims: Dims, most: usize) -> Result<Vec<Run>, Why> {
     let (width, height) = (usize::from(dims.width), usize::from(dims.height));
-    let mut bits = vec![false; width * height];
-    let (mut position, mut inside) = (0_usize, false);
+    let mut outline = Outline { starts: vec![None; height], runs: Vec::new(), most };
+    // Rows of the column at hand that are inside, and of the one before it.
+    let (mut rows, mut before): (Vec<Range<usize>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
+    let (mut position, mut inside, mut column) = (0_usize, false, 0_u16);
     for &count in counts {
         let end = usize::try_from(count).ok().and_then(|count| position.checked_add(count));
-        let end = end.filter(|end| *end <= bits.len()).ok_or(Why::BrokenMask)?;
-        if inside {
-            (position..end).for_each(|index| bits[index % height * width + index / height] = true);
+        let end = end.filter(|end| *end <= width * height).ok_or(Why::BrokenMask)?;
+        while position < end {
+            let top = usize::from(column) * height;
+            let part = position - top..end.min(top + height) - top;
+            position = top + part.end;
+            let is_last = part.end == height;
+            match rows.last_mut() {
+                _ if !inside => {}
+                Some(last) if last.end == part.start => last.end = part.end,
+                _ => rows.push(part),
+            }
+            if is_last {
+                outline.next(column, &before, &rows)?;
+                (before, rows) = (rows, before);
+                rows.clear();
+                column += 1;
+            }
         }
-        (position, inside) = (end, !inside);
+        inside = !inside;
     }
-    if position == bits.len() { Ok(bits) } else { Err(Why::BrokenMask) }
+    if position != width * height {
+        return Err(Why::BrokenMask);
+    }
+    outline.next(dims.width, &before, &[])?;
+    outline.runs.sort_unstable_by_key(|run| (run.y, run.span.start));
+    Ok(outline.runs)
+}
+
+/// Runs by row, of columns that come one after the other.
+struct Outline {
+    /// Where the run that is open begins, of each row.
+    starts: Vec<Option<u16>>,
+    runs: Vec<Run>,
+    most: usize,
+}
+
+impl Outline {
+    /// The next column: rows of one of the two alone begin or end a run.
+    fn next(&mut self, column: u16, before: &[Range<usize>], rows: &[Range<usize>]) -> Result<(), Why> {
+        let mut ends: Vec<usize> = before.iter().chain(rows).flat_map(|part| [part.start, part.end]).collect();
+        ends.sort_unstable();
+        for pair in ends.as_chunks().0 {
+            let [from, to]: [usize; 2] = *pair;
+            for (start, y) in self.starts[from..to].iter_mut().zip(from as u16..) {
+                match start.take() {
+                    None => *start = Some(column),
+                    Some(start) => self.runs.push(Run { label: 1, y, span: Span { start, end: column } }),
+                }
+            }
+            if self.runs.len() > self.most {
+                return Err(Why::TooMuch);
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -63,11 +118,38 @@ mod tests {
     fn columns_come_before_rows() {
         let dims = Dims { width: 3, height: 2 };
         // Background 1, object 3, background 2: the lower left pixel, the middle column.
-        let drawn: String =
-            bits(&[1, 3, 2], dims).unwrap().iter().map(|&inside| if inside { '#' } else { '.' }).collect();
-        assert_eq!(drawn, ".#.##.");
-        assert_eq!(bits(&[1, 3], dims), Err(Why::BrokenMask));
-        assert_eq!(bits(&[1, 3, 3], dims), Err(Why::BrokenMask));
+        let run = |y, start, end| Run { label: 1, y, span: Span { start, end } };
+        assert_eq!(runs(&[1, 3, 2], dims, 9), Ok(vec![run(0, 1, 2), run(1, 0, 2)])); // .#. ##.
+        assert_eq!(runs(&[0, 1, 0, 1, 2, 0, 1, 1], dims, 9), Ok(vec![run(0, 0, 1), run(1, 0, 1), run(1, 2, 3)]));
+        assert_eq!(runs(&[0, 6], dims, 2), Ok(vec![run(0, 0, 3), run(1, 0, 3)]));
+        assert_eq!(runs(&[0, 6], dims, 1), Err(Why::TooMuch));
+        assert_eq!(runs(&[1, 3], dims, 9), Err(Why::BrokenMask));
+        assert_eq!(runs(&[1, 3, 3], dims, 9), Err(Why::BrokenMask));
+    }
+
+    #[test]
+    fn every_mask_is_drawn_as_it_is_read() {
+        let dims = Dims { width: 5, height: 4 };
+        for bits in 0..1_u32 << 20 {
+            // Some thousands of all the masks there are.
+            if bits.wrapping_mul(0x9e37_79b9) >> 24 != 7 {
+                continue;
+            }
+            let is_set = |index: usize| bits >> index & 1 == 1;
+            let mut counts = vec![0_u64];
+            for index in 0..20 {
+                if is_set(index) == counts.len().is_multiple_of(2) {
+                    *counts.last_mut().unwrap() += 1;
+                } else {
+                    counts.push(1);
+                }
+            }
+            let mut drawn = 0;
+            for run in runs(&counts, dims, 20).unwrap() {
+                (run.span.start..run.span.end).for_each(|x| drawn |= 1 << (x * 4 + run.y));
+            }
+            assert_eq!(drawn, bits, "{counts:?}");
+        }
     }
 
     /// Written by pycocotools 2.0.

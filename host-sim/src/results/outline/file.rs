@@ -35,8 +35,8 @@ struct Outline {
 impl OutlineFile {
     /// Of objects with what they are refined to.
     #[must_use]
-    pub fn new<'a>(dims: Dims, list: impl IntoIterator<Item = (&'a Object, &'a Refined)>) -> Self {
-        let objects = list.into_iter().map(|(object, refined)| Outline::new(dims, object, refined)).collect();
+    pub fn new<'a>(dims: Dims, list: impl IntoIterator<Item = (&'a Object, Refined)>) -> Self {
+        let objects = list.into_iter().map(|(object, refined)| Outline::new(dims, object, &refined)).collect();
         Self { width: dims.width, height: dims.height, objects }
     }
 }
@@ -65,7 +65,7 @@ impl Outline {
 }
 
 /// A 16-bit PNG with each object's label at its pixels, 0 elsewhere; later objects lie on top.
-pub fn label_png<'a>(dims: Dims, list: impl IntoIterator<Item = (&'a Object, &'a Refined)>) -> Result<Vec<u8>> {
+pub fn label_png<'a>(dims: Dims, list: impl IntoIterator<Item = (&'a Object, Refined)>) -> Result<Vec<u8>> {
     let mut image = ImageBuffer::<Luma<u16>, Vec<u16>>::new(dims.width.into(), dims.height.into());
     for (object, refined) in list {
         for (x, y, pixel) in image.enumerate_pixels_mut() {

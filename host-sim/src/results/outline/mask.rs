@@ -1,6 +1,6 @@
 //! A flag per pixel: what belongs to an object, on a PC, where memory is no matter.
 
-use linestereo::objects::Run;
+use linestereo::objects::{Run, Shape};
 use linestereo::{Area, Dims, Region, Span};
 
 /// Pixels of an object, row-major.
@@ -24,11 +24,21 @@ impl Mask {
     /// Of a region of an image of this size.
     #[must_use]
     pub fn of(region: &Region<'_>, dims: Dims) -> Self {
-        let Area { left, top, right, bottom } = region.area();
-        let mut mask = Self::new(dims, vec![false; usize::from(dims.width) * usize::from(dims.height)]);
-        for y in top..bottom.min(dims.height) {
-            for x in left..right.min(dims.width) {
-                mask.set(x.into(), y.into(), region.contains(x.into(), y.into()));
+        let width = usize::from(dims.width);
+        let mut mask = Self::new(dims, vec![false; width * usize::from(dims.height)]);
+        let mut fill = |y: u16, start: u16, end: u16| {
+            let row = usize::from(y) * width;
+            mask.pixels[row + usize::from(start)..row + usize::from(end)].fill(true);
+        };
+        match region.shape() {
+            Shape::Box => {
+                let Area { left, top, right, bottom } = region.area();
+                (top..bottom).for_each(|y| fill(y, left, right));
+            }
+            Shape::Mask(runs) => {
+                runs.iter()
+                    .filter(|run| run.label == region.label())
+                    .for_each(|run| fill(run.y, run.span.start, run.span.end));
             }
         }
         mask

@@ -1,0 +1,214 @@
+//! Files that are broken, huge or endless: each ends itself, within the memory and time that `docs/security.md` states.
+
+use crate::support::{stdout, succeed, with_scene};
+use core::fmt::Write as _;
+use serde_json::{Value, json};
+use std::fs;
+use std::io::Write as _;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+/// Address space of a call, KiB; the program alone takes a tenth.
+const MEMORY: usize = 768 << 10;
+/// Longest call, s: tests share two cores, and run what is not optimized.
+const SECONDS: usize = 30;
+/// 16x16 px, with a palette of 4 bytes.
+const PALETTE: &str = "89504e470d0a1a0a0000000d4948445200000010000000100803000000282d0f5300000004504c5445090909c882072bb4\
+    000000114944415478da636060646246c1235b0000cbd00181a4d4a4350000000049454e44ae426082";
+/// The header of 11585x11585 px of 8 bytes, and ten bytes of them.
+const HUGE: &str = "89504e470d0a1a0a0000000d4948445200002d4100002d4110060000003d058f8a\
+    0000000b4944415478da6360800100000a0001ec2403b9";
+
+fn bytes(hex: &str) -> Vec<u8> {
+    (0..hex.len()).step_by(2).map(|at| u8::from_str_radix(&hex[at..at + 2], 16).unwrap()).collect()
+}
+
+/// Calls the program within the bounds.
+fn bounded(folder: &Path, args: &[&str]) -> Output {
+    let call = format!("ulimit -v {MEMORY}; exec timeout {SECONDS} \"$0\" \"$@\"");
+    Command::new("sh")
+        .args(["-c", &call, env!("CARGO_BIN_EXE_linestereo")])
+        .args(args)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// The same, refused in one line.
+#[track_caller]
+fn refused(folder: &Path, args: &[&str], says: &str) {
+    let output = bounded(folder, args);
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{args:?}: {line}");
+    assert!(line.contains(says), "{args:?} does not say {says}: {line}");
+}
+
+fn write_noise(path: &Path, width: usize, height: usize) {
+    let mut image = format!("P5\n{width} {height}\n255\n").into_bytes();
+    image.extend((0..width * height).map(|i| ((i as u32).wrapping_mul(2_654_435_761) >> 24) as u8));
+    fs::write(path, image).unwrap();
+}
+
+/// A folder with three pairs in folders of their own.
+fn recording() -> TempDir {
+    let folder = with_scene("demo", "320x240", "1");
+    for number in ["2", "3"] {
+        succeed(folder.path(), &["scene", "--kind", "demo", "--size", "320x240", number]);
+    }
+    folder
+}
+
+/// What `sequence` says of each frame: its error, or null.
+fn frames(folder: &Path) -> Vec<(String, Value)> {
+    let output = bounded(folder, &["sequence", ".", "--no-points"]);
+    let lines = stdout(&output);
+    let lines = lines.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    lines.map(|line| (line["name"].as_str().unwrap().to_owned(), line["error"].clone())).collect()
+}
+
+#[test]
+fn a_bad_file_ends_its_frame_alone() {
+    let folder = recording();
+    let at = |name: &str| folder.path().join(name);
+    let left = fs::read(at("2/left.png")).unwrap();
+    let text = fs::read(at("2/scene.json")).unwrap();
+    for (file, content, says) in [
+        ("2/left.png", bytes(PALETTE), "its decoder failed"),
+        ("2/left.png", bytes(HUGE), "is not read"),
+        ("2/scene.json", b"{".to_vec(), "is not a scene file"),
+        ("2/scene.json", vec![b' '; 2 << 20], "larger than 1 MiB"),
+    ] {
+        fs::write(at(file), content).unwrap();
+        let found = frames(folder.path());
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["1", "2", "3"], "{file}");
+        let errors: Vec<bool> = found.iter().map(|(_, error)| !error.is_null()).collect();
+        assert_eq!(errors, [false, true, false], "{file}");
+        assert!(found[1].1.as_str().unwrap().contains(says), "{file}: {}", found[1].1);
+        fs::write(at("2/left.png"), &left).unwrap();
+        fs::write(at("2/scene.json"), &text).unwrap();
+    }
+    // A pipe that nobody writes to is no image.
+    fs::remove_file(at("2/left.png")).unwrap();
+    assert!(Command::new("mkfifo").arg(at("2/left.png")).status().unwrap().success());
+    assert_eq!(frames(folder.path()).len(), 2);
+}
+
+#[test]
+fn a_header_alone_refuses_an_image() {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("huge.png"), bytes(HUGE)).unwrap();
+    let says = "huge.png: an image of more than 33 million pixels or 128 MiB of them is not read";
+    refused(folder.path(), &["run", "huge.png", "huge.png", "--json", "-"], says);
+}
+
+#[test]
+fn links_to_a_folder_above_end() {
+    let folder = recording();
+    for name in ["a", "b"] {
+        symlink(".", folder.path().join(name)).unwrap();
+    }
+    assert_eq!(frames(folder.path()).len(), 3);
+    let output = bounded(folder.path(), &["eval", "."]);
+    assert!(stdout(&output).contains("3 pairs"), "{}", stdout(&output));
+    let empty = TempDir::new().unwrap();
+    for name in ["a", "b"] {
+        symlink(".", empty.path().join(name)).unwrap();
+    }
+    for command in ["eval", "sequence"] {
+        refused(empty.path(), &[command, "."], "no pair in a layout that is known");
+    }
+}
+
+#[test]
+fn an_array_is_unpacked_as_far_as_its_header_says() {
+    let folder = TempDir::new().unwrap();
+    for side in ["left", "right"] {
+        write_noise(&folder.path().join(format!("{side}.pgm")), 64, 48);
+    }
+    let header = |shape: &str| {
+        let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
+        [b"\x93NUMPY\x01\x00".as_slice(), &(text.len() as u16).to_le_bytes(), text.as_bytes()].concat()
+    };
+    for (shape, says) in [("(16000, 16000)", "no image that is read"), ("(48, 63)", "give two images of one size")] {
+        let mut archive = ZipWriter::new(fs::File::create(folder.path().join("disp.npz")).unwrap());
+        archive.start_file("disp.npy", SimpleFileOptions::default()).unwrap();
+        archive.write_all(&header(shape)).unwrap();
+        for _ in 0..640 {
+            archive.write_all(&[0x3f; 1 << 20]).unwrap();
+        }
+        archive.finish().unwrap();
+        refused(folder.path(), &["eval", "."], says);
+    }
+}
+
+#[test]
+fn masks_and_outlines_cost_what_they_show() {
+    let folder = TempDir::new().unwrap();
+    let (width, height) = (1280, 960);
+    for side in ["left", "right"] {
+        write_noise(&folder.path().join(format!("{side}.pgm")), width, height);
+    }
+    let full = json!({"segmentation": {"size": [height, width], "counts": [0, width * height]}, "image_id": 1});
+    // Each edge crosses every row.
+    let corners: Vec<usize> = (0..3000).flat_map(|i| [i * 7 % width, i % 2 * height]).collect();
+    let zigzag = json!({"segmentation": [corners], "image_id": 1});
+    for (objects, listed, skipped) in
+        [(vec![full; 1024], 1024, ""), (vec![zigzag; 300], 1, "objects skipped: 299 beyond")]
+    {
+        fs::write(folder.path().join("objects.json"), serde_json::to_vec(&objects).unwrap()).unwrap();
+        let args = ["run", "left.pgm", "right.pgm", "--objects", "objects.json", "--objects-csv", "objects.csv"];
+        let text = stdout(&bounded(folder.path(), &args));
+        assert!(text.contains(skipped), "{text}");
+        assert_eq!(fs::read_to_string(folder.path().join("objects.csv")).unwrap().lines().count(), 1 + listed);
+    }
+}
+
+#[test]
+fn what_has_no_end_is_refused() {
+    let folder = with_scene("demo", "320x240", ".");
+    for name in ["zero.json", "zero.csv", "zero.txt", "zero.png", "zero.toml"] {
+        symlink("/dev/zero", folder.path().join(name)).unwrap();
+    }
+    let run = ["run", "left.png", "right.png"];
+    for name in ["zero.json", "zero.csv", "zero.txt"] {
+        let args = [&run[..], &["--objects", name]].concat();
+        let output = bounded(folder.path(), &args);
+        assert!(String::from_utf8_lossy(&output.stderr).contains("larger than 32 MiB"), "{name}: {output:?}");
+    }
+    refused(folder.path(), &[&run[..], &["--scene", "zero.json"]].concat(), "larger than 1 MiB");
+    refused(folder.path(), &[&run[..], &["--rig", "zero.toml"]].concat(), "larger than 1 MiB");
+    refused(folder.path(), &["flash-image", "--check", "/dev/zero"], "larger than 1 MiB");
+    refused(folder.path(), &["run", "zero.png", "zero.png"], "no plain file");
+}
+
+#[test]
+fn names_give_a_terminal_no_orders() {
+    let folder = with_scene("demo", "320x240", ".");
+    let name = "\u{1b}[2J\u{202e}evil";
+    fs::copy(folder.path().join("left.png"), folder.path().join(format!("{name}left.png"))).unwrap();
+    fs::copy(folder.path().join("right.png"), folder.path().join(format!("{name}right.png"))).unwrap();
+    let mut objects = String::from("x0,y0,x1,y1,label,name\n");
+    writeln!(objects, "10,10,100,100,1,{name}").unwrap();
+    fs::write(folder.path().join("objects.csv"), objects).unwrap();
+    let [left, right] = ["left", "right"].map(|side| format!("{name}{side}.png"));
+    let run = ["run", &left, &right, "--objects", "objects.csv"];
+    let written = [&run[..], &["--json", "o.json", "--objects-csv", "o.csv", "--verbose"]].concat();
+    let told = [&run[..], &["--objects-csv", "-"]].concat();
+    let report = ["report", &left, &right, "--objects", "objects.csv", "-o", "report.html"];
+    let missing = format!("{name}.png");
+    for args in [&written[..], &told, &report, &["sequence", "."], &["run", &missing, &missing]] {
+        let output = bounded(folder.path(), args);
+        for text in [output.stdout, output.stderr] {
+            assert!(!String::from_utf8_lossy(&text).contains(['\u{1b}', '\u{202e}']), "{args:?}");
+        }
+    }
+    for file in ["o.json", "o.csv", "report.html"] {
+        let text = fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(text.contains("evil") && !text.contains(['\u{1b}', '\u{202e}']), "{file}");
+    }
+}
