@@ -293,7 +293,7 @@ typedef struct {
   uint16_t view_permille;
 } LinestereoCamera;
 
-// What is wrong with a pair, and how many segments it has.
+// Faults of a pair, and its counts.
 typedef struct {
   // Sum of `LinestereoFault`: faults of this pair or of one shortly before.
   uint32_t faults;
@@ -409,7 +409,7 @@ LinestereoStatus linestereo_run_areas(LinestereoMatcher *matcher,
                                       const LinestereoArea *areas,
                                       size_t count);
 
-// What is wrong with the last pair.
+// Faults of the last pair, and its counts.
 LinestereoStatus linestereo_health(LinestereoMatcher *matcher, LinestereoHealth *health);
 
 // Segment `index` of the last pair, from 0, most confident first. `LinestereoHealth.segments_matched` says how many there are.

@@ -1,6 +1,6 @@
 //! The functions of `linestereo.h`: pointers become references here, each checked for null and alignment, and memory for its size.
 //!
-//! What no check can see is the contract of C, which linestereo.h says for all functions: what is neither null nor misaligned points to what its
+//! The contract of C remains, which no check can see and linestereo.h states for all functions: what is neither null nor misaligned points to what its
 //! type says, memory belongs to one matcher alone, and one thread uses it at a time.
 
 use crate::engine::Engine;
@@ -27,7 +27,7 @@ const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
 /// Called with every point; `context` is what the caller gave.
 pub type PointCallback = Option<unsafe extern "C" fn(context: *mut c_void, point: *const Point)>;
 
-/// What a pointer points to.
+/// The object at a pointer.
 ///
 /// # Safety
 /// It points to a `T` that nobody changes during `'a`, if it is neither null nor misaligned.
@@ -42,7 +42,7 @@ unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, Status> {
     Ok(unsafe { &*pointer })
 }
 
-/// So many elements; null is right for none.
+/// The `count` elements from a pointer on; null is right for none.
 ///
 /// # Safety
 /// As [`read`], for all of them.
@@ -215,7 +215,7 @@ unsafe fn run(
     }
 }
 
-/// What is wrong with the last pair.
+/// Faults of the last pair, and its counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut Health) -> Status {
     // SAFETY: as this function's.

@@ -147,7 +147,7 @@ impl Status {
         Self::LowConfidence,
     ];
 
-    /// What is wrong, and the range of a number that is outside it.
+    /// The error in words, with the range of a number that is outside it.
     pub const fn text(self) -> &'static CStr {
         match self {
             Self::Ok => c"all is well",

@@ -188,7 +188,7 @@ pub struct Camera {
     pub view_permille: u16,
 }
 
-/// What is wrong with a pair, and how many segments it has.
+/// Faults of a pair, and its counts.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Health {

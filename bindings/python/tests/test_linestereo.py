@@ -1,4 +1,4 @@
-"""What a user of numpy and OpenCV does, right and wrong."""
+"""Calls from numpy and OpenCV, right and wrong."""
 
 import json
 import os

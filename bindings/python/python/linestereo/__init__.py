@@ -38,7 +38,7 @@ in m (inf: too far, nan: no rig)."""
 
 
 class Fault(enum.Enum):
-    """What is wrong with a pair; docs/faults.md says what to do."""
+    """Fault of a pair; docs/faults.md has its remedy."""
 
     LEFT_EXPOSURE = "left_exposure"
     RIGHT_EXPOSURE = "right_exposure"
