@@ -14,7 +14,7 @@
 //!
 //! # Cost
 //! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along
-//! and, in the right image, 11 k: 3.2 M instructions. Captured pairs of 128 to 1240 px take up to 0.9 of a budget, and are not cut.
+//! and, in the right image, 11 k: 3.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
 use super::SCAN_STEP;
 use super::edges::STRETCH;
