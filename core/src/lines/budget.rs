@@ -16,8 +16,6 @@
 //! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along
 //! and, in the right image, 11 k: 3.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
-use super::SCAN_STEP;
-use super::edges::STRETCH;
 use crate::area::Area;
 use crate::image::Dims;
 
@@ -40,7 +38,7 @@ struct Rate {
 const DOWN: Rate = Rate { start_q10: 86, searched_q10: 124 };
 /// Edges along the columns. Captured pairs take up to 0.25.
 const ALONG: Rate = Rate { start_q10: 70, searched_q10: 200 };
-/// Edges along the columns where scans are further apart than [`SCAN_STEP`]. Captured pairs take up to 0.12.
+/// Edges along the columns where scans are further apart (`is_sparse`). Captured pairs take up to 0.12.
 const ALONG_SPARSE: Rate = Rate { start_q10: 40, searched_q10: 104 };
 
 /// Budget of the edges of one direction.
@@ -55,9 +53,9 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// The budget of an image, or of areas of it, scanned every `scan` rows (columns, unless `down`).
-    pub(super) fn new(dims: Dims, areas: Option<&[Area]>, (down, scan): (bool, i32)) -> Self {
-        let Rate { start_q10, searched_q10 } = match (down, scan > SCAN_STEP) {
+    /// The budget of an image, or of areas of it, whose stretches stand for so many pixels each.
+    pub(super) fn new(dims: Dims, areas: Option<&[Area]>, (down, is_sparse): (bool, bool), stretch: i32) -> Self {
+        let Rate { start_q10, searched_q10 } = match (down, is_sparse) {
             (true, _) => DOWN,
             (false, false) => ALONG,
             (false, true) => ALONG_SPARSE,
@@ -71,7 +69,7 @@ impl Budget {
         let (searched, reached) =
             if areas.is_some() { (sum(0), sum(REACH)) } else { (grown(whole, 0), grown(whole, 0)) };
         let left_q10 = (FIXED << 10) + reached * start_q10 + (reached - searched) * searched_q10;
-        Self { left_q10, stretch_q10: scan * STRETCH * searched_q10, taken: 0, cut: 0 }
+        Self { left_q10, stretch_q10: stretch * searched_q10, taken: 0, cut: 0 }
     }
 
     /// Adds what a stretch that is searched brings, pixels between its scan and the next one included.

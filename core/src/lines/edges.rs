@@ -24,7 +24,7 @@ pub(crate) const STEP: i32 = 2;
 /// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
 pub(crate) const SCAN_STEP: i32 = 6;
 /// Pixels of a stretch. A scan starts at most one edge, the strongest, in each, which bounds the work on texture and noise.
-pub(super) const STRETCH: i32 = 16;
+const STRETCH: i32 = 16;
 /// Pixels next to the border that hold no edge: reach of the ridge test.
 const BORDER: i32 = 4;
 
@@ -96,7 +96,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        let budget = Budget::new(dims, areas, (DOWN, scan));
+        let budget = Budget::new(dims, areas, (DOWN, scan > SCAN_STEP), scan * STRETCH);
         let LineParams { anchor, edge, .. } = *params;
         Self { pixels, stride, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
     }
