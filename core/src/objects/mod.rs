@@ -114,7 +114,8 @@ pub struct ObjectDepth {
     pub confidence: Confidence,
 }
 
-/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth.
+/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth. With the offset of a rig
+/// it is a thin slice of near depths instead, which is given up: what stays at its pixel is rather dirt, overlaid text or the pattern of a sensor.
 const STILL_Q6: i32 = 48;
 /// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
 const LEAST_WEIGHT_Q8: i32 = 282;
@@ -145,18 +146,12 @@ impl ObjectQuery<'_> {
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
         let refusal = refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8)
-            .or_else(|| has_no_parallax(&surface, self.rig.as_ref()).then_some(NoDepth::NoParallax));
+            .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(NoDepth::NoParallax));
         match refusal {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
         }
     }
-}
-
-/// True when the surface is at the same pixels of both images, in a rig where that means far away.
-fn has_no_parallax(surface: &Surface, rig: Option<&Rig>) -> bool {
-    let offset_q6 = rig.map_or(0, Rig::offset_q6);
-    surface.centre_q6.abs() < STILL_Q6 && offset_q6.abs() < i64::from(STILL_Q6)
 }
 
 /// Reason why the surface is refused, if it is.

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Instructions of the built-in pairs.
-const INSTRUCTIONS: &str = include_str!("../../../docs/board-numbers.toml");
+const INSTRUCTIONS: &str = include_str!("../../board-numbers.toml");
 /// The core's clock by its own counter may differ so much from the one it was set to: both come from one oscillator.
 const CLOCK_TOLERANCE: f64 = 0.01;
 

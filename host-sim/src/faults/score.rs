@@ -10,7 +10,7 @@
 
 use super::{Damage, Evidence, Family};
 use crate::engine::{Engine, FrameResult};
-use crate::evaluate::{ObjectCase, Outline, score_objects};
+use crate::evaluate::{ObjectCase, ObjectScore, Outline, score_objects};
 use crate::input::Truth;
 use core::fmt::Write;
 use linestereo::HealthFlags;
@@ -43,6 +43,8 @@ pub struct Tally {
     pub points_wrong: usize,
     /// Sum of the probabilities that these points state.
     pub stated: f64,
+    /// The wrong answers, one a line: object, form, answer, true range, probability.
+    pub wrong_answers: Vec<String>,
 }
 
 impl Tally {
@@ -56,6 +58,7 @@ impl Tally {
         self.points += other.points;
         self.points_wrong += other.points_wrong;
         self.stated += other.stated;
+        self.wrong_answers.extend_from_slice(&other.wrong_answers);
     }
 
     /// Answers that are wrong, and far off, in percent of all; 0 without any.
@@ -79,10 +82,18 @@ pub fn score(engine: &mut Engine, result: &FrameResult, cases: &[ObjectCase], tr
         tally.refused = 1;
         return tally;
     }
+    if std::env::var_os("DBG").is_some() { eprintln!("FIT {} {:?}", cases.first().map_or("", |c| &c.name), result.pair.as_ref().map(|p| p.rows)); }
     for answer in score_objects(engine, cases).iter().filter(|answer| answer.refused.is_none()) {
         tally.answers += 1;
         tally.wrong += usize::from(answer.wrong);
         tally.far_off += usize::from(answer.wrong && answer.error > FAR_OFF * answer.disparity);
+        if answer.wrong {
+            let ObjectScore { name, outline, disparity, range: (low, high), confidence, .. } = answer;
+            tally.wrong_answers.push(format!(
+                "{name}, {}: {disparity:.1} px, true {low:.1} to {high:.1}, at p {confidence:.3}",
+                outline.name()
+            ));
+        }
     }
     for point in &result.points {
         if let Some(disparity) = truth.disparity(point.x.into(), point.y.into()) {
