@@ -1,6 +1,9 @@
 //! Grey images as borrowed views: the only place where image geometry is validated.
 //!
 //! In: a byte slice, its dimensions and the distance between rows. Out: a view all of whose rows exist.
+//!
+//! # Cost
+//! Rows are checked once, when a view is made.
 
 use core::fmt;
 

@@ -1,5 +1,6 @@
 //! One rectified pair -> matches and points: the stages of a run.
 
+use crate::area::Area;
 use crate::focus::{Focus, SearchRegions};
 use crate::image::Gray;
 use crate::lines::{self, LineParams, LineScratch};
@@ -130,20 +131,29 @@ impl Plan {
         // Of the right image only near-horizontal segments are needed, for the row offset.
         let right_lines = LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        counts.segments_left_dropped =
-            lines::detect(left, regions.left(self.params.cell).as_deref(), &lines, scratch, m.left);
+        let found = lines::detect(left, regions.left(self.params.cell).as_deref(), &lines, scratch, m.left);
+        (counts.segments_left_dropped, counts.edges_cut) = (found.segments, found.edges);
+        counts.edge_units = found.units;
         observer.on_event(StageEvent::LinesLeft(m.left));
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         if focus.row_offset_q5.is_none() {
             let regions = regions.right(m.left, &self.params);
-            counts.segments_right_dropped = lines::detect(right, regions.as_deref(), &right_lines, scratch, m.right);
+            let found = lines::detect(right, regions.as_deref(), &right_lines, scratch, m.right);
+            counts.segments_right_dropped = found.segments;
+            counts.edges_cut = counts.edges_cut.saturating_add(found.edges);
+            counts.edge_units += found.units;
             lines::sort_by_top(m.right);
         }
         observer.on_event(StageEvent::LinesRight(m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 = match focus.row_offset_q5 {
             Some(known) => known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5),
-            None => row_offset::estimate(m.left, m.right, self.disparities()),
+            None => {
+                let (offset_q5, cut) =
+                    row_offset::estimate(m.left, m.right, self.disparities(), Area::of(self.dims).pixels());
+                counts.comparisons_cut = cut;
+                offset_q5
+            }
         };
         let lost = lines::keep_prominent(
             m.left,
@@ -217,7 +227,8 @@ impl Plan {
                 }
             }
         }
-        consistency::accumulate_support(m.candidates, m.neighbours);
+        let cut = consistency::accumulate_support(m.candidates, m.neighbours);
+        counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
         surroundings::evaluate_sides(m.candidates, Grid::new(&self.params, self.dims), m.support);
     }
 

@@ -6,6 +6,10 @@
 //! matches:    segments whose edge itself has one side's disparity with enough probability, most probable first
 //! points:     pixels beside sides, most probable side first, then support points; each pixel once
 //! ```
+//!
+//! # Cost
+//! A candidate: some 300 instructions, a sort of them (`2 n log2 n` comparisons), 20 for every two within the rows of a contradiction. Points: one test a pixel of each
+//! side, at most 2 * reach * 32 a candidate, and one a support point.
 
 use crate::confidence::{Model, Models};
 use crate::evidence::SegmentKind;

@@ -166,11 +166,17 @@ pub struct Counts {
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
+    /// Edges of both images that were not drawn, because the budget of work was spent: a dense grating has more than any scene. Counted are
+    /// the places where one would have started.
+    pub edges_cut: u16,
+    /// Left segments that were not compared with all others for the same reason: with right ones, for the row offset, or with their neighbours.
+    pub comparisons_cut: u16,
     /// Left segments that were searched over the whole disparity range, because support points nearby gave no narrower one.
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
     rejected: [u16; Rejection::ALL.len()],
+    pub(crate) edge_units: u32,
 }
 
 impl Counts {
@@ -178,6 +184,12 @@ impl Counts {
     #[must_use]
     pub fn rejected(&self, reason: Rejection) -> u16 {
         self.rejected.get(reason as usize).copied().unwrap_or(0)
+    }
+
+    /// Work of the edges of both images, in units of some 65 instructions of a Cortex-M7: what [`Counts::edges_cut`] keeps bounded.
+    #[must_use]
+    pub fn edge_units(&self) -> u32 {
+        self.edge_units
     }
 
     pub(crate) fn reject(&mut self, reason: Rejection) {

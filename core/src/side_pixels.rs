@@ -1,6 +1,9 @@
 //! Pixels beside a segment that have the disparity of one of its sides.
 //!
 //! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row (column, when near-horizontal) of the segment.
+//!
+//! # Cost
+//! Some 20 instructions a row (column) of the segment, at most 32.
 
 use crate::image::{Dims, Gray, Span};
 use crate::matching::Candidate;

@@ -132,7 +132,7 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
         "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health\n\
          board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n\
         \x20       1       0.040         -     11.0      21.5      0.3        25       2.00    infinite  segments_dropped\n\
-         health: segments_dropped: more segments than the board has memory for; the shortest are left out\n\
+         health: segments_dropped: more segments than there is memory or time for: those that fit are used\n\
         \x20       2       0.080      40.0     11.0      21.5      0.3     15/25       2.00    infinite  good\n\
         \x20       5       0.200     120.0     11.0      21.5      0.3         0          -           -  good\n\
         \x20       6       0.240      40.0     11.0      21.5      0.3     10/12       2.00    infinite  good\n\

@@ -14,8 +14,8 @@ fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     let mut strengths = [0; 640];
     let mut list = heapless::Vec::<Segment, N>::new();
     let scratch = LineScratch { marks: &mut marks, chain: &mut chain, strengths: &mut strengths };
-    let dropped = detect(image, None, &PARAMS, scratch, &mut list);
-    (list.to_vec(), dropped)
+    let found = detect(image, None, &PARAMS, scratch, &mut list);
+    (list.to_vec(), found.segments)
 }
 
 /// A straight edge through the middle (plus `shift`), anti-aliased over one pixel; `theta` in degrees, clockwise from +x.

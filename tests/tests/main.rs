@@ -4,6 +4,7 @@ mod baselines;
 mod block_matching;
 mod board;
 mod board_objects;
+mod bounds;
 mod c_library;
 mod determinism;
 mod edges;

@@ -22,7 +22,7 @@
 //! Disparity and position in 1/64 px below 2^17; slopes at most 0.5 and 1, Q12, times an extent of 24 px in 1/32 px: 2^22.
 //!
 //! # Cost
-//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST`] matches. 48 samples at 12 columns each cost 0.5 M instructions a
+//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST_MEASURED`] matches. 48 samples at 12 columns each cost 0.5 M instructions a
 //! pair; the largest error against known offsets was 0.062 px then, and is 0.078 px now.
 //!
 //! # Source
@@ -37,6 +37,8 @@ use heapless::Vec;
 
 /// Most samples of a pair.
 const MOST: usize = 24;
+/// Most matches measured for them: captured pairs need up to 37, horizontal stripes have 157 that give none.
+const MOST_MEASURED: usize = 48;
 /// Number of gradients compared on each side of the edge.
 const HALF: i32 = 3;
 /// Largest vertical difference compared, px; the peak lies inside.
@@ -85,8 +87,8 @@ pub struct Rows {
 /// Measures the difference of rows; `None` without a match that allows it.
 pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Option<Rows> {
     let mut offsets: Vec<i16, MOST> = Vec::new();
-    for found in matches {
-        if let Some(offset) = Edge::of(found).and_then(|edge| edge.offset_q8(left, right))
+    for edge in matches.iter().filter_map(Edge::of).take(MOST_MEASURED) {
+        if let Some(offset) = edge.offset_q8(left, right)
             && offsets.push(offset).is_ok()
             && offsets.is_full()
         {

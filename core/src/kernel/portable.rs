@@ -5,6 +5,9 @@
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
 //! callers add at most two curves: fits `u16`; larger inputs wrap. Hamming distances are at most 8 per point, and at
 //! most 31 points are summed per curve before widening: 248 fits `u8`; more points wrap.
+//!
+//! # Cost
+//! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards, `docs/board-numbers.toml` lists them.
 
 use core::cell::Cell;
 

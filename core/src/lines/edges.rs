@@ -5,9 +5,14 @@
 //! # Bounds
 //! Sobel of 8-bit pixels: |g| <= 1020. Positions in 1/32 px below 2^16 for images up to 2047 px.
 //!
+//! # Cost
+//! A scan: 2 instructions for each of its pixels, some 60 a stretch. An edge: some 195 a test of the ridge, one for each position and two more; an edge that
+//! enters areas is passed once more on the way to its start, at each position once in all. What edges may take in all: [`Budget`].
+//!
 //! # Source
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
+use super::budget::Budget;
 use super::{Chain, LineParams, Room};
 use crate::area::Area;
 use crate::image::{Gray, Span};
@@ -39,14 +44,17 @@ pub(crate) struct Edges<'a, const DOWN: bool> {
     stride: usize,
     steps: i32,
     breadth: i32,
+    /// Rows (columns) between two scans for anchors.
+    scan: i32,
     anchor: i32,
     edge: i32,
     /// Valid columns of each row; empty when all are.
     valid: &'a [Span],
     /// Areas in which edges start; everywhere without.
     areas: Option<&'a [Area]>,
-    /// A bit per position: a row of bits for each step.
+    /// Two rows of bits for each step: positions drawn, and positions that [`Edges::first_anchor`] has passed.
     marks: &'a mut [u32],
+    budget: Budget,
 }
 
 /// Position of the ridge on one row (column).
@@ -76,31 +84,44 @@ struct Anchor {
 }
 
 impl<'a, const DOWN: bool> Edges<'a, DOWN> {
-    pub(crate) fn new(image: Gray<'a>, areas: Option<&'a [Area]>, params: &LineParams, marks: &'a mut [u32]) -> Self {
+    pub(crate) fn new(
+        image: Gray<'a>,
+        areas: Option<&'a [Area]>,
+        (params, scan): (&LineParams, i32),
+        marks: &'a mut [u32],
+    ) -> Self {
         let dims = image.dims();
         let (pixels, stride) = image.as_slice();
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        Self { pixels, stride, steps, breadth, anchor: params.anchor, edge: params.edge, valid, areas, marks }
+        let budget = Budget::new(dims, areas, (DOWN, scan > SCAN_STEP), scan * STRETCH);
+        let LineParams { anchor, edge, .. } = *params;
+        Self { pixels, stride, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
     }
 
-    /// Draws every edge and calls `emit` with each chain.
+    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the number of edges that it did not allow, and the units
+    /// taken.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, scan: i32, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) {
+    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> (u16, u32) {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
             let mut stretches = self.stretches_in_areas(t);
             while from < self.breadth - BORDER && stretches != 0 {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
-                if stretches & 1 != 0
+                let is_searched = stretches & 1 != 0;
+                if is_searched {
+                    self.budget.search();
+                }
+                if is_searched
                     && let Some((first, last)) = self.valid_part(t, from, to)
                     && let Some(anchor) = self.strongest(t, first, last)
+                    && self.budget.allows_edge()
                 {
                     if self.areas.is_some()
-                        && let Some((before, first)) = self.first_anchor(t, scan, anchor)
+                        && let Some((before, first)) = self.first_anchor(t, anchor)
                         && let Some(chain) = self.draw(before, first, room)
                     {
                         emit(chain);
@@ -112,8 +133,9 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
                 from = to;
                 stretches >>= 1;
             }
-            t += scan;
+            t += self.scan;
         }
+        (self.budget.cut, self.budget.taken)
     }
 
     /// A bit for each stretch of a row: set where it has pixels of the areas.
@@ -165,25 +187,26 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     }
 
     /// The anchor before `t` from which a search over the whole image would have drawn this edge: the first scan, of those that the edge passes
-    /// from its start on, on which it is the strongest of its stretch. Nothing is marked.
-    fn first_anchor(&mut self, t: i32, scan: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
+    /// from its start on, on which it is the strongest of its stretch. What an earlier search passed was drawn from there: each position is passed once.
+    fn first_anchor(&mut self, t: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
         let sign = anchor.sign;
         let start = self.ridge::<false>(t, anchor.u, sign)?;
         let mut found = None;
         let mut drift_q5 = -start.lean_q5(sign);
         let mut position_q5 = start.position_q5;
-        let (mut at, mut next_scan) = (t - STEP, t - scan);
+        let (mut at, mut next_scan) = (t - STEP, t - self.scan);
         while at >= BORDER {
             let Some(ridge) = self.ridge::<false>(at, (position_q5 + drift_q5 + 16) >> 5, sign) else { break };
             drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
             position_q5 = ridge.position_q5;
             if at == next_scan {
-                next_scan -= scan;
+                next_scan -= self.scan;
                 let other = self.anchor_beside(at, ridge.u).filter(|other| other.sign == sign);
                 found = other.map(|other| (at, other)).or(found);
             }
             at -= STEP;
         }
+        self.budget.take((t - at) / STEP + 1, 0);
         found
     }
 
@@ -197,6 +220,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// Follows the ridge from an anchor both ways; positions are stored at index `t / STEP`.
     fn draw<'r>(&mut self, t: i32, anchor: Anchor, room: &'r mut Room<'_>) -> Option<Chain<'r>> {
         let sign = anchor.sign;
+        self.budget.take(1, 0);
         let start = self.ridge::<true>(t, anchor.u, sign)?;
         keep(room, t, &start);
         let lean_q5 = start.lean_q5(sign);
@@ -219,15 +243,17 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
                 last = at - step;
             }
         }
+        let count = (last - first) / STEP + 1;
+        self.budget.take(count + 1, count); // and two tests that ended it
         let range = usize::try_from(first / STEP).ok()?..usize::try_from(last / STEP + 1).ok()?;
         let (positions, strengths) = (room.positions.get(range.clone())?, room.strengths.get(range)?);
         Some(Chain { first, positions, strengths, rising: sign > 0 })
     }
 
     /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
-    /// along the other direction, or was drawn before. `MARK`s it.
+    /// along the other direction, or was drawn before or, unless to `DRAW` it, passed before. Marks it.
     #[inline]
-    fn ridge<const MARK: bool>(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
+    fn ridge<const DRAW: bool>(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
         if u < BORDER || u >= self.breadth - BORDER || !self.is_valid(t, u) {
             return None;
         }
@@ -238,19 +264,31 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             return None;
         }
         let u = u + shift;
-        let bit = (t / STEP).wrapping_mul(self.breadth).wrapping_add(u) as usize;
-        let mark = self.marks.get_mut(bit >> 5)?;
-        let mask = 1 << (bit & 31);
-        if *mark & mask != 0 {
+        let bit = t.wrapping_mul(self.breadth).wrapping_add(u);
+        let (drawn, mask) = self.mark(bit)?;
+        if *drawn & mask != 0 {
             return None;
         }
-        if MARK {
-            *mark |= mask;
+        if DRAW {
+            *drawn |= mask;
+        } else {
+            // The rows (columns) between positions have marks to spare.
+            let (passed, mask) = self.mark(bit.wrapping_add(self.breadth))?;
+            if *passed & mask != 0 {
+                return None;
+            }
+            *passed |= mask;
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
         Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid, along })
+    }
+
+    /// The word of a mark, and its bit.
+    #[inline]
+    fn mark(&mut self, bit: i32) -> Option<(&mut u32, u32)> {
+        self.marks.get_mut(bit as usize >> 5).map(|word| (word, 1 << (bit & 31)))
     }
 
     #[inline]

@@ -13,14 +13,19 @@
 //! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
 //!
 //! # Bounds
-//! A position is drawn at most once per direction, so time is bounded by a few tests per pixel of each second row (column) for any image;
-//! memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
+//! A position is drawn at most once per direction; memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
+//!
+//! # Cost
+//! Scans for anchors: 2 instructions a pixel of every scanned row (column). Edges: a [`Budget`](budget::Budget) per image and direction in
+//! proportion to the pixels, which is used up by dense gratings alone; an edge that it does not allow is counted. A segment takes 16 units of it at
+//! least, and some 400 instructions; beyond the list's capacity `log2` of that.
 //!
 //! # Source
 //! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011 (incremental least squares along a chain);
 //! Suarez et al.: "ELSED", 2022. Differences: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1, and
 //! each direction keeps one position per step, which makes a chain an array.
 
+mod budget;
 mod edges;
 mod fit;
 
@@ -119,8 +124,18 @@ pub struct LineScratch<'a> {
     pub strengths: &'a mut [u8],
 }
 
-/// Lists the segments of `image` in the order in which they are drawn; returns the number of those that did not fit (the
-/// shortest are dropped).
+/// Work of a detection, and what it left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Detection {
+    /// Segments that did not fit, the shortest.
+    pub segments: u16,
+    /// Edges that were not drawn, because the budget of work was spent: places where one would have started.
+    pub edges: u16,
+    /// Work of the edges that were drawn, units of some 65 instructions of a Cortex-M7.
+    pub units: u32,
+}
+
+/// Lists the segments of `image` in the order in which they are drawn; returns what was left out.
 ///
 /// With `areas`, only edges with an anchor in one of them are drawn, in full length.
 pub fn detect(
@@ -129,7 +144,7 @@ pub fn detect(
     params: &LineParams,
     scratch: LineScratch<'_>,
     out: &mut VecView<Segment>,
-) -> u16 {
+) -> Detection {
     out.clear();
     let mut list = KeepLongest { out, dropped: 0 };
     let mut runs = |chain: Chain<'_>, direction: Direction| {
@@ -143,15 +158,17 @@ pub fn detect(
     };
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
+    let (mut edges, mut units) = (0_u16, 0);
     if let Some(scan) = params.row_scan {
-        Edges::<true>::new(image, areas, params, marks)
-            .for_each_chain(scan, &mut room, |chain| runs(chain, Direction::Down));
+        (edges, units) = Edges::<true>::new(image, areas, (params, scan), marks)
+            .for_each_chain(&mut room, |chain| runs(chain, Direction::Down));
     }
     if let Some(scan) = params.column_scan {
-        Edges::<false>::new(image, areas, params, marks)
-            .for_each_chain(scan, &mut room, |chain| runs(chain, Direction::Along));
+        let (cut, taken) = Edges::<false>::new(image, areas, (params, scan), marks)
+            .for_each_chain(&mut room, |chain| runs(chain, Direction::Along));
+        (edges, units) = (edges.saturating_add(cut), units + taken);
     }
-    list.dropped
+    Detection { segments: list.dropped, edges, units }
 }
 
 /// Sorts segments by their first row, and from left to right within it.

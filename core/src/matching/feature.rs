@@ -2,6 +2,9 @@
 //!
 //! In: the line of a left segment, the disparity of its window, the band of rows. Out: the disparity by the edge itself, sub-pixel. Evidence,
 //! not a requirement: an edge between two surfaces may have another gradient in the right image.
+//!
+//! # Cost
+//! Some 130 instructions a row, at most [`FEATURE_ROWS`] a segment.
 
 use super::band::{Band, SampledRows};
 use crate::kernel::FLAT;

@@ -5,6 +5,10 @@
 //!
 //! A near-vertical segment is matched as a whole (`near_vertical`), a near-horizontal one by windows above and below it (`near_horizontal`); both use the same
 //! curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
+//!
+//! # Cost
+//! One segment of each square of the image is matched, so that their number is bounded by the area: 192 at QVGA and 20 px, at most 24 000 instructions each at 64
+//! disparities, 3.6 M in all. A picture in which every segment passes every test takes the most.
 
 pub(crate) mod aggregate;
 pub(crate) mod band;

@@ -12,6 +12,9 @@
 //!
 //! # Bounds
 //! At most 4 blocks of 2 rows of 8 pixels, 62 each: 3968. Census: at most 9 points a row, 2 rows, 8 bits each.
+//!
+//! # Cost
+//! 16 strips of windows and at most 36 points of census over the disparities, some 20 passes over a curve: 24 000 instructions at 64 disparities.
 
 use super::aggregate::join_sides;
 use super::band::{Band, on_band};

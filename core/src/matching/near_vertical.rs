@@ -14,6 +14,9 @@
 //! # Bounds
 //! Gradients differ by at most 62, so a strip costs at most 8 * 62 a row; two rows a half, two halves, two strips: sums stay below 2^12.
 //! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
+//!
+//! # Cost
+//! 12 strips and 16 points of census over the disparities, some 20 passes over a curve: 24 000 instructions at 64 disparities, whatever the length.
 
 use super::aggregate::join_sides;
 use super::band::{Band, SampledRows};

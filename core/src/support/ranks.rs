@@ -5,6 +5,9 @@
 //!
 //! # Bounds
 //! Windows of two rows of points share no row of the image: 7 rows, points 8 rows apart.
+//!
+//! # Cost
+//! 6 instructions a pixel of every second row, and 6 for their order by columns (Armv7E-M), whatever the picture.
 
 use crate::image::Gray;
 use crate::kernel::{RANK_FLAT, RANK_ROWS, RankColumn, STRIP, rank_columns, rank_row};

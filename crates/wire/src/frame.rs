@@ -86,6 +86,10 @@ pub struct Counts {
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
+    /// Edges left out.
+    pub edges_cut: u16,
+    /// Segments that were not compared with all others.
+    pub comparisons_cut: u16,
     /// See [`linestereo::Counts`].
     pub searched_fully: u16,
     /// Segments in the list of matches.
@@ -111,6 +115,8 @@ impl From<&linestereo::Counts> for Counts {
             segments_right: counts.segments_right,
             segments_left_dropped: counts.segments_left_dropped,
             segments_right_dropped: counts.segments_right_dropped,
+            edges_cut: counts.edges_cut,
+            comparisons_cut: counts.comparisons_cut,
             searched_fully: counts.searched_fully,
             matched: counts.matched,
             points: 0,

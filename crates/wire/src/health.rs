@@ -43,7 +43,7 @@ impl Health {
     pub const GOOD: Self = Self(0);
     /// The pair was refused: its size is not the planned one.
     pub const SIZE_MISMATCH: Self = Self(1);
-    /// A list of detected segments was full.
+    /// A list of detected segments was full, or the budget of work for edges or comparisons was spent.
     pub const SEGMENTS_DROPPED: Self = Self(1 << 1);
     /// Results between the last record and this one were not sent: the port is slower than the board.
     pub const RESULTS_SKIPPED: Self = Self(1 << 4);
@@ -65,11 +65,15 @@ impl Health {
         names
     };
 
-    /// The flags that follow from what the core counted: its full lists.
+    /// The flags that follow from what the core counted: full lists, and work left out.
     #[must_use]
     pub fn of(counts: &Counts) -> Self {
-        let is_full = counts.segments_left_dropped > 0 || counts.segments_right_dropped > 0;
-        if is_full { Self::SEGMENTS_DROPPED } else { Self::GOOD }
+        let Counts { segments_left_dropped, segments_right_dropped, edges_cut, comparisons_cut, .. } = *counts;
+        if [segments_left_dropped, segments_right_dropped, edges_cut, comparisons_cut] != [0; 4] {
+            Self::SEGMENTS_DROPPED
+        } else {
+            Self::GOOD
+        }
     }
 
     /// The core's flags among them.

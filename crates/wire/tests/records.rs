@@ -94,6 +94,7 @@ fn counts_are_the_cores() {
         (wire.segments_left_dropped, wire.segments_right_dropped),
         (counts.segments_left_dropped, counts.segments_right_dropped)
     );
+    assert_eq!((wire.edges_cut, wire.comparisons_cut), (counts.edges_cut, counts.comparisons_cut));
     assert_eq!((head.width, head.height, head.health), (96, 64, Health::RESULTS_SKIPPED | Health::of(counts)));
 }
 
@@ -108,9 +109,15 @@ fn each_rejection_has_its_own_place() {
 #[test]
 fn health_follows_full_lists() {
     assert_eq!(Health::of(&linestereo::Counts::default()), Health::GOOD);
-    for [left, right] in [[1, 0], [0, 1]] {
+    let kinds: [fn(&mut linestereo::Counts) -> &mut u16; 4] = [
+        |counts| &mut counts.segments_left_dropped,
+        |counts| &mut counts.segments_right_dropped,
+        |counts| &mut counts.edges_cut,
+        |counts| &mut counts.comparisons_cut,
+    ];
+    for kind in kinds {
         let mut counts = linestereo::Counts::default();
-        (counts.segments_left_dropped, counts.segments_right_dropped) = (left, right);
+        *kind(&mut counts) = 1;
         assert_eq!(Health::of(&counts), Health::SEGMENTS_DROPPED);
     }
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
@@ -168,8 +175,8 @@ fn the_layout_of_this_version_is_exactly_this() {
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12,
-        13, 14, 15, 16, 3, 0,
+        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 11, 12, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10,
+        11, 12, 13, 14, 15, 16, 3, 0,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };

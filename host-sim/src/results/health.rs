@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Remedy for each flag, in the order of [`Health::NAMES`].
 const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
-    ("segments_dropped", "more segments than the board has memory for; the shortest are left out"),
+    ("segments_dropped", "more segments than there is memory or time for: those that fit are used"),
     ("results_skipped", "the port is slower than the board: raise its speed"),
     ("pair_missing", "a camera gave no picture: check its cable and power"),
     (

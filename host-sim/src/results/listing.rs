@@ -260,6 +260,8 @@ pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
     list.extend([
         ("segments_left_dropped", u32::from(counts.segments_left_dropped)),
         ("segments_right_dropped", u32::from(counts.segments_right_dropped)),
+        ("edges_cut", u32::from(counts.edges_cut)),
+        ("comparisons_cut", u32::from(counts.comparisons_cut)),
         ("searched_fully", u32::from(counts.searched_fully)),
         ("points", counts.points),
     ]);

@@ -71,6 +71,8 @@ pub(crate) fn counts(value: u16) -> Counts {
         segments_right: value.wrapping_add(1),
         segments_left_dropped: value.wrapping_add(2),
         segments_right_dropped: value.wrapping_add(3),
+        edges_cut: value.wrapping_add(10),
+        comparisons_cut: value.wrapping_add(11),
         searched_fully: value.wrapping_add(9),
         matched: value.wrapping_add(4),
         points: u32::from(value) << 16,
