@@ -4,6 +4,8 @@
 //! drawn and captured pairs, whole and in parts, that `cargo xtask bench --board mps2-an500 --frames FOLDER` has counted under QEMU. Of whole pairs that
 //! cost 1.1 times the median or more it says 0.91 to 1.04 of what they cost, of three boxes 0.89 to 1.04, of one 0.83 to 1.06.
 
+use core::f64::consts::TAU;
+use core::time::Duration;
 use linestereo::diagnostics::{Observer, Segment, StageEvent};
 use linestereo::{Area, Counts, Dims, Focus, Match, Pair, Params, Rejection};
 use linestereo_baselines::GrayImage;
@@ -12,10 +14,9 @@ use linestereo_sim::input::{Scene, find_scenes, load_scene};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_wire::Health;
-use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// As on boards.
