@@ -83,6 +83,9 @@ unsafe fn write<T>(pointer: *mut T, value: Result<T, Status>) -> Status {
 /// # Safety
 /// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
 unsafe fn with<T>(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<T, Status>) -> Result<T, Status> {
+    if matcher.is_null() {
+        return Err(Status::Null);
+    }
     // SAFETY: as this function's; the address is looked at alone, since memory that was not initialised is no `Matcher`.
     let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Matcher, address)).cast::<usize>())? };
     if address != matcher.addr() || !matcher.is_aligned() {

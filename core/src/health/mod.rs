@@ -219,9 +219,12 @@ impl HealthMonitor {
         health: &mut PairHealth,
     ) -> (HealthFlags, HealthFlags) {
         let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);
-        let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= limits.min_row_samples);
-        if let Some(rows) = found {
-            let is_uneven = rows.spread_q8 > limits.row_spread_q8;
+        let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= LEAST_SAMPLES);
+        let is_few = |rows: &rows::Rows| rows.samples < limits.min_row_samples;
+        // The spread of few is known less well: it takes twice as much, and an even one is no measurement.
+        let is_uneven = |rows: &rows::Rows| rows.spread_q8 >> u32::from(is_few(rows)) > limits.row_spread_q8;
+        if let Some(rows) = found.filter(|rows| !is_few(rows) || is_uneven(rows)) {
+            let is_uneven = is_uneven(&rows);
             tested |= HealthFlags::ROWS_UNEVEN;
             now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
             health.rows = Some(rows);
@@ -320,6 +323,9 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
     let least = if rows_are_known { limits.matched_permille } else { limits.unwitnessed_permille };
     compared >= MIN_COMPARED && u32::from(counts.matched) * 1000 < u32::from(compared) * u32::from(least)
 }
+
+/// Least number of matches whose differences of rows can be uneven.
+const LEAST_SAMPLES: u8 = 4;
 
 /// True when enough windows match beyond the range.
 fn is_small(range: &RangeCheck, limits: &HealthLimits) -> bool {
