@@ -8,7 +8,7 @@ use linestereo_boards::Board;
 /// A built-in pair and how to match it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
-    /// What is painted.
+    /// Scene that is painted.
     pub scene: Scene,
     /// Size of both images.
     pub dims: Dims,

@@ -70,7 +70,7 @@ mod by_reset {
         }
     }
 
-    /// What the last run noted before its end, once.
+    /// Note of the last run before its end, once.
     pub fn last_note() -> Option<Reset> {
         let [written, exit, complement, location] = NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
         NOTE[0].store(0, Ordering::Relaxed);

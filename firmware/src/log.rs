@@ -5,7 +5,7 @@ use defmt_rtt as _;
 #[cfg(all(target_os = "none", feature = "log-semihosting"))]
 use defmt_semihosting as _;
 
-/// What went as it should.
+/// Logs a success.
 #[macro_export]
 macro_rules! info {
     ($text:literal $(, $value:expr)* $(,)?) => {{
@@ -16,7 +16,7 @@ macro_rules! info {
     }};
 }
 
-/// What did not.
+/// Logs a failure.
 #[macro_export]
 macro_rules! error {
     ($text:literal $(, $value:expr)* $(,)?) => {{

@@ -7,7 +7,7 @@ use crate::memory::Memory;
 use crate::ports::{CapturedPair, PairSource};
 use linestereo::Dims;
 
-/// What is painted.
+/// Scene that is painted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
     /// Textured boards, some of them slanted, nearer ones in front of farther ones; a little noise.

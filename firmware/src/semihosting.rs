@@ -82,7 +82,7 @@ impl ByteSource for File {
     }
 }
 
-/// What the PC cannot write (a full disk) is lost.
+/// Bytes that the PC cannot write (a full disk) are lost.
 impl ByteSink for File {
     fn write(&mut self, bytes: &[u8]) {
         let block = [self.0, bytes.as_ptr().addr() as u32, bytes.len() as u32];

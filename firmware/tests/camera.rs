@@ -52,7 +52,7 @@ fn config(width: u16, height: u16, binning: Binning) -> Config {
     Config::new(Dims { width, height }, binning, FrameStart::Free)
 }
 
-/// What a sensor's tests need to know of it.
+/// Data of a sensor for its tests.
 struct Case {
     name: &'static str,
     address: u8,
@@ -131,7 +131,7 @@ fn everything(case: &Case) -> Vec<(String, Asked)> {
     list
 }
 
-/// What is said while a sensor runs, or is started.
+/// Writes to a sensor that runs, or is started.
 fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
     let fake = Fake::of::<M>();
     let mut chip = OnFake::<M>::new(fake.clone(), case.address, NoReset);
@@ -143,7 +143,7 @@ fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
     fake.said()
 }
 
-/// What is said to put a sensor into standby.
+/// Writes that put a sensor into standby.
 fn standby<M: Model>(case: &Case) -> Vec<Transaction> {
     trace::<M>(case, Asked::Stop)
 }

@@ -35,7 +35,7 @@ const LIMITS: Limits = Limits {
     pair_us: PERIOD_US as u32 / 4,
 };
 
-/// What happens to a frame of a camera.
+/// Fate of a frame of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Injected {
     Nothing,
@@ -54,7 +54,7 @@ enum Injected {
     Silent,
 }
 
-/// What the hardware of a camera does, in order.
+/// Actions of a camera's hardware, in order.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Vsync,
@@ -94,7 +94,7 @@ fn script(eye: CameraSide, frame: u32, what: Injected, after_torn: Option<u32>) 
     steps
 }
 
-/// What every byte of a row is made of.
+/// Value of every byte of a row.
 fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
     let mut bytes = [0; WIDTH as usize];
     let [a, b, c, d] = frame.to_le_bytes();
@@ -245,7 +245,7 @@ fn rings(hardware: &Rc<RefCell<Hardware>>) -> [FakeRing; 2] {
 const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 type Frames = [[u8; WIDTH as usize * ROWS as usize]; 2];
 
-/// What lies in a board's memory.
+/// Contents of a board's memory.
 fn frames(memory: &mut impl Memory) -> Frames {
     memory.frames().map(|frame| frame[..size_of::<Frames>() / 2].try_into().unwrap())
 }
@@ -264,7 +264,7 @@ fn frame_of(frames: &Frames) -> Result<u32, String> {
     found.ok_or("no rows".into())
 }
 
-/// What is to happen, and what has to come of it.
+/// Events, and the outcome that they must have.
 struct Plan {
     injected: [Vec<Injected>; 2],
     /// Before this frame's row 3 has come nothing is worked on, until its row 9.
@@ -284,7 +284,7 @@ impl Plan {
             faults: BTreeMap::new(),
             good: Vec::new(),
         };
-        // What each camera's frame is not good for, for the reasons before it.
+        // Faults of each camera's frame, for the reasons before it.
         let mut carried = [0_u32; 2];
         for frame in 0..frames {
             let mut is_good = true;

@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 const BYTE_US: u64 = 23;
 const ROOM: usize = 16;
 
-/// What happens on the wires.
+/// Event on the wires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wire {
     /// A start, or one again.
@@ -41,7 +41,7 @@ struct Inner {
     has_stopped: bool,
     abort: u32,
     wires: Vec<Wire>,
-    /// So many bytes on the wires, addresses among them, until nobody acknowledges one, the block gives up (with these bits), or nothing happens any more.
+    /// Bytes on the wires, addresses among them, until nobody acknowledges one, the block gives up (with these bits), or nothing happens any more.
     refused_after: Option<usize>,
     given_up_after: Option<(usize, u32)>,
     stuck_after: Option<usize>,
@@ -67,7 +67,7 @@ impl Inner {
         self.is_read = None;
     }
 
-    /// What has happened until now.
+    /// Events until now.
     fn run(&mut self, now_us: u64) {
         if self.wires.last() == Some(&Wire::Stop) && now_us >= self.busy_until_us {
             self.has_stopped = true;

@@ -230,7 +230,7 @@ impl RowRing for Ring {
     }
 }
 
-/// What a sensor sends: a frame, with its faults.
+/// Output of a sensor: a frame, with its faults.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     seed: u32,

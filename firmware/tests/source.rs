@@ -24,7 +24,7 @@ const LIMITS: Limits =
     Limits { rows: 48, row_bytes: 64, row_gap_us: 200, readout_us: 3000, silence_us: 20_000, pair_us: 500 };
 const PATIENCE_US: u32 = 50_000;
 
-/// What both cameras and their clock share.
+/// State common to both cameras and their clock.
 #[derive(Default)]
 struct Bench {
     now_us: Cell<u64>,
@@ -124,7 +124,7 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
     for frame in 0..3 {
         let pair = source.next_pair(&mut *memory, Some(DIMS)).unwrap();
         assert_eq!((pair.dims, pair.frame_start), (DIMS, Some(FrameStart::Triggered)));
-        // What `follow` has said after one pair counts from the next one on.
+        // The times of `follow` after one pair count from the next one on.
         let middle_us = if frame == 0 { 0 } else { 300 };
         assert_eq!(pair.times_us, Some([1_000_000 - middle_us; 2]));
 
@@ -410,7 +410,7 @@ fn a_level_is_lowered_when_no_pair_comes() {
         let (_, held_us) = last_pulse(&bench, 0);
         let least_us = u64::from(least_us);
         assert!((least_us..least_us + 500).contains(&held_us), "{late_us:?}: {held_us}");
-        // What has been sent ends; then both work.
+        // Frames under way end; then both work.
         bench.pass(2 * PERIOD_US);
         bench.late_us.set([Some(300); 2]);
         assert!((0..2).any(|_| source.next_pair(&mut *memory, None).is_some()), "{late_us:?}");

@@ -30,13 +30,13 @@ const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
     Limits { rows: ROWS as u16, row_bytes, row_gap_us: 200, readout_us: PERIOD_US as u32, silence_us, pair_us }
 }
 
-/// What every byte of a camera's row is made of.
+/// Value of every byte of a camera's row.
 fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
     let [a, b, c, _] = frame.to_le_bytes();
     core::array::from_fn(|place| [eye as u8, a, b, c, row as u8, !a, !b, place as u8][place % 8] ^ (place as u8 & 8))
 }
 
-/// What happens in a stream.
+/// Event in a stream.
 #[derive(Clone, Debug)]
 enum Step {
     Start,

@@ -154,7 +154,7 @@ pub fn pair(bytes: &[u8]) {
         reach: Some(reach.into()),
         ..ParamUpdate::default()
     };
-    // What is refused is left out, so that most inputs are matched.
+    // Refused parameters are left out, so that most inputs are matched.
     let (params, _) = update
         .plan(Params::default(), dims)
         .or_else(|_| ParamUpdate { max_disparity: Some(8), ..ParamUpdate::default() }.plan(Params::default(), dims))

@@ -29,9 +29,9 @@ pub struct FrameResult {
     pub matches: Vec<Match>,
     /// Points, most confident first, one per pixel at most.
     pub points: Vec<Point>,
-    /// What was found, rejected and dropped.
+    /// Counts of segments found, rejected and dropped.
     pub counts: Counts,
-    /// What is wrong with the pair.
+    /// Faults of the pair.
     pub health: Health,
     /// The numbers behind it; `None` when nobody looked.
     pub pair: Option<PairReport>,

@@ -639,7 +639,7 @@ fn every_truncation_is_read_or_refused() {
         })
     });
     let (read, refused) = survive(cases.chain(end()));
-    // What is cut off at its end may still be whole: few are.
+    // A file cut off at its end may still be whole: few are.
     assert!(read + refused == all && read < refused / 10, "{read} read, {refused} refused of {all}");
 }
 

@@ -448,7 +448,7 @@ fn damaged_arrays_are_named() {
     assert_eq!(names, ["a", "b"]);
 }
 
-/// Whatever a file holds, it is read or named.
+/// Any file is read or named.
 #[test]
 fn changed_bytes_are_no_crash() {
     let array = npy("<f4", "(20, 48)", &floats(&values(f32::NAN)));

@@ -45,7 +45,7 @@ fn send_photo(stream: &mut TcpStream, command: u16, n: u8, lost: Option<usize>) 
             }
             let list = heapless::Vec::from_slice(piece).unwrap();
             send(stream, &Message::Pixels(Pixels { is_right, first: (place * PIXELS_PER_PACKET) as u32, list }));
-            // What else a board says stands between them.
+            // Other messages of a board stand between them.
             send(stream, &Message::Capture(CaptureReport::default()));
         }
     }

@@ -36,7 +36,7 @@ fn near_limits_are_those_that_makers_publish() {
 
 #[test]
 fn errors_are_those_of_the_core() {
-    // What the board computes for a disparity and its standard deviation, in steps of 1/64 px and 1/65536 m.
+    // Result of the board for a disparity and its standard deviation, in steps of 1/64 px and 1/65536 m.
     let rig = Rig::new(451.0, 0.075, 0.0).unwrap();
     let plan = plan(451.0, VGA, 0.075, 96);
     for distance in [0.4, 1.0, 2.5, 6.0] {

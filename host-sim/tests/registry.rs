@@ -54,7 +54,7 @@ fn a_wheel_is_checked_and_laid_out() {
     assert!(!package.is_laid_out(&out));
     package.lay_out(&file, &out).unwrap();
     check_laid_out(&package, &out);
-    // What was changed is no longer laid out, and is put right again.
+    // A changed file is no longer laid out, and is put right again.
     fs::write(out.join("set/a/left.png"), "another image").unwrap();
     assert!(!package.is_laid_out(&out));
     package.lay_out(&file, &out).unwrap();

@@ -62,7 +62,7 @@ fn recording() -> TempDir {
     folder
 }
 
-/// What `sequence` says of each frame: its error, or null.
+/// Frames of `sequence` with their errors, or null.
 fn frames(folder: &Path) -> Vec<(String, Value)> {
     let output = bounded(folder, &["sequence", ".", "--no-points"]);
     let lines = stdout(&output);

@@ -12,7 +12,7 @@ use linestereo_wire::Health;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What `made` holds. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
+/// Value of `made`. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
 ///
 /// # Panics
 /// When it failed, and `CI` or `LINESTEREO_TOOLCHAIN` is set.

@@ -30,7 +30,7 @@ fn seen_from_the_right(left: &GrayImage, seed: u64, shift: impl Fn(u16, u16) -> 
     let (width, height) = (left.dims.width, left.dims.height);
     let mut right = noise(width, height, seed);
     for y in 0..height {
-        // What is nearer covers what is farther.
+        // Nearer surfaces cover farther ones.
         let mut columns: Vec<u16> = (0..width).collect();
         columns.sort_by_key(|&x| shift(x, y));
         for x in columns {

@@ -30,7 +30,7 @@ fn image(dims: Dims, run: impl FnOnce(&mut dyn FnMut(usize, &[i16])) -> Result<(
 fn dense((left, right): &(GrayImage, GrayImage), settings: &Settings) -> Vec<i16> {
     let pair = [left.view().unwrap(), right.view().unwrap()];
     let mut memory = Box::new(Dense::new());
-    // What lies in the memory from the pair before changes nothing.
+    // Memory from the pair before changes nothing.
     memory.run(settings, [pair[1], pair[0]], &mut |_, _| {}).unwrap();
     image(left.dims, |row| memory.run(settings, pair, row))
 }

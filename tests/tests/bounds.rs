@@ -24,7 +24,7 @@ type Memory = linestereo::scratch!(Dims { width: 320, height: 320 }, 640);
 
 type Large = linestereo::scratch!(Dims { width: 1280, height: 960 }, 4096);
 
-/// What is matched of a pair.
+/// Part of a pair that is matched.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     Whole,
@@ -56,7 +56,7 @@ impl Part {
     }
 }
 
-/// What a run did.
+/// Work of a run, in steps.
 #[derive(Debug, Default)]
 struct Steps {
     /// Of both images.

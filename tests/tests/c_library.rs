@@ -81,7 +81,7 @@ fn write_pair(folder: &Path, images: &[GrayImage; 2]) {
     }
 }
 
-/// What the examples print, by the PC's program: its CSV, its points, an object, its health.
+/// Output of the examples, by the PC's program: its CSV, its points, an object, its health.
 fn expected([left, right]: &[GrayImage; 2]) -> String {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
     let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
@@ -234,7 +234,7 @@ fn a_fresh_cmake_project_links_it() {
         run(Command::new("cmake").current_dir(into.path()).args(["-S", ".", "-B", folder]).args(settings));
         let mut build = Command::new("cmake");
         build.current_dir(into.path()).args(["--build", folder]);
-        // What cargo made already is there again.
+        // Libraries that cargo has built are there again.
         let shared = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
         if settings.is_empty() {
             std::fs::create_dir_all(into.path().join(folder).join("linestereo")).unwrap();

@@ -1,6 +1,6 @@
 //! Single edges of every direction, slant, sub-pixel shift and owner through the whole core.
 //!
-//! What a match says of the surface on its owning side is compared with that surface: a segment may rightly belong to the wall
+//! The disparity of a match on its owning side is compared with that surface: a segment may rightly belong to the wall
 //! behind the edge, as long as it says so.
 
 use linestereo::{Dims, Match, Owner, Params};

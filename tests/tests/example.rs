@@ -69,7 +69,7 @@ fn the_readme_shows_firmware_that_builds() {
     assert!(readme.contains(&format!("```rust\n{source}```\n")), "docs/firmware-example/src/lib.rs is shown as it is");
 }
 
-/// Whoever depends on the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a feature.
+/// A dependent of the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a feature.
 #[test]
 fn firmware_elsewhere_gets_the_kernels() {
     let cases: [(&str, &[&str], bool); 3] = [

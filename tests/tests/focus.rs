@@ -33,7 +33,7 @@ fn is_near(segment: &Segment, area: Area) -> bool {
     area.contains((a.0 + b.0) >> 6, (a.1 + b.1) >> 6) && area.contains((3 * a.0 + b.0) >> 7, (3 * a.1 + b.1) >> 7)
 }
 
-/// What matching says of the candidates in an area, without what their neighbours make of it.
+/// Results of matching for the candidates in an area, without those of their neighbours.
 fn near(ran: &Matched<'_>, area: Area) -> Vec<String> {
     let facts = |candidate: &Candidate| {
         let Candidate { segment, sides, window_q6, census_q6, feature_q6, .. } = candidate;

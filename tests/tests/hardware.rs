@@ -113,7 +113,7 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
     assert!(boards >= if on_all() { 3 } else { 1 }, "{boards} boards");
 }
 
-/// What the part's class allows, bytes.
+/// Limit of the part's class, bytes.
 #[test]
 fn the_h7_keeps_to_its_budget() {
     let board = Board::named("stm32h743").unwrap();

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What panic handlers call: of the library for the proof, and of the one for C.
+/// Functions that panic handlers call: of the library for the proof, and of the one for C.
 const PANICS: [&str; 2] = ["panic_is_reachable", "linestereo_panic"];
 
 /// Builds a library for this machine and returns its path. All have the same profile, and share what they are made of.

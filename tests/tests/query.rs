@@ -110,7 +110,7 @@ fn a_blank_wall_is_not_known() {
         let (left, right) = Perturbation { noise, ..Perturbation::default() }.apply(&blank, &blank);
         let answers = ask(&left, &right, 5);
         let answered = answers.iter().filter(|(_, answer)| answer.is_ok()).count();
-        // What is answered claims 0.9: noise may be credible once in a hundred times, not more.
+        // Answers claim 0.9: noise may be credible once in a hundred times, not more.
         assert!(answered * 100 <= answers.len(), "noise {noise}: {answered} of {}", answers.len());
     }
 }
@@ -279,7 +279,7 @@ fn memory_and_order_do_not_matter() {
 
 #[test]
 fn a_region_leaves_out_features_of_others() {
-    // Whatever the region is, what is answered inside the square is the square's.
+    // For any region, an answer inside the square is the square's.
     let (left, right) = Square::pair();
     let params = Params { max_disparity: RANGE, ..Params::default() };
     let mut engine = Engine::new(&params, DIMS).unwrap();

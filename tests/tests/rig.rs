@@ -32,7 +32,7 @@ fn disparities() -> impl Iterator<Item = Disparity> {
     (i16::MIN..=i16::MAX).map(Disparity::from_bits)
 }
 
-/// What the rig computes with: the offset is rounded to the step of a disparity.
+/// Numbers of the rig's arithmetic: the offset is rounded to the step of a disparity.
 fn rounded(offset: f64) -> f64 {
     (offset * DISPARITY_STEPS).round() / DISPARITY_STEPS
 }

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What it costs to see a pair's obstacles, and to tell an autopilot.
+/// Cost of a pair's obstacles, and of telling an autopilot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Autopilot {
     /// Instructions from matches to sectors.
@@ -40,7 +40,7 @@ impl Autopilot {
     }
 }
 
-/// What a kernel costs.
+/// Cost of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct KernelCost {
     /// The one that the core uses on this board.
@@ -49,11 +49,11 @@ pub(crate) struct KernelCost {
     pub(crate) portable: u64,
 }
 
-/// What the program `bench` found.
+/// Results of the program `bench`.
 pub(crate) struct Builtin {
     /// Name and instructions by stage of every pair.
     pub(crate) pairs: Vec<(String, Costs)>,
-    /// What an autopilot costs, by pair.
+    /// Cost of an autopilot, by pair.
     pub(crate) autopilot: Vec<(String, Autopilot)>,
     /// Instructions of every kernel on work of the usual size.
     pub(crate) kernels: Vec<(String, KernelCost)>,
@@ -90,7 +90,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     Ok(Builtin { pairs, autopilot, kernels, stack })
 }
 
-/// What rectifying a pair with a built-in rig costs.
+/// Cost of rectifying a pair with a built-in rig.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Rectified {
     /// Instructions from the rig to both meshes.

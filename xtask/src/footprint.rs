@@ -61,7 +61,7 @@ pub(crate) fn run(top: &Path, boards: &[Board], bless: bool) -> Result<()> {
     bail!("not as in {FILE}: {}; if it was meant: cargo xtask footprint --bless", differences.join(", "))
 }
 
-/// What has changed by more than the tolerance, in words.
+/// Sizes that have changed by more than the tolerance, in words.
 fn differences(old: &Footprints, new: &Footprints) -> Vec<String> {
     let mut list = Vec::new();
     for (name, now) in new {

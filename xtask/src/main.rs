@@ -278,7 +278,7 @@ fn lint(boards: &[Board]) -> Result<()> {
 /// On hardware; the others read and write files of a PC.
 const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];
 
-/// What a board can run.
+/// Programs that a board can run.
 fn programs(board: &Board) -> Result<Vec<String>> {
     if !board.is_emulated() {
         return Ok(HARDWARE_PROGRAMS.map(str::to_owned).into());

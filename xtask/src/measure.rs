@@ -114,7 +114,7 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     let mut new = measure(top, frames.as_deref())?;
     if bless {
         for (name, board) in &mut new.boards {
-            // What cannot be measured here stays.
+            // Numbers that cannot be measured here stay.
             if let Some(before) = old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none()) {
                 board.captured = before.captured.iter().map(|(size, of)| (size.clone(), of.copy())).collect();
                 board.objects.clone_from(&before.objects);
@@ -199,7 +199,7 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
     Ok(RigImage::new(calibration, rectified, View::default(), range)?)
 }
 
-/// What the program `bench` gives.
+/// Results of the program `bench`.
 fn built_in(board: &Board) -> Result<BoardNumbers> {
     let Builtin { pairs, autopilot, kernels, .. } = bench::builtin(board)?;
     let groups = bench::by_size(board, pairs)?;

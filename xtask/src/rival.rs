@@ -18,10 +18,10 @@ use std::path::Path;
 const WIDTH: usize = Board::MPS2_AN500.largest.width as usize;
 type Workspace = blocks::Workspace<WIDTH, { Board::MPS2_AN500.pixels() }, { groups(WIDTH).0 }, { groups(WIDTH).1 }>;
 
-/// What one method gave for one pair.
+/// Result of one method for one pair.
 type ByMethod = BTreeMap<String, Measured>;
 
-/// What the program `blocks` found.
+/// Results of the program `blocks`.
 struct Blocks {
     /// By pair, in its order.
     pairs: Vec<ByMethod>,

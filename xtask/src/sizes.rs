@@ -47,7 +47,7 @@ pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
     read(&firmware::build(&toolchain, board, program, Logs::None)?)
 }
 
-/// What a section takes.
+/// Size of a section.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Code,

@@ -44,7 +44,7 @@ const ALONG_SPARSE: Rate = Rate { start_q10: 40, searched_q10: 104 };
 /// Budget of the edges of one direction.
 pub(super) struct Budget {
     left_q10: i32,
-    /// What a stretch brings.
+    /// Units that a stretch adds, Q10.
     stretch_q10: i32,
     /// Units taken.
     pub(super) taken: u32,

@@ -16,7 +16,7 @@
 //! A position is drawn at most once per direction; memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
 //!
 //! # Cost
-//! Scans for anchors: 2 instructions a pixel of every scanned row (column). Edges: a [`Budget`](budget::Budget) per image and direction in
+//! Scans for anchors: 2 instructions a pixel of every scanned row (column). Edges: a `Budget` per image and direction in
 //! proportion to the pixels, which is used up by dense gratings alone; an edge that it does not allow is counted. A segment takes 16 units of it at
 //! least, and some 400 instructions; beyond the list's capacity `log2` of that.
 //!

@@ -144,7 +144,7 @@ impl<'a> Rest<'a> {
         Some(taken)
     }
 
-    /// So many values.
+    /// The next `count` values, each `value`; `None` beyond the memory.
     fn filled<T: Copy>(&mut self, count: usize, value: T) -> Option<&'a mut [T]> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
         let start: *mut T = self.take(words_of::<T>(count))?.as_mut_ptr().cast();

@@ -15,7 +15,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// So many messages a second, at least one.
+    /// A rate of `messages` a second, at least one.
     #[must_use]
     pub const fn per_second(rate_hz: u8) -> Self {
         let interval_us = match rate_hz {

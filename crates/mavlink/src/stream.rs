@@ -1,6 +1,6 @@
 //! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and what becomes of a pair that is not fit to be used.
 //!
-//! # What autopilots make of "no data"
+//! # "No data" at autopilots
 //! | policy | sent while the pair is unfit | PX4 | ArduPilot |
 //! |---|---|---|---|
 //! | `Silent` | no distances | stops after 0.5 s, holds its position after 5 s | free after 1 to 1.75 s |

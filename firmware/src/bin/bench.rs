@@ -1,4 +1,4 @@
-//! What each stage costs on the built-in frames. Argument: the file for the table.
+//! Cost of each stage on the built-in frames. Argument: the file for the table.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,4 +1,4 @@
-//! What block matching costs on the built-in pairs, or on those of a file, and which bytes it gives. Arguments: the file for the table, and if
+//! Cost of block matching on the built-in pairs, or on those of a file, and its bytes. Arguments: the file for the table, and if
 //! there is one a file of pairs.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

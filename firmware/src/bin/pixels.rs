@@ -1,4 +1,4 @@
-//! What the depth of a pixel costs on the built-in pairs, and which bytes it gives. Argument: the file for the table.
+//! Cost of the depth of a pixel on the built-in pairs, and its bytes. Argument: the file for the table.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

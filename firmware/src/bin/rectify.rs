@@ -1,4 +1,4 @@
-//! What rectifying a pair costs with the built-in rigs. Argument: the file for the table.
+//! Cost of rectifying a pair with the built-in rigs. Argument: the file for the table.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -118,7 +118,7 @@ pub type InstructionClock = Timer<0x4000_0000, 25>;
 
 const UARTS: [usize; 2] = [0x4000_4000, 0x4000_5000];
 
-/// What they give to `live`.
+/// Peripherals for `live`.
 pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
     let [host, autopilot] = Uart::start(UARTS, 25);
     emulated::peripherals(InstructionClock::start(), host, autopilot)

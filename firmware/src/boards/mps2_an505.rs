@@ -24,7 +24,7 @@ mod on_board {
 
     const UARTS: [usize; 2] = [0x5020_0000, 0x5020_1000];
 
-    /// What it gives to `live`.
+    /// Peripherals for `live`.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
         let [host, autopilot] = Uart::start(UARTS, 20);
         emulated::peripherals(InstructionClock::start(), host, autopilot)

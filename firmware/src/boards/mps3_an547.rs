@@ -58,7 +58,7 @@ mod on_board {
         }
     }
 
-    /// What it gives to `live`.
+    /// Peripherals for `live`.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
         let [host, autopilot] = Uart::start(UARTS, MHZ);
         emulated::peripherals(InstructionClock::start(), host, autopilot)

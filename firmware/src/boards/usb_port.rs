@@ -32,7 +32,7 @@ static FROM_HOST: Pipe<1024> = Pipe::new();
 /// Has a host opened the port (DTR)?
 static IS_OPEN: AtomicBool = AtomicBool::new(false);
 
-/// What embassy-usb wants to keep.
+/// Memory of embassy-usb.
 struct Memory<'a> {
     configuration: [u8; 128],
     bos: [u8; 16],

@@ -43,7 +43,7 @@ impl<const WIRES: u8> Hm01b0Over<WIRES> {
     /// Its 7-bit address.
     pub const ADDRESS: u8 = 0x24;
 
-    /// What decides about the wires (bit 6: four of them), and the step of any other register as it is.
+    /// The register of the wires (bit 6: four of them), and the step of any other register as it is.
     fn on_wires(step: Step) -> Step {
         const { assert!(WIRES == 8 || WIRES == 4) };
         if step.register == BIT_CONTROL && WIRES == 4 { Step { value: step.value | 0x40, ..step } } else { step }

@@ -43,7 +43,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c;
 use linestereo::Dims;
 
-/// What a sensor has to do.
+/// Task of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Pixels that come out.
@@ -52,7 +52,7 @@ pub struct Config {
     pub binning: Binning,
     /// Start of a frame: free or triggered.
     pub start: FrameStart,
-    /// Who chooses exposure and gain.
+    /// Owner of exposure and gain: the sensor or the program.
     pub exposure: ExposureControl,
     /// Send a built-in picture, so that wiring and capture can be tested.
     pub test_pattern: bool,
@@ -89,7 +89,7 @@ impl Binning {
     }
 }
 
-/// Who chooses exposure and gain.
+/// Owner of exposure and gain: the sensor or the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExposureControl {
     /// The sensor.
@@ -128,7 +128,7 @@ impl Shutter {
     }
 }
 
-/// What is known of a kind of sensor. Every number is of its datasheet or of public drivers, which its file names.
+/// Data of a kind of sensor. Every number is of its datasheet or of public drivers, which its file names.
 pub trait Model {
     /// Its name.
     const NAME: &'static str;
@@ -136,11 +136,11 @@ pub trait Model {
     const WIRE: Wire;
     /// How it exposes.
     const SHUTTER: Shutter;
-    /// What its trigger pin acts on.
+    /// Effect of its trigger pin.
     const TRIGGER: TriggerInput;
     /// Bytes that it sends for a pixel; the first is the grey level.
     const PIXEL_BYTES: u16;
-    /// What it answers when asked who it is.
+    /// Its identity register and value.
     const IDENTITY: &'static [Identity];
     /// From any state to that after a reset.
     const RESET: &'static [Step];
@@ -205,13 +205,13 @@ impl fmt::Display for Condition {
 /// Why a sensor does not do what it should, and how it was left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CameraError<E> {
-    /// What failed.
+    /// The fault.
     pub cause: Cause<E>,
     /// The state of the sensor now.
     pub left: Condition,
 }
 
-/// What failed.
+/// The fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause<E> {
     /// Nothing answers at the sensor's address.
@@ -220,7 +220,7 @@ pub enum Cause<E> {
     Identity {
         /// Register of the identity.
         register: u16,
-        /// What it holds.
+        /// Its contents.
         found: u16,
     },
     /// The bus failed.
@@ -234,9 +234,9 @@ pub enum Cause<E> {
     NotKept {
         /// Its address.
         register: u16,
-        /// What was written, of the bits that are compared.
+        /// Value written, of the bits that are compared.
         written: u16,
-        /// What was read, of the same bits.
+        /// Value read, of the same bits.
         read: u16,
     },
     /// The reset pin failed.
@@ -247,7 +247,7 @@ pub enum Cause<E> {
     NotRunning,
 }
 
-/// What a model does not have.
+/// Function that a model does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsupported {
     /// Images of this size with this binning.
@@ -296,7 +296,7 @@ impl<E: fmt::Debug> fmt::Display for CameraError<E> {
 impl<E: fmt::Debug> core::error::Error for CameraError<E> {}
 
 impl<E: i2c::Error> Cause<E> {
-    /// What a bus error means while the identity is read.
+    /// The error that a bus error stands for while the identity is read.
     fn at_identity(register: u16, error: E) -> Self {
         match error.kind() {
             i2c::ErrorKind::NoAcknowledge(_) => Self::Missing,

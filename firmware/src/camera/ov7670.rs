@@ -8,7 +8,7 @@
 //! ```
 //! Exposure against flicker, the night mode and white balance are off: they change pictures or the frame rate without being asked.
 //!
-//! # What the rolling shutter costs
+//! # Cost of the rolling shutter
 //! Row `y` is exposed `65 us * y` after row 0, 31 ms from the first to the last. Turning at `w` radians a second, a picture with focal
 //! length `f` px moves by `f * w` px a second:
 //!
@@ -182,7 +182,7 @@ impl Model for Ov7670 {
     }
 }
 
-/// What depends on the size: COM3, COM14, SCALING_DCWCTR, SCALING_PCLK_DIV; HSTART, HSTOP, HREF.
+/// Registers that depend on the size: COM3, COM14, SCALING_DCWCTR, SCALING_PCLK_DIV; HSTART, HSTOP, HREF.
 struct Scaling {
     com3: u16,
     com14: u16,

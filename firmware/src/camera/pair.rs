@@ -20,11 +20,11 @@ pub struct CameraPair<M, BL, RL, BR, RR> {
     left: Chip<M, BL, RL>,
     right: Chip<M, BR, RR>,
     is_shared: bool,
-    /// What both have, as far as is known.
+    /// Exposure and gain of both, as far as they are known.
     exposure: Option<Exposure>,
 }
 
-/// Who chooses exposure and gain of both.
+/// Owner of exposure and gain of both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairExposure {
     /// Nobody: they stay.

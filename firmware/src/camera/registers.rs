@@ -37,12 +37,12 @@ impl Wire {
     }
 }
 
-/// What a register has to hold in the chip that is expected.
+/// Contents of a register in the chip that is expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Its address.
     pub register: u16,
-    /// What it holds.
+    /// Its contents.
     pub value: u16,
 }
 
@@ -51,7 +51,7 @@ pub struct Identity {
 pub struct Step {
     /// Its address.
     pub register: u16,
-    /// What is written.
+    /// Value written.
     pub value: u16,
     /// Bits that must be read afterwards as written; none: the register is not read.
     pub kept: u16,

@@ -20,7 +20,7 @@ use linestereo_rig::CameraSide;
 pub struct StereoConfig {
     /// The mode of both; its exposure is replaced.
     pub config: Config,
-    /// Who chooses the exposure of both.
+    /// Owner of the exposure of both.
     pub exposure: PairExposure,
     /// Time of a row, nanoseconds: what the sensors' exposure is counted in.
     pub row_ns: u32,
@@ -64,7 +64,7 @@ where
         Self { pair, trigger, delay, config, is_running: false, failures: [0; 2], last: None }
     }
 
-    /// What failed last, for a log.
+    /// The last fault, for a log.
     pub const fn last_error(&self) -> Option<&PairError<BL::Error>> {
         self.last.as_ref()
     }

@@ -1,9 +1,9 @@
-//! What makes both sensors take a frame.
+//! Trigger of both sensors.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 
-/// What a sensor's trigger pin acts on.
+/// Effect of a sensor's trigger pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriggerInput {
     /// It has none.

@@ -44,7 +44,7 @@ impl RingLayout {
     }
 }
 
-/// What an interrupt of a camera interface has found.
+/// Findings of an interrupt of a camera interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// A frame has started.

@@ -40,7 +40,7 @@ use linestereo::Dims;
 use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
 
-/// What a camera's interrupts have seen.
+/// Event of a camera's interrupts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signal {
     /// VSYNC: a frame starts.
@@ -84,7 +84,7 @@ pub trait RowRing {
     /// Rows that the ring holds: a power of two, so that the number of a row says where it lies.
     fn rows(&self) -> u32;
 
-    /// What the interrupts have seen since the last call, oldest first.
+    /// Events of the interrupts since the last call, oldest first.
     fn next_signal(&mut self) -> Option<Signal>;
 
     /// Rows that are complete now, whether their signal was fetched or not: the hardware is writing row number `written`.
@@ -115,7 +115,7 @@ pub trait RowSink {
     fn complete(&self) -> Option<Dims>;
 }
 
-/// What frames have to be like.
+/// Limits that every frame has to meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Rows of a raw frame.
@@ -133,7 +133,7 @@ pub struct Limits {
     pub pair_us: u32,
 }
 
-/// What can go wrong with a camera's frame.
+/// Fault of a camera's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The peripheral lost bytes.

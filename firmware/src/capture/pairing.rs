@@ -32,7 +32,7 @@ pub struct Capture {
     requested_us: Option<u64>,
 }
 
-/// What a turn led to.
+/// Outcome of a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Report {
     /// A frame of each camera has started since a pair was requested. Once after each [`Capture::request`].

@@ -27,7 +27,7 @@ pub trait Stream {
     /// Rows that the ring holds: a power of two.
     fn rows(&self) -> u32;
 
-    /// What the interrupts have seen since the last call, oldest first.
+    /// Events of the interrupts since the last call, oldest first.
     fn next_signal(&mut self) -> Option<Signal>;
 
     /// Rows that are complete now: the hardware is writing row number `written`.
@@ -123,7 +123,7 @@ impl<S: Stream> RowRing for Half<'_, S> {
     }
 }
 
-/// What connects one of two cameras to the stream.
+/// Connection of one of two cameras to the stream.
 pub trait Switch {
     /// Connects this camera, and makes it take a frame. `false` when it cannot.
     fn shoot(&mut self, eye: CameraSide) -> bool;

@@ -31,7 +31,7 @@ enum Phase {
     Silent,
 }
 
-/// What a signal means.
+/// Meaning of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Progress {
     None,

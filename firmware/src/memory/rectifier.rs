@@ -1,4 +1,4 @@
-//! What turns the raw rows of one camera into a rectified frame, whatever its capacities are.
+//! Rectifier of one camera, raw rows to a rectified frame, of any capacity.
 
 use linestereo::Span;
 use linestereo_rig::{Band, CameraSide, Mesh, MeshError, Remap, RowError};
@@ -29,7 +29,7 @@ pub trait Rectifier {
 pub enum NoRoom {
     /// The memory for this is too small.
     Small {
-        /// What it holds: `mesh nodes`, `mesh rows`, `band`, `raw row`.
+        /// Capacity that is too small: `mesh nodes`, `mesh rows`, `band`, `raw row`.
         name: &'static str,
         /// Nodes, rows or bytes needed.
         needed: usize,

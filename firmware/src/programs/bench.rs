@@ -1,4 +1,4 @@
-//! What a pair costs, by stage.
+//! Cost of a pair, by stage.
 
 use crate::autopilot::Autopilot;
 use crate::memory::{Memory, RunError};
@@ -8,7 +8,7 @@ use linestereo::diagnostics::{Observer, Stage, StageEvent};
 use linestereo::obstacles::ObstaclePlan;
 use linestereo::{Area, Counts, HealthFlags, Matched, Matcher};
 
-/// What the stages of one pair cost, in the unit of the clock.
+/// Cost of the stages of one pair, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
 
 /// Runs the pair that lies in the frames and gives the cost of each stage.

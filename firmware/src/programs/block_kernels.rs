@@ -199,7 +199,7 @@ impl BlockKernels {
     }
 }
 
-/// What [`portable::slide_windows`] writes.
+/// Output of [`portable::slide_windows`].
 #[derive(Clone, PartialEq, Eq)]
 struct State {
     changes: [[[i8; 4]; GROUPS]; SLOTS],

@@ -1,4 +1,4 @@
-//! What block matching costs, and which bytes it gives.
+//! Cost of block matching, and its bytes.
 //!
 //! In: pairs that are painted or come from a file. Out: for dense matching and for the grid, usual and strict, instructions, disparities and a digest.
 //!
@@ -35,7 +35,7 @@ pub enum Matcher {
     Grid,
 }
 
-/// What is measured: a name, the matcher, what it believes.
+/// A measurement: a name, the matcher, what it believes.
 pub const METHODS: [(&str, Matcher, Settings); 4] = [
     ("dense", Matcher::Dense, Settings::USUAL),
     ("dense-strict", Matcher::Dense, Settings::STRICT),
@@ -43,7 +43,7 @@ pub const METHODS: [(&str, Matcher, Settings); 4] = [
     ("grid-strict", Matcher::Grid, Settings::STRICT),
 ];
 
-/// What a pair gave.
+/// Result of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measured {
     /// Pixels with a disparity.

@@ -1,4 +1,4 @@
-//! What each kernel costs on this machine: the one that the core uses, and the portable one as compiled for the same processor.
+//! Cost of each kernel on this machine: the one that the core uses, and the portable one as compiled for the same processor.
 //!
 //! In: the pixels of a frame, memory for a row, a clock. Out: per kernel both costs, in the clock's unit, with the call and two looks at the
 //! clock (some ten instructions). Work of the usual size: rows of 320 px, curves of 64 disparities, 12 strips or points, 20 cells of 16 px.
@@ -21,7 +21,7 @@ pub const PIXELS: usize = 16 * WIDTH;
 #[repr(align(4))]
 struct Columns<const N: usize>([[u8; RANK_ROWS]; N]);
 
-/// What one kernel costs.
+/// Cost of one kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KernelCost {
     /// Its name.

@@ -1,4 +1,4 @@
-//! What the depth of a pixel costs, and which bytes it gives.
+//! Cost of the depth of a pixel, and its bytes.
 //!
 //! In: a built-in pair that was matched. Out: for pixels on a grid, how many are answered, a digest of all answers and reasons, the mean
 //! and the largest cost of one.
@@ -13,7 +13,7 @@ use linestereo::{Matcher, PixelDepth, PixelRejection};
 /// Columns and rows of the grid.
 const GRID: [u16; 2] = [13, 9];
 
-/// What a case gave.
+/// Result of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Measured {
     /// Pixels queried.

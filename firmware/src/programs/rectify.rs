@@ -1,4 +1,4 @@
-//! What rectifying a pair costs, and which bytes it gives.
+//! Cost of rectifying a pair, and its bytes.
 //!
 //! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the most expensive raw row, and a digest of both rectified images.
 //!
@@ -19,7 +19,7 @@ pub const LARGEST: Dims = Dims { width: 320, height: 240 };
 const BAND: usize = LARGEST.width as usize * 64;
 const PIXELS: usize = LARGEST.width as usize * LARGEST.height as usize;
 
-/// What rectification needs, but for the raw frames.
+/// Inputs of rectification, but for the raw frames.
 #[derive(Debug)]
 pub struct Workspace {
     meshes: [Mesh<{ mesh_nodes(LARGEST) }, { LARGEST.height as usize }>; 2],
@@ -85,7 +85,7 @@ impl BuiltIn {
     }
 }
 
-/// What was measured, in the unit of the clock.
+/// Measurements, in the unit of the clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measured {
     /// From the rig to both meshes.

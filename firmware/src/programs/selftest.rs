@@ -15,14 +15,14 @@ use linestereo_boards::Board;
 /// The digest behind those of the stages: sectors and the bytes of MAVLink.
 pub const AUTOPILOT: &str = "autopilot";
 
-/// What a case gave.
+/// Result of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// The case.
     pub case: Case,
     /// Its digests; `None` when it could not run.
     pub found: Option<Digests>,
-    /// What the PC says; `None` when it says nothing.
+    /// Digest of the PC; `None` without one.
     pub expected: Option<Digests>,
 }
 

@@ -1,4 +1,4 @@
-//! What test files share.
+//! Code common to test files.
 
 pub(crate) mod port;
 pub(crate) mod random;

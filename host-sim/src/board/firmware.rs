@@ -126,7 +126,7 @@ fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
     Ok(std::path::absolute(target)?.join(format!("boards-{}", toolchain.way)))
 }
 
-/// What every command about a board's programs says.
+/// Arguments of every command about a board's programs.
 fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs, features: &[String]) -> Result<()> {
     let logs: &[&str] = match logs {
         Logs::None => &[],

@@ -22,7 +22,7 @@ pub struct Ended {
     pub exit: Option<Exit>,
     /// Its log: bytes of `defmt` frames, which `linestereo-firmware-log` decodes.
     pub log: Vec<u8>,
-    /// What it or QEMU wrote to the error output: reports of faults.
+    /// Error output of it and of QEMU: reports of faults.
     pub errors: String,
 }
 

@@ -60,7 +60,7 @@ pub(super) struct Bundle {
     pub(super) beliefs: Vec<Belief>,
 }
 
-/// What the data say about the numbers.
+/// Estimates and their uncertainty.
 #[derive(Clone, Debug)]
 pub(super) struct Spread {
     /// Standard deviation of one coordinate of a corner, px.

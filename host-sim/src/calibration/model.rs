@@ -1,4 +1,4 @@
-//! What is estimated of a camera and a pose: plain vectors of numbers, and the projection they stand for.
+//! Parameters of a camera and a pose: plain vectors of numbers, and the projection they stand for.
 //!
 //! The lens is the core's own [`Lens`]: one definition for estimating and for rectifying.
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Words for the left and the right camera that may stand anywhere in a name, without a mark around them.
 const WORDS: [[&str; 2]; 2] = [["left", "cam0"], ["right", "cam1"]];
-/// What counts as a photo.
+/// Extensions of photos.
 const EXTENSIONS: [&str; 10] = ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
 /// File names listed in a message.
 const LISTED: usize = 4;
@@ -101,7 +101,7 @@ pub fn find_pairs(folder: &Path, skip_unpaired: bool) -> Result<(Vec<PhotoPair>,
     Err(PhotoError::Unpaired(alone, counts))
 }
 
-/// What the names of two photos of a pair share; numbers come in their order.
+/// Common part of the names of two photos of a pair; numbers come in their order.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     Number(u64),

@@ -1,4 +1,4 @@
-//! What a calibration is worth, and what would make it better.
+//! Quality of a calibration, and advice that would raise it.
 //!
 //! In: an [`Estimate`]. Out: what decides whether to trust it, in numbers, and a verdict with reasons and remedies.
 //!
@@ -72,7 +72,7 @@ pub struct Finding {
     pub verdict: Verdict,
     /// The reason, a sentence.
     pub reason: String,
-    /// What to do.
+    /// The advice.
     pub remedy: String,
 }
 
@@ -89,7 +89,7 @@ pub struct Coverage {
     pub unseen: Vec<&'static str>,
 }
 
-/// What is left after rectification at the raw images' size (or the largest the core takes).
+/// Residual difference of rows after rectification at the raw images' size (or the largest the core takes).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rectified {
     /// Virtual cameras.
@@ -219,7 +219,7 @@ fn vertical_residuals(estimate: &Estimate, rectification: &Rectification) -> (f6
     (mean(total).unwrap_or(0.0), sums.into_iter().map(mean).collect())
 }
 
-/// What lowers the verdict.
+/// Reasons that lower the verdict.
 fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Rectified>) -> Vec<Finding> {
     let mut found = Vec::new();
     let mut judge = |value: f64, limits: &Limits, reason: String, remedy: &str| {

@@ -6,7 +6,7 @@ use core::fmt::Write;
 use linestereo_rig::CameraSide;
 use serde_json::{Value, json};
 
-/// What decides whether to trust it.
+/// Numbers that decide about trust in it.
 #[must_use]
 pub fn summary(estimate: &Estimate, assessment: &Assessment, max_disparity: u16) -> String {
     let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();

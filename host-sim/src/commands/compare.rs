@@ -131,7 +131,7 @@ struct JsonScene {
     methods: Vec<MethodSummary>,
 }
 
-/// What every method made of one pair.
+/// Results of every method for one pair.
 #[derive(Serialize, Deserialize)]
 struct Compared {
     name: String,

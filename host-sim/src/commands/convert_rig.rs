@@ -41,7 +41,7 @@ pub struct Args {
     import: ImportArgs,
 }
 
-/// What files may not say themselves.
+/// Data that files may lack.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct ImportArgs {
     /// Format of the input, where it is not told from the content.

@@ -167,7 +167,7 @@ struct JsonScene {
     summary: Summary,
 }
 
-/// What became of a pair.
+/// Outcome of a pair.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum PairOutcome {
     Scored(FrameScore),
@@ -212,7 +212,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// What parts of this evaluation have in common.
+/// Settings common to the parts of this evaluation.
 fn head(args: &Args, found: &Collected) -> ShardHead {
     let Args { width, max_disparity, on, no_times, perturbation, .. } = args;
     let method = args.method();

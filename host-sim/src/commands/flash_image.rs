@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
-/// What is in a file, or why it is no image.
+/// Contents of a file, or the reason why it is no image.
 fn explain(path: &Path) -> Result<String> {
     let bytes = untrusted::read(path, SETTINGS_BYTES).with_context(|| format!("{} cannot be read", path.display()))?;
     let head = RigImageHead::read(&bytes);

@@ -1,4 +1,4 @@
-//! What a detector found, asked for by options, and its depths: the same for every command that matches pairs.
+//! Objects of a detector, given by options, and their depths: the same for every command that matches pairs.
 
 use super::input::Setup;
 use crate::engine::{Engine, FrameResult};
@@ -39,7 +39,7 @@ pub(super) struct ObjectArgs {
 pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
-    /// What the core said of them.
+    /// Their depths by the core.
     depths: Vec<ObjectDepth>,
     pub(super) skipped: Skipped,
     /// The folder holds no file of this frame.
@@ -137,7 +137,7 @@ fn file_of(folder: &Path, image: &Path) -> Option<PathBuf> {
 }
 
 impl Asked {
-    /// What a board said of these.
+    /// Their depths by a board.
     pub(super) fn by_board(boxes: Vec<(Object, RegionBox)>, depths: &[ObjectDepth]) -> Self {
         let list = boxes.into_iter().zip(depths).map(|((object, _), depth)| {
             let label = object.label;

@@ -11,7 +11,7 @@ use linestereo_baselines::GrayImage;
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
-/// What the rig image needs and rectification does not use.
+/// Fields that the rig image needs and rectification does not use.
 const ANY_RANGE: (i16, u16) = (0, 8);
 
 /// Files of each pair of a folder.

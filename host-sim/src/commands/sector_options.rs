@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use linestereo::obstacles::{ObstacleError, ObstacleParams};
 use linestereo_mavlink::Policy;
 
-/// What an autopilot would be told.
+/// Messages that an autopilot would be sent.
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Distance per direction")]
 pub(super) struct SectorArgs {
@@ -31,7 +31,7 @@ pub(super) struct SectorArgs {
     /// Write what an autopilot is told: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
     #[arg(long, value_name = "FILE")]
     pub(super) mavlink: Option<OutputPath>,
-    /// What it is told of a pair that is not fit to be used: docs/autopilots.md.
+    /// Policy for a pair that is not fit to be used: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
     pub(super) policy: PolicyName,
 }
@@ -59,7 +59,7 @@ impl From<PolicyName> for Policy {
 }
 
 impl SectorArgs {
-    /// What is known of each direction; `None` when nobody asked.
+    /// Sectors of each direction; `None` when nobody asked.
     pub(super) fn directions(&self, setup: &Setup<'_>, result: &FrameResult) -> Result<Option<Directions>> {
         if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
             return Ok(None);

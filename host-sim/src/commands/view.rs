@@ -18,7 +18,7 @@ pub(super) struct ViewArgs {
     /// Width and height of the rectified images [default: those of the raw ones].
     #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "rig")]
     size: Option<Dims>,
-    /// How much of the view to keep: 0 as much as fits without a pixel that has no source, 1 all of it [default: 0].
+    /// Share of the view to keep: 0 as much as fits without a pixel that has no source, 1 all of it [default: 0].
     #[arg(long, value_name = "A", allow_negative_numbers = true, requires = "rig")]
     alpha: Option<f64>,
     /// Raw images are reduced to this width first, by area averaging; the rig follows.

@@ -26,7 +26,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// What the segments of a result span, within 0 .. `max_disparity`.
+    /// Range of the segments of a result, within 0 .. `max_disparity`.
     #[must_use]
     pub fn of(result: &FrameResult, max_disparity: u16) -> Self {
         let limit = f32::from(max_disparity);

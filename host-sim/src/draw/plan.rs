@@ -59,7 +59,7 @@ fn view(sheet: &mut Sheet, plan: &RigPlan, wish: Option<&Wish>, frame: [f32; 4],
     let scale = across.min(f64::from(bottom - top - 60.0) / far);
     let middle = left + label_width + 0.5 * (right - left - label_width);
     let place = |x: f64, z: f64| (middle + (x * scale) as f32, bottom - 20.0 - (z * scale) as f32);
-    // What both see between two distances: from the right camera's left border to the left one's right border.
+    // Area seen by both between two distances: from the right camera's left border to the left one's right border.
     let mut band = |from: f64, to: f64, rgb| {
         let (from, to) = (from.clamp(plan.meeting(), far), to.clamp(plan.meeting(), far));
         let [a, b] = [from, to].map(|z| (slope * z - half).max(0.0));

@@ -70,7 +70,7 @@ impl Floats<1> for CellScore {
     }
 }
 
-/// What one frame's result is worth against its truth; as JSON it keeps every bit.
+/// Score of one frame's result against its truth; as JSON it keeps every bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameScore {
     /// Name of the scene.

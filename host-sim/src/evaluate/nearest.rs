@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// So many segments have to reach a disparity.
+/// Number of segments that have to reach a disparity.
 pub const LEAST_SUPPORT: usize = 3;
 
 /// Why a table gives no distances.

@@ -55,7 +55,7 @@ impl fmt::Display for Shard {
     }
 }
 
-/// What the parts of one evaluation have in common.
+/// Settings common to the parts of one evaluation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardHead {
     format: u32,
@@ -67,7 +67,7 @@ pub struct ShardHead {
     names: String,
     /// Pairs in all parts.
     pairs: usize,
-    /// What a report says of the data set besides, in any form.
+    /// Further data of the data set in a report, in any form.
     pub notes: Vec<String>,
 }
 
@@ -112,7 +112,7 @@ pub enum ShardError {
     Differs {
         /// The part.
         path: PathBuf,
-        /// What differs.
+        /// The setting that differs.
         what: &'static str,
     },
     /// Parts that are not there.

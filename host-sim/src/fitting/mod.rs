@@ -82,7 +82,7 @@ fn q(value: f64) -> i32 {
     (value.clamp(-127.0, 127.0) * 4096.0).round() as i32
 }
 
-/// What each kind of evidence says, for tables and for the head of the written constants.
+/// Meaning of each kind of evidence, for tables and for the head of the written constants.
 #[must_use]
 pub fn names() -> [&'static str; SEGMENT_EVIDENCE] {
     SegmentKind::NAMES

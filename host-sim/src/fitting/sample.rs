@@ -10,7 +10,7 @@ use linestereo::{Params, Support};
 /// Pixels from the edge up to which answers are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
 
-/// What each of the models is about.
+/// Subject of each of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SampleKind {
     NearVerticalSide,

@@ -188,7 +188,7 @@ fn reader(path: &Path) -> Result<Reader, FrameError> {
     reader.with_guessed_format().map_err(read_error)
 }
 
-/// What `work` makes of a file by its decoder, once its header is within the limits.
+/// Result of `work` on a file's decoder, once its header is within the limits.
 fn decoded<T>(
     path: &Path,
     reader: Reader,

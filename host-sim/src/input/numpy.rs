@@ -87,7 +87,7 @@ fn shape(header: &str) -> Result<Vec<u64>, DisparityFault> {
     let list = value(header, "shape").and_then(|text| text.strip_prefix('(')?.split_once(')'));
     let (list, _) = list.ok_or_else(|| broken("its header tells no shape"))?;
     let numbers = list.split(',').map(str::trim).filter(|number| !number.is_empty());
-    // What is no number is no length that an image has.
+    // A text that is no number is no length of an image.
     Ok(numbers.map(|number| number.parse().unwrap_or(u64::MAX)).collect())
 }
 

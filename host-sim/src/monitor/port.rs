@@ -40,10 +40,10 @@ impl PortArgs {
     }
 }
 
-/// What a read gave.
+/// Outcome of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// So many bytes.
+    /// Number of bytes read.
     Bytes(usize),
     /// Nothing yet.
     Silence,

@@ -12,7 +12,7 @@ const LEAST_OVERLAP: f64 = 0.5;
 /// Ranges are suggested in steps of this.
 const RANGE_STEP: f64 = 8.0;
 
-/// What a rig shall do.
+/// Requirements of a rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
     /// Nearest distance to be measured, m.
@@ -34,7 +34,7 @@ pub struct Suggestion {
     pub within_range: bool,
     /// Percent of the width that both cameras see at the nearest distance.
     pub overlap_near_percent: f64,
-    /// What is to be known or changed, a sentence each.
+    /// Advice, a sentence each.
     pub advice: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What two parallel cameras will see, before they are bought.
+//! View and accuracy of two parallel cameras, before they are bought.
 //!
 //! In: focal length, image size, baseline, disparity range, how exact a disparity is. Out: near limit, error and common view by distance,
 //! and the smallest baseline for a wanted range.
@@ -110,7 +110,7 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// What holds at one distance.
+/// Accuracy at one distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Row {
     /// m.

@@ -43,7 +43,7 @@ impl Kind {
         }
     }
 
-    /// What it shows, in one line.
+    /// Description, one line.
     #[must_use]
     pub const fn summary(self) -> &'static str {
         match self {

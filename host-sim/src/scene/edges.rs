@@ -45,7 +45,7 @@ pub struct EdgeCase {
     pub plane: DisparityPlane,
     /// Direction of the edge in the image, any length. Orders the sides: see [`Self::side`].
     pub direction: [f64; 2],
-    /// Whether the plane reaches to both sides of the edge or ends at it.
+    /// Both where the plane reaches to both sides of the edge, else the side at which it ends.
     pub owner: Owner,
     /// Disparity of the wall behind a plane that ends at the edge.
     pub background: f64,
@@ -58,7 +58,7 @@ pub struct EdgeCase {
 }
 
 impl EdgeCase {
-    /// Whether the core treats the direction as near-horizontal: more than four columns per row.
+    /// True where the core treats the direction as near-horizontal: more than four columns per row.
     #[must_use]
     pub fn is_near_horizontal(&self) -> bool {
         self.direction[0].abs() > 4.0 * self.direction[1].abs()

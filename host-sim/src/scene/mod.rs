@@ -26,7 +26,7 @@ pub use texture::{Pattern, Texture};
 pub struct Scene {
     /// The cameras.
     pub pair: Pair,
-    /// What they see; where nothing is hit the image is black and has no truth.
+    /// Surfaces that they see; where nothing is hit the image is black and has no truth.
     pub surfaces: Vec<Surface>,
     /// Names of the objects: label `n` is entry `n - 1`.
     pub objects: Vec<&'static str>,

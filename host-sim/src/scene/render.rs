@@ -12,7 +12,7 @@ use linestereo_baselines::GrayImage;
 /// Points per pixel, a Fibonacci number, and the second one before it.
 const LATTICE: (u32, u32) = (55, 21);
 
-/// What the cameras add to the light: nothing by default.
+/// Disturbances that the cameras add to the light: nothing by default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensor {
     /// Standard deviation of the noise of either image in grey levels.
@@ -42,7 +42,7 @@ pub struct Rendering {
     pub right: GrayImage,
     /// Disparity in pixels; NaN where no surface is.
     pub disparity: Vec<f32>,
-    /// Whether the right image shows the same point of the same surface.
+    /// True where the right image shows the same point of the same surface.
     pub visible: Vec<bool>,
     /// Label of the surface; 0 where none is.
     pub labels: Vec<u8>,

@@ -86,7 +86,7 @@ fn ten_seconds_of_a_board() {
     let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
     assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
 
-    // What the DMA writes lies in memory that is not cached: normal memory, TEX 1, neither C nor B.
+    // The DMA writes to memory that is not cached: normal memory, TEX 1, neither C nor B.
     let number = |value: &Value, at: usize| value[at].as_u64().unwrap();
     for target in run.result["dma"].as_array().unwrap() {
         let (start, end) = (number(target, 0), number(target, 0) + number(target, 1));

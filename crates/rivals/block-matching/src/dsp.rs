@@ -7,7 +7,7 @@
 //! add_block     sums in pairs of half words
 //! ```
 //!
-//! What a loop cannot do (groups that are no multiple of four, slices of other lengths) goes to the portable kernel.
+//! The rest of a loop (groups that are no multiple of four, slices of other lengths) goes to the portable kernel.
 //!
 //! # Cost
 //! Instructions for four disparities: 24 for a pixel of a window with the lowest, 20 without, 16 where no window ends; 23 for the costs of

@@ -1,5 +1,5 @@
 //! Physical memory protection: an entry may forbid every access, in machine mode too when it is locked, and wins over those with higher numbers.
-//! What is in no entry is allowed (RISC-V privileged architecture, 1.12, section 3.7.1).
+//! Memory in no entry is allowed (RISC-V privileged architecture, 1.12, section 3.7.1).
 
 use crate::arch;
 use crate::fence::Fence;

@@ -22,7 +22,7 @@ pub const LIMIT_US: u64 = 10_000;
 /// Half a period of SCL while the bus is cleared: 100 kHz.
 const HALF_US: u32 = 5;
 
-/// What is to go over the bus next.
+/// Next item of the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// This byte.
@@ -70,7 +70,7 @@ pub trait Block {
     fn now_us(&self) -> u64;
 }
 
-/// What failed on the bus.
+/// Fault of the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusError {
     /// Nobody took the address, or a byte.

@@ -171,7 +171,7 @@ impl Channel {
         control
     }
 
-    /// What has happened, if anything has.
+    /// The next event, if there is one.
     fn look(self) -> Option<Seen> {
         let (rows, flags) = (1 << self.number, 0b11 << self.number);
         let is_row = DMA.ints(1).read() & rows != 0;

@@ -1,4 +1,4 @@
-//! What the state machines of a PIO block do with a camera's wires.
+//! Programs of the state machines of a PIO block for a camera's wires.
 //!
 //! In: four data wires, PCLKO, LVLD and FVLD of one HM01B0 on pins that follow each other ([`Wire`]). Out: of every row its pixels and, behind
 //! them, how many nibbles it had; a flag when a frame starts and one when it ends.

@@ -1,4 +1,4 @@
-//! What the DMA has written -> numbers of rows and [`Signal`]s, without the hardware.
+//! Bytes written by the DMA -> numbers of rows and [`Signal`]s, without the hardware.
 //!
 //! In: at every interrupt of a camera, what its DMA channels and its flags say ([`Seen`]). Out: signals, oldest first, and when the DMA has to
 //! be set to the start of a row again.
@@ -42,7 +42,7 @@ pub const SLOT_WORDS: usize = ROW_BYTES / 4 + 1;
 /// Signals that are kept: those of all rows of the ring and of the frames that they are of. More would be of rows that are overwritten.
 const SIGNALS: usize = RING_ROWS + 8;
 
-/// What an interrupt of a camera finds.
+/// Cause of a camera's interrupt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Seen {
     /// The flag: a frame has started.
@@ -142,7 +142,7 @@ impl RowCounter {
         }
     }
 
-    /// Whatever is reported of a frame comes after its start.
+    /// Events of a frame come after its start.
     fn push_after_start(&mut self, signal: Signal) {
         self.push_start();
         self.push(signal);

@@ -14,7 +14,7 @@ use linestereo_wire::{Reset, ResetCause};
 /// ready for its rig half a second; the watchdog's oscillator may be 5 % fast.
 const WATCHDOG_US: u32 = 10_000_000;
 
-/// What the flags and the note of the last run say, once. Power on sets the brown-out's and the pin's flags as well, and every reset the pin's.
+/// Cause of the reset by the flags and the note of the last run, once. Power on sets the brown-out's and the pin's flags as well, and every reset the pin's.
 #[must_use]
 pub fn cause() -> Option<Reset> {
     let flags = RCC.rsr().read();

@@ -86,7 +86,7 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms, random: &mut R
 
 /// Most knots of one row here.
 const KNOTS: usize = 8;
-/// What is far outside, or next to the end of numbers.
+/// Positions far outside, or next to the end of numbers.
 const ANYWHERE: [i32; 8] = [0, 1, -1, 1 << 16, -(1 << 20), 1 << 29, i32::MAX, i32::MIN];
 
 pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
@@ -97,7 +97,7 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut 
         let at_back = round % 2 == 0;
         let width = [1 + random.below(60), 255, 256, 257, 320][round % 5];
         let rows = 1 + random.below(9);
-        // What is held, as little as it may be; now and then a little less.
+        // Rows held, as few as may be; now and then a little less.
         let bytes = (rows - 1) * width + columns(width) + 1 - random.below(2) * usize::from(round % 9 == 0);
         let first = random.below(500) as i32;
         // From anywhere to anywhere inside, by about as many pixels as there are, up or down.

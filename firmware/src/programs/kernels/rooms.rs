@@ -76,7 +76,7 @@ impl Rooms {
     }
 }
 
-/// What pixels look like.
+/// Pattern of pixels.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Contents {
     Random,

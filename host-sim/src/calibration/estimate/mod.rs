@@ -9,7 +9,7 @@
 //! all at once, by bundle adjustment (joint); corners and views that do not fit are dropped; again, until none is
 //! ```
 //!
-//! What is free: focal lengths (both, as the pixels of cheap sensors after scaling are not always square), centre, all of the lens. Skew is
+//! Free parameters: focal lengths (both, as the pixels of cheap sensors after scaling are not always square), centre, all of the lens. Skew is
 //! 0 unless asked for: no sensor of today has any. The lens terms carry a weak belief (`BELIEFS`): photos that reach the corners of the
 //! image outweigh it a hundredfold; where they do not, it keeps k2 and k3 from cancelling each other out with large values that fit
 //! these boards and no others.

@@ -10,7 +10,7 @@
 //! ETH3D      the same and cameras.txt; the truth there, or in two_view_training_gt beside two_view_training
 //! ```
 //!
-//! What is visible is told by the mask, else by the right image's truth, else by the truth itself.
+//! Visibility is told by the mask, else by the right image's truth, else by the truth itself.
 //!
 //! # Source
 //! `vision.middlebury.edu/stereo/data/` (pages of 2001, 2003, 2005, 2006, 2014, 2021) and `/submit3/`; `www.eth3d.net/documentation`. In 2005/2006

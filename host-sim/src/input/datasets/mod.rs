@@ -72,7 +72,7 @@ impl Dataset {
         Ok(found)
     }
 
-    /// How many pairs each layout has.
+    /// Number of pairs of each layout.
     #[must_use]
     pub fn layouts(&self) -> Vec<(Layout, usize)> {
         let mut counts = std::collections::BTreeMap::new();

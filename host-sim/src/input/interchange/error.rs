@@ -55,7 +55,7 @@ pub enum Problem {
     FileCount {
         /// Of this format.
         format: &'static str,
-        /// How many.
+        /// Their number.
         needed: &'static str,
     },
     /// Something is not there.

@@ -76,7 +76,7 @@ pub enum ObjectsError {
         path: PathBuf,
         /// Name of the left image.
         image: String,
-        /// How many images the file speaks of.
+        /// Number of images in the file.
         images: usize,
     },
 }
@@ -331,7 +331,7 @@ enum Shape {
 }
 
 impl Shape {
-    /// What is taken of `runs_left` is what it costs.
+    /// Takes its number of runs from `runs_left`.
     fn scaled(self, frame: &Frame<'_>, runs_left: &mut usize) -> Result<Pixels, Why> {
         match self {
             Self::Box(borders) => scaled_box(borders, frame),

@@ -28,7 +28,7 @@ struct Outline {
     runs: Option<Vec<[u16; 3]>>,
     /// Both ends `[x, y]` of the segments that belong to the object.
     segments: Vec<[[f64; 2]; 2]>,
-    /// How many of them are depth edges that it owns.
+    /// Number of them that are depth edges that it owns.
     owned_edges: usize,
 }
 

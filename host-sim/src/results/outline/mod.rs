@@ -38,7 +38,7 @@ pub struct Refined {
     pub outline: RefinedOutline,
     /// The segments that belong to the object.
     pub segments: Vec<Segment>,
-    /// How many of them are depth edges that it owns.
+    /// Number of them that are depth edges that it owns.
     pub owned_edges: usize,
 }
 
@@ -170,7 +170,7 @@ fn refined_mask(mask: &Mask, edges: &[Edge]) -> Mask {
     let evened = if common > 0 { mask.grown(steps) } else { mask.eroded(steps) };
     let mut refined = evened.clone();
     for edge in edges {
-        // What is a pixel off is as good as the edge's place.
+        // An outline a pixel off is as good as the edge's place.
         for border in borders(&evened, edge).filter(|border| border.off.abs() > 1) {
             for step in 0.min(border.off)..0.max(border.off) {
                 let (x, y) = edge.pixel(border.at, border.first + step * edge.inside);

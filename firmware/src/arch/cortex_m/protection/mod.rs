@@ -31,7 +31,7 @@ pub(crate) fn guard() {
     take_effect();
 }
 
-/// How many the processor has.
+/// Number of regions of the processor.
 fn regions() -> u32 {
     // SAFETY: a read of a register that does not change.
     unsafe { (*MPU::PTR)._type.read() >> 8 & 0xff }
