@@ -163,8 +163,8 @@ fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8:
         return Some(if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport });
     }
     let two = if cover.is_box() {
-        // The nearest surface may be another object that reaches into a corner.
-        i64::from(weight) * 2 < i64::from(all_q8) && is_in_a_corner(surface, cover.half_size)
+        // The nearest surface may be another object that reaches into a corner, above all where the own one has little texture.
+        i64::from(weight) * 4 < i64::from(all_q8) * 3 && is_in_a_corner(surface, cover.half_size)
     } else {
         u64::from(surface.second_weight_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
     };
