@@ -13,6 +13,9 @@ mod rectify;
 #[allow(dead_code, reason = "files are written elsewhere")]
 #[path = "../../../host-sim/src/input/rig_file.rs"]
 mod rig_file;
+#[allow(dead_code, reason = "files are opened by their path alone")]
+#[path = "../../../host-sim/src/untrusted.rs"]
+mod untrusted;
 
 use core::fmt::Display;
 use linestereo::HealthFlags;

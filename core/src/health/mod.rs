@@ -219,12 +219,9 @@ impl HealthMonitor {
         health: &mut PairHealth,
     ) -> (HealthFlags, HealthFlags) {
         let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);
-        let found = rows::measure(left, right, matches).filter(|rows| rows.samples >= LEAST_SAMPLES);
-        let is_few = |rows: &rows::Rows| rows.samples < limits.min_row_samples;
-        // The spread of few is known less well: it takes twice as much, and an even one is no measurement.
-        let is_uneven = |rows: &rows::Rows| rows.spread_q8 >> u32::from(is_few(rows)) > limits.row_spread_q8;
-        if let Some(rows) = found.filter(|rows| !is_few(rows) || is_uneven(rows)) {
-            let is_uneven = is_uneven(&rows);
+        if let Some(rows) = rows::measure(left, right, matches)
+            && let Some(is_uneven) = are_uneven(&rows, limits)
+        {
             tested |= HealthFlags::ROWS_UNEVEN;
             now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
             health.rows = Some(rows);
@@ -327,6 +324,15 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
 /// Least number of matches whose differences of rows can be uneven.
 const LEAST_SAMPLES: u8 = 4;
 
+/// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither.
+fn are_uneven(rows: &Rows, limits: &HealthLimits) -> Option<bool> {
+    if rows.samples >= limits.min_row_samples {
+        return Some(rows.spread_q8 > limits.row_spread_q8);
+    }
+    // The spread of few is known less well: it takes twice as much, and an even one is no measurement.
+    (rows.samples >= LEAST_SAMPLES && rows.spread_q8 / 2 > limits.row_spread_q8).then_some(true)
+}
+
 /// True when enough windows match beyond the range.
 fn is_small(range: &RangeCheck, limits: &HealthLimits) -> bool {
     let share = u32::from(range.windows) * u32::from(limits.beyond_range_permille);
@@ -347,4 +353,19 @@ fn third_least_q6(matches: &[Match]) -> Option<i16> {
     }
     let [.., third] = least;
     (third < i16::MAX).then_some(third)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_matches_tell_rows_that_are_very_uneven_alone() {
+        let limits = HealthLimits::DEFAULT;
+        let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits);
+        let HealthLimits { row_spread_q8: most, min_row_samples: enough, .. } = limits;
+        assert_eq!([most, most + 1].map(|spread| told(enough, spread)), [Some(false), Some(true)]);
+        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
+        assert_eq!(told(LEAST_SAMPLES - 1, u16::MAX), None);
+    }
 }

@@ -295,12 +295,15 @@ mod tests {
     }
 
     fn evaluate(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
+        evaluate_with(candidates, region, None)
+    }
+
+    fn evaluate_with(candidates: &[Candidate], region: &Region<'_>, rig: Option<Rig>) -> ObjectDepth {
         let (mut neighbours, mut order, mut marks) =
             ([Neighbour::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
         let (neighbours, order, marks) = (&mut neighbours[..], &mut order, &mut marks[..]);
         let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[], 0);
-        ObjectQuery { candidates, support, models: &FITTED, dims: DIMS, rig: None, neighbours, order, marks }
-            .depth_of(region)
+        ObjectQuery { candidates, support, models: &FITTED, dims: DIMS, rig, neighbours, order, marks }.depth_of(region)
     }
 
     /// A disc as runs.
@@ -372,6 +375,36 @@ mod tests {
             }
         }
         assert_eq!(cover.centre, [79, 99]); // columns 80 - half ..= 79 + half, rows 70 ..= 129, both means rounded down
+    }
+
+    /// Hypotheses at these places of a box of 120 px, its left top at (40, 40), each with this disparity, px.
+    fn boxed(places: &[([u16; 2], i32)], rig: Option<Rig>) -> Result<Disparity, NoDepth> {
+        let mut list = Vec::<Candidate, MOST>::new();
+        for &([x, y], d) in places {
+            list.push(candidate([40 + x, 40 + y, 40 + x, 50 + y], [Some(side(d * 64, 1200)), None])).unwrap();
+        }
+        let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
+        evaluate_with(&list, &Region::boxed(1, area, DIMS).unwrap(), rig).disparity
+    }
+
+    #[test]
+    fn a_nearer_surface_in_a_corner_needs_most_of_the_weight() {
+        let corner = [[95, 95], [100, 105], [105, 95], [110, 105], [105, 100], [95, 100]].map(|at| (at, 30));
+        let own = [[60, 50], [40, 40], [70, 60]].map(|at| (at, 20));
+        let both = |own: &[([u16; 2], i32)]| boxed(&[&corner[..], own].concat(), None);
+        assert_eq!(both(&own), Err(NoDepth::TwoSurfaces));
+        assert!(both(&own[..1]).is_ok(), "one of seven");
+        assert!(boxed(&corner.map(|([x, y], d)| ([x - 45, y - 45], d)), None).is_ok(), "in the middle");
+    }
+
+    #[test]
+    fn what_stays_at_its_pixel_has_no_depth_in_any_rig() {
+        let places = [[40, 40], [60, 60], [80, 80], [50, 70]];
+        let shifted = Rig::new(900.0, 0.16, 64.0).unwrap();
+        for rig in [None, Some(shifted)] {
+            assert_eq!(boxed(&places.map(|at| (at, 0)), rig), Err(NoDepth::NoParallax));
+            assert!(boxed(&places.map(|at| (at, 2)), rig).is_ok());
+        }
     }
 
     #[test]
