@@ -7,7 +7,7 @@ use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
-use crate::matching::{self, MatchContext, SegmentCurves, row_offset, surroundings};
+use crate::matching::{self, FullSearches, MatchContext, Search, SegmentCurves, row_offset, surroundings};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
@@ -203,17 +203,19 @@ impl Plan {
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
         let extents = regions.extents(m.left, self.disparities());
         let Some(mut band) = Band::new(images, row_offset, extents.as_deref(), m.rows) else { return };
+        let mut full = FullSearches::new(regions.areas(), self.dims, self.params.cell);
         for segment in m.left.iter() {
             band.advance_for(segment, |planes| observer.row(planes));
             observer.on_event(StageEvent::Rows);
             if observer.wants_segment_curves() {
                 m.work.clear_curves();
             }
-            let matched = matching::match_segment(segment, &context, &band, m.work);
+            let matched = matching::match_segment(segment, &context, &mut full, &band, m.work);
             if observer.wants_segment_curves() {
                 observer.segment_curves(&SegmentCurves::new(segment, m.work));
             }
-            counts.searched_fully += u16::from(!matched.directed);
+            counts.searched_fully += u16::from(matched.search == Search::Full);
+            counts.comparisons_cut = counts.comparisons_cut.saturating_add(u16::from(matched.search == Search::Cut));
             match matched.outcome {
                 Ok(candidate) => {
                     let _ = m.candidates.push(candidate); // `keep_prominent` kept no more than its capacity

@@ -99,7 +99,7 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rejection {
-    /// Another segment in the same cell has more extent and contrast.
+    /// Another segment in the same cell has more extent and contrast, or there were too many to be searched over the whole range.
     LessProminent,
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
@@ -169,7 +169,8 @@ pub struct Counts {
     /// Edges of both images that were not drawn, because the budget of work was spent: a dense grating has more than any scene. Counted are
     /// the places where one would have started.
     pub edges_cut: u16,
-    /// Left segments that were not compared with all others for the same reason: with right ones, for the row offset, or with their neighbours.
+    /// Left segments that were not compared with all others for the same reason: over the whole range, with right ones for the row offset, or with
+    /// their neighbours.
     pub comparisons_cut: u16,
     /// Left segments that were searched over the whole disparity range, because support points nearby gave no narrower one.
     pub searched_fully: u16,

@@ -26,7 +26,7 @@ const POSITION: i32 = 1;
 /// Units from the start whatever the size: in small images and areas edges are long for the pixels.
 const FIXED: i32 = 700;
 /// Distance from an area up to which pixels count, be they in the image or not: its edges are drawn beyond it, and followed to their start before.
-const REACH: i32 = 20;
+const REACH: i32 = 19;
 
 /// Units per pixel, Q10.
 struct Rate {

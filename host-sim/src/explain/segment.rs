@@ -302,7 +302,7 @@ fn answer(found: &Match) -> String {
 pub fn meaning(reason: Rejection) -> &'static str {
     match reason {
         Rejection::LessProminent => {
-            "another segment in the same square has more extent and contrast; this one was not matched (--cell)"
+            "another segment in the same square has more extent and contrast, or the time for searches of the whole range was used up; this one was not matched (--cell)"
         }
         Rejection::NearBorder => "too close to the left or right border to compare enough disparities",
         Rejection::WindowNotUnique => "a second place in the right image looks nearly as much like its window",
