@@ -254,6 +254,24 @@ fn exif_chunk(orientation: u8) -> Vec<u8> {
     [&((body.len() - 4) as u32).to_be_bytes()[..], &body, &crc.to_be_bytes()].concat()
 }
 
+/// A box over nearly all of a small image may have more hypotheses, points and segments, than the image has squares.
+#[test]
+fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
+    let (_, [left, right]) = pairs().pop().unwrap();
+    let (dims, area) = (left.dims, Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 });
+    let region = Region::boxed(0, area, dims).unwrap();
+    let capacity = Capacity { dims, segments: 1024, cell: Params::DEFAULT.cell };
+    let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+    let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
+    let mut matcher = Params::default().matcher(dims).unwrap();
+    let scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let mut found = Vec::new();
+    matcher.run(pair, None, scratch, &mut ()).unwrap().objects(&[region], |object| found.push(object));
+    let mut engine = Engine::new(&Params::default(), dims).unwrap();
+    engine.run(pair.left, pair.right).unwrap();
+    assert_eq!(found, engine.objects(&[region], true));
+}
+
 /// What an object's line says.
 fn said(images: &[GrayImage; 2], area: Area) -> String {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
