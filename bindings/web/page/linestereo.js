@@ -92,7 +92,8 @@ export class Matcher {
     for (let bit = 0, name; (name = this.core.linestereo_fault_name(bit)) !== 0; bit++) {
       if (faults & (1 << bit)) names.push(this.text(name));
     }
-    return { names, is_fit: view.getUint16(at + 8, true) === 1, found: view.getUint16(at + 36, true), matched: view.getUint16(at + 40, true) };
+    const [is_fit, found, matched, is_cut] = [8, 36, 38, 40].map(from => view.getUint16(at + from, true));
+    return { names, is_fit: is_fit === 1, found, matched, is_cut: is_cut === 1 };
   }
 
   segment(index) {

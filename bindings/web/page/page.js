@@ -139,7 +139,8 @@ function show() {
   $("summary").textContent = `${pair.width}x${pair.height}: ${health.matched} of ${health.found} segments matched, ${points.length} points, ${milliseconds.toFixed(1)} ms`;
   $("names").textContent = [stream ? "Camera, both side by side" : files.map(file => file.name).join(" | "), decodedBy].join(" ");
   $("swap").hidden = files.length !== 2 || stream !== null;
-  $("health").replaceChildren(...health.names.map(name => item(`${name}: ${advice.get(name) ?? ""}`, "bad")));
+  const faults = health.is_cut ? [...health.names, "segments_dropped"] : health.names;
+  $("health").replaceChildren(...faults.map(name => item(`${name}: ${advice.get(name) ?? ""}`, "bad")));
   const rgba = new Uint8ClampedArray(4 * pair.width * pair.height).fill(255);
   // Half as bright, so that colours stand out.
   pair.left.forEach((grey, i) => rgba.fill(grey * 0.62, 4 * i, 4 * i + 3));
