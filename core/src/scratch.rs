@@ -53,6 +53,9 @@ impl fmt::Display for RunError {
 
 impl core::error::Error for RunError {}
 
+/// Most support points among the hypotheses of an object.
+pub(crate) const OBJECT_POINTS: usize = 24;
+
 /// Number of 32-bit words of marks for images of this size, a bit per pixel.
 #[must_use]
 pub const fn mark_words(dims: Dims) -> usize {

@@ -20,8 +20,8 @@ use std::process::Command;
 mod status;
 
 /// Focal length in px and baseline in m of the pairs, as they are told to the examples.
-const RIG: [&str; 2] = ["300.5", "0.1"];
-const QVGA: Dims = Dims { width: 320, height: 240 };
+pub(crate) const RIG: [&str; 2] = ["300.5", "0.1"];
+pub(crate) const QVGA: Dims = Dims { width: 320, height: 240 };
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../bindings/c")
@@ -32,7 +32,7 @@ fn library() -> PathBuf {
 }
 
 /// Says so where a tool is missing; the test ends there.
-fn has(tool: &str) -> bool {
+pub(crate) fn has(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {
         // Not by a macro: those are silent in tests that pass.
@@ -59,7 +59,7 @@ fn compiled(compiler: &str, flags: &[&str], source: &Path, into: &Path) -> PathB
 }
 
 /// Ten captured pairs cut to QVGA, and drawn ones.
-fn pairs() -> Vec<(String, [GrayImage; 2])> {
+pub(crate) fn pairs() -> Vec<(String, [GrayImage; 2])> {
     let drawn = [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {
         let rendering = drawn::rendered(kind, dims, 2.0, 3);
         (format!("drawn-{dims}"), [rendering.left, rendering.right])
@@ -82,7 +82,7 @@ fn write_pair(folder: &Path, images: &[GrayImage; 2]) {
 }
 
 /// Output of the examples, by the PC's program: its CSV, its points, an object, its health.
-fn expected([left, right]: &[GrayImage; 2]) -> String {
+pub(crate) fn expected([left, right]: &[GrayImage; 2]) -> String {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
     let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();

@@ -32,3 +32,4 @@ mod rig_image;
 mod units;
 mod valid_pixels;
 mod view;
+mod web;

@@ -20,7 +20,8 @@ use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board};
 use linestereo_sim::report::browser::Browser;
-use std::path::PathBuf;
+use linestereo_sim::report::web;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -159,6 +160,8 @@ enum Command {
         #[arg(long, conflicts_with = "bless")]
         check: bool,
     },
+    /// Build the page for browsers, bindings/web, into target/web/index.html: one file.
+    Web,
     /// Print the numbers of real boards that their owners sent: docs/silicon.
     Silicon,
     /// Compute the digests that the boards are compared with.
@@ -203,9 +206,22 @@ fn execute(command: Command) -> Result<()> {
             Ok(())
         }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
+        Command::Web => web(&top),
         Command::Silicon => silicon::run(&top),
         Command::Bless { check } => bless::run(&top, check),
     }
+}
+
+fn web(top: &Path) -> Result<()> {
+    let folder = top.join("target/web");
+    std::fs::create_dir_all(&folder)?;
+    let page = web::build(top, &folder)?.page;
+    println!(
+        "{}\n  {} bytes, everything in it: open it, or serve it as it is",
+        page.display(),
+        std::fs::metadata(&page)?.len()
+    );
+    Ok(())
 }
 
 fn setup() -> Result<()> {

@@ -419,6 +419,13 @@ LinestereoStatus linestereo_segment(LinestereoMatcher *matcher, size_t index, Li
 // The callback must return, and not call the same matcher.
 LinestereoStatus linestereo_points(LinestereoMatcher *matcher, LinestereoPointCallback each, void *context);
 
+// The same points as a list, for languages that have no callbacks: the first `capacity` of them, which `points` has room for. `count` becomes the
+// number of all: at most one per pixel.
+LinestereoStatus linestereo_point_list(LinestereoMatcher *matcher,
+                                       LinestereoPoint *points,
+                                       size_t capacity,
+                                       size_t *count);
+
 // The depth of what lies in a box of the left image, or from 100 on why there is none.
 LinestereoStatus linestereo_box(LinestereoMatcher *matcher, const LinestereoArea *area, LinestereoDepth *depth);
 

@@ -8,6 +8,7 @@ use crate::status::Status;
 use crate::types::{Area, Config, Depth, FAULT_NAMES, Health, Image, Point, Run, Segment};
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
+use core::mem::MaybeUninit;
 use linestereo::scratch::Word;
 use linestereo::{Area as CoreArea, Gray, Region, Span as CoreSpan, objects::Run as CoreRun};
 
@@ -244,6 +245,32 @@ pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCal
         Ok(()) => Status::Ok,
         Err(status) => status,
     }
+}
+
+/// The same points as a list, for languages that have no callbacks: the first `capacity` of them, which `points` has room for. `count` becomes the
+/// number of all: at most one per pixel.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_point_list(
+    matcher: *mut Matcher,
+    points: *mut Point,
+    capacity: usize,
+    count: *mut usize,
+) -> Status {
+    let work = |engine: &mut Engine| {
+        // SAFETY: as this function's; they may have any content.
+        unsafe { list(points.cast::<MaybeUninit<Point>>(), capacity)? };
+        let mut found = 0;
+        engine.points(|point| {
+            if found < capacity {
+                // SAFETY: neither null nor misaligned, and within the room that the caller states.
+                unsafe { points.add(found).write(point) };
+            }
+            found = found.saturating_add(1);
+        })?;
+        Ok(found)
+    };
+    // SAFETY: as this function's.
+    unsafe { write(count, with(matcher, work)) }
 }
 
 /// The depth of what lies in a box of the left image, or from 100 on why there is none.

@@ -115,6 +115,15 @@ int main(void) {
     REFUSED(linestereo_points(matcher, 0, 0), NULL);
     REFUSED(linestereo_points(matcher, call_again, &seen), OK);
     CHECK(seen.points > 100 && seen.inside == LINESTEREO_STATUS_BUSY);
+    LinestereoPoint listed[9] = {{0, 0, 0, 0, 0}};
+    size_t count = 0;
+    REFUSED(linestereo_point_list(matcher, listed, 8, 0), NULL);
+    REFUSED(linestereo_point_list(matcher, 0, 8, &count), NULL);
+    REFUSED(linestereo_point_list(matcher, listed, (size_t)-1, &count), TOO_MANY);
+    REFUSED(linestereo_point_list(matcher, 0, 0, &count), OK);
+    CHECK(count == seen.points);
+    REFUSED(linestereo_point_list(matcher, listed, 8, &count), OK);
+    CHECK(count == seen.points && listed[7].confidence_q16 > 0 && listed[8].confidence_q16 == 0);
     LinestereoDepth depth;
     LinestereoArea area = {9, 9, 9, 20};
     REFUSED(linestereo_box(matcher, &area, &depth), REGION_EMPTY);

@@ -7,6 +7,7 @@
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
 //! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
 //! x86_64                                  sse2      sad_curve, rank_costs, path_step; the others are portable
+//! wasm32 with simd128                     simd128   sad_curve, rank_costs, path_step; the others are portable
 //! any other, such as RISC-V               portable
 //! ```
 //!
@@ -14,11 +15,13 @@
 
 pub mod portable;
 
-/// Kernels that this build has: `dsp`, `sse2` or `portable`.
+/// Kernels that this build has: `dsp`, `sse2`, `simd128` or `portable`.
 pub const KERNELS: &str = if cfg!(dsp) {
     "dsp"
 } else if cfg!(target_arch = "x86_64") {
     "sse2"
+} else if cfg!(target_feature = "simd128") {
+    "simd128"
 } else {
     "portable"
 };
@@ -26,6 +29,9 @@ pub const KERNELS: &str = if cfg!(dsp) {
 #[cfg(dsp)]
 #[allow(unsafe_code, reason = "vector instructions")]
 mod dsp;
+#[cfg(target_feature = "simd128")]
+#[allow(unsafe_code, reason = "vector instructions")]
+mod simd128;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "vector instructions")]
 mod sse2;
@@ -47,7 +53,9 @@ pub use portable::{
     hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, rank_columns,
     rank_row, reverse_row, sum_curve, sum_paths, weigh_knots,
 };
-#[cfg(not(any(dsp, target_arch = "x86_64")))]
+#[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{path_step, rank_costs, sad_curve};
+#[cfg(target_feature = "simd128")]
+pub use simd128::{path_step, rank_costs, sad_curve};
 #[cfg(target_arch = "x86_64")]
 pub use sse2::{path_step, rank_costs, sad_curve};

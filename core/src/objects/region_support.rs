@@ -24,6 +24,7 @@ use crate::image::Dims;
 use crate::lines::Segment;
 use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Side};
+use crate::scratch::OBJECT_POINTS;
 use crate::support::Support;
 
 /// Largest distance from a region's area at which a segment has an influence, px.
@@ -36,7 +37,7 @@ const LEAST_INSIDE: u16 = 2;
 /// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
 /// Most support points of a region that are used.
-const MOST_POINTS: usize = 24;
+const MOST_POINTS: usize = OBJECT_POINTS;
 /// Probability, Q16, that a support point has to exceed: 0.8.
 const LEAST_PROBABILITY: u16 = 0xcccc;
 /// Distance of the corners tested around a support point, px: half of its window, and one more.

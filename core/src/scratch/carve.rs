@@ -2,7 +2,10 @@
 //!
 //! In: words of 64 bits, capacities. Out: a [`ScratchView`] with cleared memory and empty lists.
 
-use super::{BAND_ROWS, PLANES, RunError, ScratchView, mark_words, most_candidates, most_support_points, row_bytes};
+use super::{
+    BAND_ROWS, OBJECT_POINTS, PLANES, RunError, ScratchView, mark_words, most_candidates, most_support_points,
+    row_bytes,
+};
 use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH};
 use crate::lines::{self, Segment};
 use crate::matching::consistency::Neighbour;
@@ -45,8 +48,8 @@ impl Capacity {
             + words_of::<u8>(row * BAND_ROWS * PLANES)
             + 2 * list_words::<Segment>(segments)
             + list_words::<Candidate>(candidates)
-            + words_of::<Neighbour>(candidates)
-            + list_words::<Ranked>(candidates)
+            + words_of::<Neighbour>(candidates + OBJECT_POINTS)
+            + list_words::<Ranked>(candidates + OBJECT_POINTS)
             + list_words::<SupportPoint>(support)
             + list_words::<Match>(candidates)
             + words_of::<Workspace>(1)
@@ -95,8 +98,8 @@ const fn list_words<T>(capacity: usize) -> usize {
 }
 
 impl<'a> ScratchView<'a> {
-    /// A memory of these capacities, cleared, made of at least [`Capacity::words`]; results are those of a [`Scratch`](super::Scratch) of the same
-    /// capacities.
+    /// A memory of these capacities, cleared, made of at least [`Capacity::words`]. Results are those of a [`Scratch`](super::Scratch) that is large
+    /// enough: an object's hypotheses, points and segments, have room in any case.
     ///
     /// # Errors
     /// [`RunError::ScratchTooSmall`] with fewer words.
@@ -125,8 +128,8 @@ impl<'a> ScratchView<'a> {
             left: rest.list(sizes.segments)?,
             right: rest.list(sizes.segments)?,
             candidates: rest.list(sizes.candidates)?,
-            neighbours: rest.filled(sizes.candidates, Neighbour::EMPTY)?,
-            order: rest.list(sizes.candidates)?,
+            neighbours: rest.filled(sizes.candidates + OBJECT_POINTS, Neighbour::EMPTY)?,
+            order: rest.list(sizes.candidates + OBJECT_POINTS)?,
             support: rest.list(sizes.support)?,
             matches: rest.list(sizes.candidates)?,
             work: rest.one(Workspace::EMPTY)?,

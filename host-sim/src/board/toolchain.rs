@@ -55,6 +55,11 @@ impl Toolchain {
         }
     }
 
+    /// The one in use, with this target added if need be: for what needs the standard library, which Debian has for PCs alone.
+    pub fn by_rustup(top: &Path, target: &str) -> Result<Self> {
+        rustup(top, target)
+    }
+
     fn debian(target: &str) -> Result<Self> {
         Ok(Self { way: "apt", folder: Some(debian::toolchain(target)?) })
     }

@@ -1,15 +1,13 @@
 //! Image files to 8-bit grey.
 //!
 //! In: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour, turned as EXIF says. Out: [`GrayImage`], or the raw values of a
-//! ground-truth file. Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is), transparency is ignored.
-//!
-//! 16 bits become 8 by `round(v / 257)`. Sensors of 10 and 12 bits store their values as they are: where all values of a pair lie below 1024 or
-//! 4096, that is white. Both images of a pair have one scale: [`load_images`].
+//! ground-truth file. Transparency is ignored. Both images of a pair have one scale: [`load_images`].
 //!
 //! # Bounds
 //! A header of more than [`PIXELS`] or [`IMAGE_BYTES`] is all that is read of a file.
 
 use super::error::FrameError;
+use super::grey::{StoredGray, Values, luma};
 use super::resample::halves;
 use super::sequence::PairFiles;
 use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
@@ -24,15 +22,13 @@ use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
 const MAX_SATURATED_PERCENT: f64 = 95.0;
-/// Bits of sensors whose values are stored in 16.
-const SENSOR_BITS: [u32; 2] = [10, 12];
 /// Markers of a JPEG.
 const END_OF_IMAGE: u8 = 0xd9;
 const TEMPORARY: u8 = 0x01;
 
 /// Reads an image file as 8-bit grey. The core's limits of size do not apply yet.
 pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
-    let stored = StoredGray::load(path)?;
+    let stored = load_stored(path)?;
     let bits = stored.bits();
     Ok(stored.into_8_bit(bits))
 }
@@ -41,62 +37,35 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
         PairFiles::Two([left, right]) => {
-            let stored = [StoredGray::load(left)?, StoredGray::load(right)?];
+            let stored = [load_stored(left)?, load_stored(right)?];
             let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
             Ok(stored.map(|stored| stored.into_8_bit(bits)))
         }
         PairFiles::SideBySide(both) => {
-            let stored = StoredGray::load(both)?;
+            let stored = load_stored(both)?;
             let bits = bits.unwrap_or_else(|| stored.bits());
             Ok(halves(&stored.into_8_bit(bits)))
         }
     }
 }
 
-/// Grey values as a file has them.
-struct StoredGray {
-    dims: Dims,
-    values: Values,
-}
-
-enum Values {
-    Eight(Vec<u8>),
-    Sixteen(Vec<u16>),
-}
-
-impl StoredGray {
-    fn load(path: &Path) -> Result<Self, FrameError> {
-        let image = decode(path)?;
-        let dims = dims_of(path, &image)?;
-        // From each layout at once: an image in between would double the memory.
-        let values = match image {
-            DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
-            DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
-            DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| luma(pixel) as u8).collect()),
-            DynamicImage::ImageRgba8(image) => Values::Eight(image.pixels().map(|pixel| luma(pixel) as u8).collect()),
-            DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
-            DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
-            DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(luma).collect()),
-            DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(luma).collect()),
-            other => Values::Eight(other.into_rgb8().pixels().map(|pixel| luma(pixel) as u8).collect()),
-        };
-        Ok(Self { dims, values })
-    }
-
-    /// Bits of a value, told from the largest one.
-    fn bits(&self) -> u32 {
-        let Values::Sixteen(values) = &self.values else { return 8 };
-        let largest = values.iter().copied().max().unwrap_or(0);
-        SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
-    }
-
-    fn into_8_bit(self, bits: u32) -> GrayImage {
-        let pixels = match self.values {
-            Values::Eight(pixels) => pixels,
-            Values::Sixteen(values) => values.into_iter().map(|value| to_8_bit(value, bits)).collect(),
-        };
-        GrayImage { dims: self.dims, pixels }
-    }
+/// Reads a file with the values that it stores.
+fn load_stored(path: &Path) -> Result<StoredGray, FrameError> {
+    let image = decode(path)?;
+    let dims = dims_of(path, &image)?;
+    // From each layout at once: an image in between would double the memory.
+    let values = match image {
+        DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
+        DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
+        DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+        DynamicImage::ImageRgba8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+        DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
+        DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
+        DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
+        DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
+        other => Values::Eight(other.into_rgb8().pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+    };
+    Ok(StoredGray { dims, values })
 }
 
 /// Reads a file of plain numbers (disparities, masks): grey values as stored, 8 or 16 bit.
@@ -250,16 +219,9 @@ fn dims_of(path: &Path, image: &DynamicImage) -> Result<Dims, FrameError> {
     }
 }
 
-/// BT.601 in thousandths, rounded; for 8 or 16-bit channels alike, whatever stands behind the first three.
-fn luma<P: Pixel<Subpixel: Into<u32>>>(pixel: &P) -> u16 {
-    let [red, green, blue] = pixel.to_rgb().0.map(Into::into);
-    ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u16
-}
-
-/// A value of so many bits, 8 to 16; larger ones are white.
-fn to_8_bit(value: u16, bits: u32) -> u8 {
-    let white = (1_u32 << bits) - 1;
-    ((u32::from(value).min(white) * 255 + white / 2) / white) as u8
+/// Grey of a pixel, whatever stands behind its colours.
+fn grey_of<P: Pixel<Subpixel: Into<u32>>>(pixel: &P) -> u16 {
+    luma(pixel.to_rgb().0.map(Into::into))
 }
 
 #[cfg(test)]
@@ -276,9 +238,6 @@ mod tests {
 
     #[test]
     fn sixteen_bits_are_rounded_to_eight() {
-        for value in 0..=u16::MAX {
-            assert_eq!(f64::from(to_8_bit(value, 16)), (f64::from(value) / 257.0).round(), "{value}");
-        }
         let image = ImageBuffer::<Luma<u16>, _>::from_raw(3, 1, vec![0, 32_896, 65_535]).unwrap();
         for name in ["grey.png", "grey.pgm"] {
             assert_eq!(load_back(&image.clone().into(), name).pixels, [0, 128, 255], "{name}");

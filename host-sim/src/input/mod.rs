@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! folder, sequence, datasets   which pairs are there, by names and small text files alone: `StoredPair`; the same for every command
-//! decode, disparity_file       image files as grey; files of disparities
+//! decode, grey, disparity_file image files as grey; files of disparities
 //! rig_file, interchange        calibrated rigs: our own file, and those of OpenCV, Kalibr, ROS, EuRoC
 //! stored                       a pair loaded: rectified, reduced, with truth and rig of one size: `Scene`
 //! perturb                      the same pair with a known fault
@@ -15,6 +15,7 @@ mod decode;
 mod disparity_file;
 mod error;
 mod folder;
+mod grey;
 pub mod interchange;
 mod layout;
 mod numpy;

@@ -7,6 +7,7 @@
 
 pub mod browser;
 mod rejected;
+pub mod web;
 
 pub use rejected::{Rejected, RejectionLog};
 

@@ -5,7 +5,7 @@ use linestereo_wire::{CameraReport, Health, PairReport, RangeReport, RowsReport,
 use serde::Serialize;
 
 /// Remedy for each flag, in the order of [`Health::NAMES`].
-const ADVICE: [(&str, &str); Health::NAMES.len()] = [
+pub(crate) const ADVICE: [(&str, &str); Health::NAMES.len()] = [
     ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
     ("segments_dropped", "more segments than there is memory or time for: those that fit are used"),
     ("results_skipped", "the port is slower than the board: raise its speed"),

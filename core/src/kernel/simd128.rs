@@ -1,0 +1,143 @@
+//! Cost curves, and costs and paths of support points, with the vectors of WebAssembly.
+//!
+//! In and out as the [`portable`](super::portable) versions, the same bits.
+//!
+//! # Cost
+//! A captured QVGA pair in Node 20, median of ten, an x86-64 PC: 2.0 ms against 2.7 ms of the portable versions as vectorised for the same target.
+
+use super::portable::{JUMP_PENALTY, LANES, RANK_ROWS, RankColumn, STEP_PENALTY, STRIP, Strip};
+use core::arch::wasm32::{
+    i8x16_shuffle, i8x16_splat, i16x8_narrow_i32x4, u8x16_add, u8x16_max, u8x16_min, u8x16_narrow_i16x8, u8x16_splat,
+    u8x16_sub, u8x16_sub_sat, u16x8_add, u16x8_extadd_pairwise_u8x16, u16x8_splat, u32x4_extadd_pairwise_u16x8,
+    u32x4_shr, u32x4_splat, v128, v128_and, v128_load, v128_store,
+};
+
+/// Columns of ranks in a vector.
+const COLUMNS: usize = LANES / RANK_ROWS;
+
+/// See [`portable::sad_curve`](super::portable::sad_curve).
+pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
+    let needed = curve.len() + STRIP - 1;
+    for (start, costs) in (0..).step_by(LANES).zip(curve.as_chunks_mut::<LANES>().0) {
+        let mut sums = [u16x8_splat(0); 2];
+        for strip in strips.iter().filter(|strip| strip.other.len() >= needed) {
+            const REACH: usize = LANES + STRIP - 1;
+            let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<REACH>()) else { continue };
+            let apart = |(other, &reference): (&[u8], &u8)| {
+                let (other, reference) = (load(other), u8x16_splat(reference));
+                u8x16_sub(u8x16_max(other, reference), u8x16_min(other, reference))
+            };
+            let mut differences = others.windows(LANES).zip(&strip.reference).map(apart);
+            while let (Some(a), Some(b)) = (differences.next(), differences.next()) {
+                let low = i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b);
+                let high = i8x16_shuffle::<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(a, b);
+                sums = [
+                    u16x8_add(sums[0], u16x8_extadd_pairwise_u8x16(low)),
+                    u16x8_add(sums[1], u16x8_extadd_pairwise_u8x16(high)),
+                ];
+            }
+        }
+        for (costs, sum) in costs.as_chunks_mut::<{ LANES / 2 }>().0.iter_mut().zip(sums) {
+            let sums = bytes(sum);
+            for (cost, &sum) in costs.iter_mut().zip(sums.as_chunks::<2>().0) {
+                *cost = cost.wrapping_add(u16::from_le_bytes(sum));
+            }
+        }
+    }
+}
+
+/// See [`portable::rank_costs`](super::portable::rank_costs).
+pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+    let reference = window.map(|column| u32x4_splat(u32::from_ne_bytes(column)));
+    let count = costs.len().min((columns.len() + 1).saturating_sub(STRIP));
+    let costs = costs.get_mut(..count).unwrap_or_default();
+    for (start, costs) in (0..).step_by(LANES).zip(costs.chunks_mut(LANES)) {
+        let ranks = columns.get(start..).unwrap_or_default();
+        let sums =
+            [0, 1, 2, 3].map(|quarter| four_sums(&reference, ranks.get(quarter * COLUMNS..).unwrap_or_default()));
+        let halves = i16x8_narrow_i32x4(sums[0], sums[1]);
+        let bytes = u8x16_narrow_i16x8(halves, i16x8_narrow_i32x4(sums[2], sums[3]));
+        store(u8x16_add(bytes, u8x16_splat(JUMP_PENALTY)), costs);
+    }
+}
+
+/// Half of the sums, modulo 256, for the windows that start at the first four columns; of columns that are missing anything.
+#[inline]
+fn four_sums(reference: &[v128; STRIP], columns: &[RankColumn]) -> v128 {
+    const REACH: usize = COLUMNS + STRIP - 1;
+    let mut padded = [[0; RANK_ROWS]; REACH];
+    let columns = columns.first_chunk::<REACH>().unwrap_or_else(|| {
+        padded.iter_mut().zip(columns).for_each(|(padded, column)| *padded = *column);
+        &padded
+    });
+    let mut sums = u8x16_splat(0);
+    for (reference, columns) in reference.iter().zip(columns.windows(COLUMNS)) {
+        let ranks = load(columns.as_flattened());
+        let apart = u8x16_sub(u8x16_max(ranks, *reference), u8x16_min(ranks, *reference));
+        sums = u8x16_add(sums, apart);
+    }
+    let sums = u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(sums));
+    u32x4_shr(v128_and(sums, u32x4_splat(255)), 1)
+}
+
+/// See [`portable::path_step`](super::portable::path_step).
+pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
+    let length = path.len().min(costs.len());
+    let Some(path) = path.get_mut(..length) else { return u8::MAX };
+    let (step, reach) = (u8x16_splat(STEP_PENALTY), u8x16_splat(lowest.saturating_add(JUMP_PENALTY)));
+    let mut lows = u8x16_splat(u8::MAX);
+    // The last entry of the previous block, before its update.
+    let mut before = u8::MAX;
+    for (start, costs) in (0..).step_by(LANES).zip(costs.chunks(LANES)) {
+        let Some(rest) = path.get_mut(start..) else { break };
+        let behind = rest.get(LANES).copied().unwrap_or(u8::MAX);
+        let here = rest.len().min(LANES);
+        let Some(block) = rest.get_mut(..here) else { break };
+        let same = load(block);
+        let left = i8x16_shuffle::<0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30>(
+            i8x16_splat(before.cast_signed()),
+            same,
+        );
+        let right = i8x16_shuffle::<1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16>(
+            same,
+            i8x16_splat(behind.cast_signed()),
+        );
+        before = block.last().copied().unwrap_or(u8::MAX);
+        let near = u8x16_sub_sat(u8x16_sub_sat(reach, u8x16_min(left, right)), step);
+        let new = u8x16_sub(load(costs), u8x16_max(near, u8x16_sub_sat(reach, same)));
+        lows = u8x16_min(lows, if here == LANES { new } else { load(bytes(new).get(..here).unwrap_or(&[])) });
+        store(new, block);
+    }
+    bytes(lows).into_iter().fold(u8::MAX, u8::min)
+}
+
+/// Sixteen bytes, 255 where there are fewer.
+#[inline]
+fn load(bytes: &[u8]) -> v128 {
+    let sixteen = bytes.first_chunk::<LANES>().copied().unwrap_or_else(|| {
+        let mut padded = [u8::MAX; LANES];
+        padded.iter_mut().zip(bytes).for_each(|(padded, &byte)| *padded = byte);
+        padded
+    });
+    // SAFETY: sixteen bytes are read of sixteen.
+    unsafe { v128_load(sixteen.as_ptr().cast()) }
+}
+
+/// The bytes of a vector.
+#[inline]
+fn bytes(vector: v128) -> [u8; LANES] {
+    let mut bytes = [0; LANES];
+    // SAFETY: sixteen bytes are written to sixteen.
+    unsafe { v128_store(bytes.as_mut_ptr().cast(), vector) };
+    bytes
+}
+
+/// As many of a vector's bytes as there is room for.
+#[inline]
+fn store(vector: v128, out: &mut [u8]) {
+    let found = bytes(vector);
+    match out.first_chunk_mut::<LANES>() {
+        Some(sixteen) => *sixteen = found,
+        None => out.iter_mut().zip(found).for_each(|(out, byte)| *out = byte),
+    }
+}

@@ -1,0 +1,381 @@
+//! The page for browsers: its modules in Node and the page in a browser, against the PC's program, byte for byte.
+
+use super::c_library::{QVGA, RIG, expected, has, pairs};
+use core::mem::MaybeUninit;
+use image::{DynamicImage, ImageBuffer};
+use linestereo::scratch::Capacity;
+use linestereo::{Area, Pair, Params, Region, Rig, ScratchView};
+use linestereo_baselines::GrayImage;
+use linestereo_firmware::programs::kernels::Kernels;
+use linestereo_sim::engine::Engine;
+use linestereo_sim::input::{PairFiles, area_average, load_images};
+use linestereo_sim::report::browser::Browser;
+use linestereo_sim::report::web::{self, MOST_BYTES, WebPage};
+use linestereo_tests::board::or_skip;
+use linestereo_tests::drawn::Random;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+const TESTS: &str = env!("CARGO_MANIFEST_DIR");
+
+/// The page, built once; `None` where no compiler for it can be had, or no Node.
+fn page() -> Option<&'static WebPage> {
+    static PAGE: OnceLock<Option<WebPage>> = OnceLock::new();
+    let build = || {
+        let top = Path::new(TESTS).parent().unwrap();
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web");
+        std::fs::create_dir_all(&folder).unwrap();
+        or_skip(web::build(top, &folder))
+    };
+    has("node").then(|| PAGE.get_or_init(build).as_ref())?
+}
+
+/// Runs a script beside this file on a task.
+fn node(script: &str, task: &Value) -> Value {
+    let mut command = Command::new("node");
+    command.arg(Path::new(TESTS).join("tests/web").join(script)).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{script}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn in_node(page: &WebPage, tasks: Vec<Value>) -> Vec<Value> {
+    let source = Path::new(TESTS).join("../bindings/web/page").canonicalize().unwrap();
+    let done =
+        node("pairs.mjs", &json!({"page": source, "matcher": page.matcher, "images": page.images, "tasks": tasks}));
+    done.as_array().unwrap().clone()
+}
+
+fn png(folder: &Path, name: &str, image: &GrayImage) -> PathBuf {
+    let path = folder.join(name);
+    let (width, height) = (image.dims.width.into(), image.dims.height.into());
+    image::save_buffer(&path, &image.pixels, width, height, image::ColorType::L8).unwrap();
+    path
+}
+
+/// Both files of each pair.
+fn files(folder: &Path, pairs: &[(String, [GrayImage; 2])]) -> Vec<[PathBuf; 2]> {
+    let write = |(name, [left, right]): &(String, [GrayImage; 2])| {
+        [png(folder, &format!("{name}-left.png"), left), png(folder, &format!("{name}-right.png"), right)]
+    };
+    pairs.iter().map(write).collect()
+}
+
+fn rig() -> Value {
+    let [focal_px, baseline_m] = RIG.map(|text| text.parse::<f64>().unwrap());
+    json!({"focal_px": focal_px, "baseline_m": baseline_m})
+}
+
+#[track_caller]
+fn assert_equal(name: &str, found: &Value, expected: &str) {
+    let found = found["text"].as_str().unwrap_or_else(|| panic!("{name}: {found}"));
+    let differs = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
+    assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
+}
+
+/// Median time of the core, ms.
+fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
+    let mut matcher = Params::default().matcher(left.dims).unwrap();
+    let capacity = Capacity { dims: left.dims, segments: 4096, cell: Params::DEFAULT.cell };
+    let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+    let mut scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let [left, right] = [left.view().unwrap(), right.view().unwrap()];
+    let mut times: Vec<f64> = (0..runs)
+        .map(|_| {
+            let started = std::time::Instant::now();
+            matcher.run(Pair { left, right, times_us: None }, None, scratch.reborrow(), &mut ()).unwrap();
+            1e3 * started.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[runs / 2]
+}
+
+#[test]
+fn the_modules_in_node_give_the_bytes_of_the_program() {
+    let Some(page) = page() else { return };
+    let (pairs, folder, runs) = (pairs(), tempfile::tempdir().unwrap(), 60);
+    let tasks = files(folder.path(), &pairs)
+        .into_iter()
+        .map(|files| json!({"files": files, "width": 0, "out": folder.path().join("out"), "rig": rig(), "runs": runs}));
+    let found = in_node(page, tasks.collect());
+    let mut ratios = Vec::new();
+    for ((name, images), found) in pairs.iter().zip(&found) {
+        assert_equal(name, found, &expected(images));
+        ratios.push(found["milliseconds"].as_f64().unwrap() / native_milliseconds(images, runs));
+    }
+    ratios.sort_by(f64::total_cmp);
+    // Times of a test's machine prove nothing to others: the figure is for who looks at it.
+    println!("{} pairs, time over native: median {:.2}, {ratios:.2?}", pairs.len(), ratios[ratios.len() / 2]);
+}
+
+#[test]
+fn kernels_of_webassembly_equal_the_portable_ones() {
+    if !has("node") {
+        return;
+    }
+    let built = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web/cargo");
+    let arguments = ["build", "--config", &web::vectors()];
+    let top = Path::new(TESTS).parent().unwrap();
+    let module = web::module(top, &built, "tests/wasm-kernels", "linestereo_wasm_kernels.wasm", &arguments);
+    let Some(module) = or_skip(module) else { return };
+    let found = node("kernels.mjs", &json!({"module": module}));
+    let all = (1_u32 << Kernels::COUNT) - 1;
+    assert_eq!(found, json!({"vectors": true, "count": Kernels::COUNT, "differing": [0, all]}));
+}
+
+/// PNG of every depth and number of channels, PGM and PPM, in two files, side by side and reduced.
+#[test]
+fn images_are_the_grey_of_the_program() {
+    let Some(page) = page() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(7);
+    let mut noise = |channels: u32, most: u16| -> Vec<u16> {
+        (0..70 * 41 * channels).map(|_| (u16::from(random.grey()) << 8 | u16::from(random.grey())) % most).collect()
+    };
+    let mut images: Vec<(String, DynamicImage)> = Vec::new();
+    for (side, most) in [(0, u16::MAX), (1, 900)] {
+        let mut add = |name: &str, image: DynamicImage| images.push((format!("{name}-{side}.png"), image));
+        let bytes = |values: Vec<u16>| values.into_iter().map(|value| value as u8).collect::<Vec<u8>>();
+        add("l8", ImageBuffer::<image::Luma<u8>, _>::from_raw(70, 41, bytes(noise(1, 256))).unwrap().into());
+        add("la8", ImageBuffer::<image::LumaA<u8>, _>::from_raw(70, 41, bytes(noise(2, 256))).unwrap().into());
+        add("rgb8", ImageBuffer::<image::Rgb<u8>, _>::from_raw(70, 41, bytes(noise(3, 256))).unwrap().into());
+        add("rgba8", ImageBuffer::<image::Rgba<u8>, _>::from_raw(70, 41, bytes(noise(4, 256))).unwrap().into());
+        add("l16", ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, most)).unwrap().into());
+        add("ten", ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, 1000)).unwrap().into());
+        add("la16", ImageBuffer::<image::LumaA<u16>, _>::from_raw(70, 41, noise(2, most)).unwrap().into());
+        add("rgb16", ImageBuffer::<image::Rgb<u16>, _>::from_raw(70, 41, noise(3, most)).unwrap().into());
+        add("rgba16", ImageBuffer::<image::Rgba<u16>, _>::from_raw(70, 41, noise(4, most)).unwrap().into());
+        for (name, extension) in [("l8", "pgm"), ("rgb8", "ppm")] {
+            let of = images.iter().find(|(given, _)| *given == format!("{name}-{side}.png")).unwrap().1.clone();
+            images.push((format!("{name}-{side}.{extension}"), of));
+        }
+    }
+    for (name, image) in &images {
+        let path = folder.path().join(name);
+        match Path::new(name).extension().and_then(|extension| extension.to_str()) {
+            Some("png") => image.save(path).unwrap(),
+            kind => {
+                let head = format!("{}\n# made by a test\n70 41\n255\n", if kind == Some("pgm") { "P5" } else { "P6" });
+                std::fs::write(path, [head.as_bytes(), image.as_bytes()].concat()).unwrap();
+            }
+        }
+    }
+    let mut tasks = Vec::new();
+    let mut wanted = Vec::new();
+    for name in images.iter().map(|(name, _)| name).filter(|name| name.contains("-0.")) {
+        let [left, right] = [name.clone(), name.replace("-0.", "-1.")].map(|name| folder.path().join(name));
+        for (given, width) in [(vec![left.clone(), right.clone()], 0), (vec![left.clone()], 0), (vec![left, right], 37)]
+        {
+            let from = match &given[..] {
+                [left, right] => PairFiles::Two([left.clone(), right.clone()]),
+                _ => PairFiles::SideBySide(given[0].clone()),
+            };
+            let pair = load_images(&from, None).unwrap();
+            wanted.push(if width == 0 { pair } else { pair.map(|image| area_average(&image, width).unwrap()) });
+            tasks.push(json!({"files": given, "width": width, "out": folder.path().join(tasks.len().to_string())}));
+        }
+    }
+    for (i, (found, pair)) in in_node(page, tasks.clone()).iter().zip(&wanted).enumerate() {
+        assert_eq!(found["size"], json!([pair[0].dims.width, pair[0].dims.height]), "{} {found}", tasks[i]);
+        for (side, image) in ["left", "right"].into_iter().zip(pair) {
+            let grey = std::fs::read(folder.path().join(format!("{i}-{side}"))).unwrap();
+            assert!(grey == image.pixels, "{side}: {}", tasks[i]);
+        }
+    }
+    assert_eq!(wanted.len(), 33);
+}
+
+#[test]
+fn what_is_no_image_is_refused_by_what_to_do() {
+    let Some(page) = page() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    let (_, [image, _]) = pairs().pop().unwrap();
+    let good = std::fs::read(png(folder.path(), "good.png", &image)).unwrap();
+    let turned = [&good[..33], &exif_chunk(6), &good[33..]].concat();
+    let mut huge = good.clone();
+    huge[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff]);
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&huge[12..29]);
+    huge[29..33].copy_from_slice(&crc.to_be_bytes());
+    let half = png(folder.path(), "half.png", &area_average(&image, 80).unwrap());
+    let cases = [
+        (
+            vec![file("notes.txt", b"hello")],
+            0,
+            "not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG",
+        ),
+        (
+            vec![file("empty.png", b"")],
+            0,
+            "not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG",
+        ),
+        (vec![file("cut.png", &good[..good.len() / 2])], 0, "a damaged PNG; give another file"),
+        (vec![file("turned.png", &turned)], 0, "a PNG that its EXIF turns; store it upright"),
+        (vec![file("huge.png", &huge)], 0, "an image of more than 128 MiB of pixels is not read; give a smaller one"),
+        (
+            vec![file("cut.pgm", b"P5 9 9 255\n123")],
+            0,
+            "a PGM or PPM that is damaged or not of 8 bits; give another file, or a PNG",
+        ),
+        (
+            vec![file("good.png", &good), half],
+            0,
+            "the left image is 160x120 but the right one is 80x60; give two images of one size",
+        ),
+        (
+            vec![file("good.png", &good)],
+            81,
+            "a width of 81 px is not between 1 and the image's 80; images are only ever reduced",
+        ),
+        (vec![], 0, "give two images, or one with both side by side"),
+    ];
+    let tasks =
+        cases.iter().map(|(files, width, _)| json!({"files": files, "width": width, "out": folder.path().join("out")}));
+    for (found, (files, _, expected)) in in_node(page, tasks.collect()).iter().zip(&cases) {
+        assert_eq!(found["refused"], *expected, "{files:?}");
+    }
+}
+
+/// A chunk of a PNG with the orientation alone.
+fn exif_chunk(orientation: u8) -> Vec<u8> {
+    let entry = [0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0];
+    let body = [&b"eXIfMM\0*\0\0\0\x08\0\x01"[..], &entry].concat();
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&body);
+    [&((body.len() - 4) as u32).to_be_bytes()[..], &body, &crc.to_be_bytes()].concat()
+}
+
+/// A box over nearly all of a small image may have more hypotheses, points and segments, than the image has squares.
+#[test]
+fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
+    let (_, [left, right]) = pairs().pop().unwrap();
+    let (dims, area) = (left.dims, Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 });
+    let region = Region::boxed(0, area, dims).unwrap();
+    let capacity = Capacity { dims, segments: 1024, cell: Params::DEFAULT.cell };
+    let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+    let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
+    let mut matcher = Params::default().matcher(dims).unwrap();
+    let scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let mut found = Vec::new();
+    matcher.run(pair, None, scratch, &mut ()).unwrap().objects(&[region], |object| found.push(object));
+    let mut engine = Engine::new(&Params::default(), dims).unwrap();
+    engine.run(pair.left, pair.right).unwrap();
+    assert_eq!(found, engine.objects(&[region], true));
+}
+
+/// What an object's line says.
+fn said(images: &[GrayImage; 2], area: Area) -> String {
+    let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
+    let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
+    let [left, right] = images;
+    let mut engine = Engine::new(&params, left.dims).unwrap();
+    engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let fit = engine.matched().health().flags.is_fit();
+    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()], fit).remove(0);
+    let disparity = match found.disparity {
+        Err(reason) => return format!("no depth: {reason}"),
+        Ok(disparity) => disparity.to_num::<f64>(),
+    };
+    let [depth, sigma, nearest] = [found.depth, found.depth_sigma, found.nearest].map(|z| z.unwrap().to_num::<f64>());
+    let (px, sure) = (found.sigma.to_num::<f64>(), 100.0 * found.confidence.to_num::<f64>());
+    format!(
+        "{depth:.3} m ± {sigma:.3} m, nearest {nearest:.3} m; {disparity:.2} ± {px:.2} px, within 1 px with {sure:.1} %"
+    )
+}
+
+fn visit(page: &WebPage, browser: &Browser, flags: &[String], steps: &[Value]) -> (Vec<Value>, Vec<Value>) {
+    let task = json!({"browser": browser.path(), "page": page.page, "flags": flags, "steps": steps});
+    let mut done = node("visit.mjs", &task);
+    let [found, logged] = ["found", "logged"].map(|name| done[name].take().as_array().unwrap().clone());
+    (found, logged)
+}
+
+fn browser() -> Option<Browser> {
+    let browser = Browser::find();
+    if browser.is_none() {
+        // Not by a macro: those are silent in tests that pass.
+        let _ =
+            writeln!(std::io::stderr(), "\nSKIPPED: no browser; install chromium, or name one in LINESTEREO_BROWSER\n");
+    }
+    browser
+}
+
+#[test]
+fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
+    let Some((page, browser)) = page().zip(browser()) else { return };
+    assert!(std::fs::metadata(&page.page).unwrap().len() <= MOST_BYTES as u64, "the page grew beyond its limit");
+    let (pairs, folder) = (pairs(), tempfile::tempdir().unwrap());
+    let written = files(folder.path(), &pairs);
+    let notes = folder.path().join("notes.txt");
+    std::fs::write(&notes, "hello").unwrap();
+    let boxes = |[left, _]: &[GrayImage; 2]| {
+        let [w, h] = [left.dims.width, left.dims.height];
+        [
+            Area { left: w / 4, top: h / 4, right: w / 2, bottom: h / 2 },
+            Area { left: 3, top: 5, right: w - 8, bottom: h - 9 },
+        ]
+    };
+    let mut steps = vec![json!({"settings": {"focal": RIG[0], "baseline": RIG[1]}})];
+    for (files, (_, images)) in written.iter().zip(&pairs) {
+        // The right one first: names say which is which.
+        steps.push(json!({"files": [files[1], files[0]], "text": true}));
+        for area in boxes(images) {
+            steps.push(json!({"box": [area.left, area.top, area.right, area.bottom]}));
+        }
+    }
+    steps.push(json!({"files": [notes, written[0][0]]}));
+    steps.push(json!({"files": [written[0][0], written[0][1], notes]}));
+    steps.push(json!({"files": written[0], "text": true}));
+    steps.push(json!({"settings": {"baseline": ""}, "changes": true}));
+    let (found, logged) = visit(page, &browser, &[], &steps);
+    assert_eq!(logged.len(), 1, "the page alone is fetched, and nothing fails: {logged:?}");
+    for (step, (name, images)) in found[1..].chunks(3).zip(&pairs) {
+        assert_equal(name, &step[0], &expected(images));
+        let lines: Vec<String> = boxes(images).iter().map(|&area| said(images, area)).collect();
+        assert_eq!(step[2]["objects"], json!(lines), "{name}");
+        assert!(step[2]["summary"].as_str().unwrap().contains(" segments matched, "), "{name}");
+        assert_eq!((&step[2]["error"], &step[2]["wide"]), (&json!(""), &json!(false)), "{name}");
+    }
+    let [text_file, three, again, half_a_rig] = &found[1 + 3 * pairs.len()..] else { panic!("{found:?}") };
+    let refused = "notes.txt: not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG";
+    assert_eq!(text_file["error"], refused);
+    assert_eq!(three["error"], "3 files were given; give left and right, or one with both side by side");
+    assert_equal("again", again, &expected(&pairs[0].1));
+    assert_eq!(half_a_rig["error"], "metres need both, focal length and baseline; give the other one, or neither");
+}
+
+/// The browser's own camera for tests shows a drawn pair side by side.
+#[test]
+fn a_camera_is_followed() {
+    let Some((page, browser)) = page().zip(browser()) else { return };
+    let (folder, (_, images)) =
+        (tempfile::tempdir().unwrap(), pairs().into_iter().find(|(name, _)| name == "drawn-320x240").unwrap());
+    let mut video = format!("YUV4MPEG2 W{} H{} F30:1 Ip C420jpeg\n", 2 * QVGA.width, QVGA.height).into_bytes();
+    video.extend(b"FRAME\n");
+    let [left, right] = images.each_ref().map(|image| image.pixels.chunks_exact(QVGA.width.into()));
+    left.zip(right).for_each(|(left, right)| video.extend([left, right].concat()));
+    video.resize(video.len() + usize::from(QVGA.width) * usize::from(QVGA.height), 128); // both colours
+    let file = folder.path().join("pair.y4m");
+    std::fs::write(&file, video).unwrap();
+    let camera = format!("--use-file-for-fake-video-capture={}", file.display());
+    let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", &camera].map(str::to_owned);
+    let (found, logged) = visit(page, &browser, &flags, &[json!({"click": "camera", "frames": 5})]);
+    assert_eq!(logged.len(), 1, "{logged:?}");
+    let summary = found[0]["summary"].as_str().unwrap();
+    let matched: u32 =
+        summary.strip_prefix("320x240: ").and_then(|rest| rest.split_once(' ')).unwrap().0.parse().unwrap();
+    // The browser's colours are not the drawn bytes: about as many segments.
+    assert!(matched > 60, "{found:?}");
+    assert_eq!(found[0]["names"], "Camera, both side by side");
+    // What does not change is a frozen camera.
+    assert!(found[0]["health"].as_str().unwrap().contains("left_frozen: left image does not change"), "{found:?}");
+}
