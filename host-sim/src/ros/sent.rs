@@ -153,7 +153,7 @@ pub fn camera_info(header: Header<'_>, [width, height]: [u16; 2], rig: &Projecti
     to.f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let along = if is_right { -f * rig.baseline_m } else { 0.0 };
     to.f64s(&[f, 0.0, x, along, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0]);
-    [0; 6].map(|none| to.u32(none)); // binning, region of interest
+    (0..6).for_each(|_| to.u32(0)); // binning, region of interest
     to.u8(0);
     to.finish()
 }
@@ -193,7 +193,7 @@ pub fn disparity_image(header: Header<'_>, of: &Disparities<'_>) -> Vec<u8> {
     });
     to.f32s(&of.rig);
     let [width, height] = of.size.map(u32::from);
-    [0, 0, height, width].map(|side| to.u32(side));
+    [0, 0, height, width].into_iter().for_each(|side| to.u32(side));
     to.u8(0);
     to.f32s(&[of.range[0], of.range[1], of.step]);
     to.finish()
