@@ -42,7 +42,9 @@ impl RecordingArgs {
     pub(super) fn find(&self, root: &Path, side_by_side: bool) -> Result<Dataset> {
         if !is_recording(root) || root.is_dir() {
             if self.left_topic.is_some() || self.pair_window_ms.is_some() {
-                bail!("--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out");
+                bail!(
+                    "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
+                );
             }
             return Ok(Dataset::recording(root, side_by_side)?);
         }

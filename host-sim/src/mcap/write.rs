@@ -66,8 +66,7 @@ impl<W: Write> Writer<W> {
     pub fn channel(&mut self, schema: u16, topic: &str) -> io::Result<u16> {
         let id = self.channels.len() as u16;
         let no_metadata = 0_u32.to_le_bytes();
-        let fields =
-            [&id.to_le_bytes()[..], &schema.to_le_bytes(), &text(topic), &text("cdr"), &no_metadata].concat();
+        let fields = [&id.to_le_bytes()[..], &schema.to_le_bytes(), &text(topic), &text("cdr"), &no_metadata].concat();
         self.record(kind::CHANNEL, &fields)?;
         self.channels.push(Channel { fields, messages: 0, index: Vec::new() });
         Ok(id)

@@ -206,7 +206,8 @@ fn projection(rig: &Rig, numbers: Option<RigUpdate>) -> Projection {
     let focal_px = rig.focal_q16() as f64 / 65_536.0;
     let baseline_m = rig.focal_baseline_q16() as f64 / 65_536.0 / focal_px;
     let offset_px = rig.offset_q6() as f64 / 64.0;
-    let RigUpdate { focal_px, baseline_m, offset_px } = numbers.unwrap_or(RigUpdate { focal_px, baseline_m, offset_px });
+    let RigUpdate { focal_px, baseline_m, offset_px } =
+        numbers.unwrap_or(RigUpdate { focal_px, baseline_m, offset_px });
     let [x, y] = rig.principal_point_q16().unwrap_or_default().map(|px| f64::from(px) / 65_536.0);
     Projection { focal_px, centres: [[x, y], [x + offset_px, y]], baseline_m }
 }

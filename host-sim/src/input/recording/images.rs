@@ -42,7 +42,10 @@ fn plain(message: &[u8]) -> Result<StoredGray, String> {
     let row = width * layout.bytes();
     let is_short = step < row || step.checked_mul(height).is_none_or(|bytes| image.data.len() < bytes);
     if width == 0 || height == 0 || is_short || (width * height) as u64 > PIXELS {
-        return Err(format!("{} bytes are no {width}x{height} px with rows of {step} bytes; record it again", image.data.len()));
+        return Err(format!(
+            "{} bytes are no {width}x{height} px with rows of {step} bytes; record it again",
+            image.data.len()
+        ));
     }
     let rows = image.data.chunks_exact(step).take(height).map(|bytes| &bytes[..row]);
     StoredGray::of_rows([image.width, image.height], layout, rows)

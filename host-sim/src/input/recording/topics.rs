@@ -55,7 +55,9 @@ impl Choice {
         let mut found = by_sides(all);
         found.sort_by_key(|pair| rank(pair[0]));
         match &found[..] {
-            [] => Err(RecordingFault::Topics(format!("no topics of a left and a right camera among {}; {ask}", listed()))),
+            [] => {
+                Err(RecordingFault::Topics(format!("no topics of a left and a right camera among {}; {ask}", listed())))
+            }
             [first, second, ..] if rank(first[0]) == rank(second[0]) => {
                 let [a, b] = [&first[0].name, &second[0].name];
                 Err(RecordingFault::Topics(format!("both {a} and {b} may be the left images; {ask}")))
