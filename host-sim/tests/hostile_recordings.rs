@@ -200,7 +200,7 @@ fn mutated_recordings_are_read_or_refused() {
     assert!(outcomes.iter().all(|&count| count > 10), "{outcomes:?}");
 }
 
-/// `cargo test --release -p linestereo-sim ten_thousand -- --ignored --nocapture`: half a minute.
+/// `cargo test -p linestereo-sim ten_thousand -- --ignored --nocapture`: minutes.
 #[test]
 #[ignore = "a long run: docs/recordings.md says when"]
 fn ten_thousand_mutated_recordings_take_little_memory() {

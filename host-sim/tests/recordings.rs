@@ -189,7 +189,7 @@ fn raw_images_are_rectified_by_their_own_calibration() {
     let expected = records(&succeed(at, &["sequence", "rec", "--rig", "left.yaml", "--rig", "right.yaml"]));
     let output = linestereo(at, &["sequence", &bag]);
     assert!(stderr(&output).contains("raw, rectified by their CameraInfo"), "{}", stderr(&output));
-    assert!(records(std::str::from_utf8(&output.stdout).unwrap()) == expected);
+    assert!(records(core::str::from_utf8(&output.stdout).unwrap()) == expected);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! # Source
 //! `definitions.txt`: the `.msg` files of ROS 2 Humble without their comments. They are the same in Jazzy.
 
-use std::fmt::Write;
+use core::fmt::Write;
 
 const DEFINITIONS: &str = include_str!("definitions.txt");
 /// Between two definitions in one text.

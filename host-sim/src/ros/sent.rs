@@ -176,7 +176,7 @@ pub fn point_cloud(header: Header<'_>, points: &[CloudPoint]) -> Vec<u8> {
     to.u8(0); // little endian
     to.u32(size);
     to.u32(size * count);
-    to.count(points.len() * size_of::<CloudPoint>());
+    to.count(size_of_val(points));
     to.f32s(points.as_flattened());
     to.u8(1); // each is finite
     to.finish()

@@ -7,8 +7,8 @@ use super::RecordingFault;
 use super::topics::is_rectified;
 use crate::input::stored::StoredRig;
 use crate::ros::received::CameraInfo;
+use core::fmt::Write;
 use linestereo_wire::RigUpdate;
-use std::fmt::Write;
 use std::path::Path;
 use tempfile::TempDir;
 
