@@ -186,6 +186,12 @@ impl Counts {
         self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
+    /// A list was full or a budget of work spent: what fits is in the result, not all that the images have.
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        [self.segments_left_dropped, self.segments_right_dropped, self.edges_cut, self.comparisons_cut] != [0; 4]
+    }
+
     /// Work of the edges of both images, in units of some 65 instructions of a Cortex-M7: what [`Counts::edges_cut`] keeps bounded.
     #[must_use]
     pub fn edge_units(&self) -> u32 {

@@ -311,10 +311,10 @@ typedef struct {
   uint16_t rows_samples;
   // Segments found in the left image.
   uint16_t segments_found;
-  // Segments of the left image that the list had no room for.
-  uint16_t segments_dropped;
   // Segments with a disparity.
   uint16_t segments_matched;
+  // 1 when the list of segments was full or the budget of work spent: results are good, but not all that the images have.
+  uint16_t is_cut;
 } LinestereoHealth;
 
 // A segment of the left image with its disparity.

@@ -208,10 +208,10 @@ pub struct Health {
     pub rows_samples: u16,
     /// Segments found in the left image.
     pub segments_found: u16,
-    /// Segments of the left image that the list had no room for.
-    pub segments_dropped: u16,
     /// Segments with a disparity.
     pub segments_matched: u16,
+    /// 1 when the list of segments was full or the budget of work spent: results are good, but not all that the images have.
+    pub is_cut: u16,
 }
 
 /// Faults of a pair, a bit each.

@@ -149,11 +149,11 @@ impl Matched {
         (self.plan.dims().width, self.plan.dims().height)
     }
 
-    /// Bits of the faults, and whether results may be used.
+    /// Bits of the faults, whether results may be used, and whether a list was full or a budget of work spent.
     #[getter]
-    fn health(&self) -> (u32, bool) {
+    fn health(&self) -> (u32, bool, bool) {
         let flags = self.summary.health().flags;
-        (flags.bits(), flags.is_fit())
+        (flags.bits(), flags.is_fit(), self.summary.counts().is_cut())
     }
 
     /// Segments found in the left image.

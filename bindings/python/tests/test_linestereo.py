@@ -23,7 +23,7 @@ def wall(disparity, rows=240, columns=320):
     """A wall with bars of many widths, at this disparity."""
     y, x = np.mgrid[:rows, :columns]
     x = x + disparity
-    bars = np.where((x * x // 400 + y // 30) % 2 == 0, 60, 190)
+    bars = np.where((x * x // 4000 + y // 30) % 2 == 0, 60, 190)
     return (bars + (x * 7 + y * 13) % 9).astype(np.uint8)
 
 
@@ -44,8 +44,9 @@ def same(a, b):
 def test_a_wall_is_where_it_is(result):
     assert result.is_fit and result.health == frozenset() and result.size == (320, 240)
     assert len(result.points) > 3000 and len(result.segments) > 30 and result.segments_found >= len(result.segments)
-    assert np.abs(result.points["depth"] - 1).max() < 0.05  # 200 px * 0.06 m / 12 px
-    assert np.abs(result.segments["disparity"] - 12).max() < 0.5
+    for found in (result.points["disparity"], result.segments["disparity"]):  # 1 px is promised; ends of near-horizontal ones use it
+        assert np.abs(found - 12).max() < 1 and np.median(np.abs(found - 12)) < 0.2
+    assert abs(np.median(result.points["depth"]) - 1) < 0.01  # 200 px * 0.06 m / 12 px
     assert (result.points["confidence"] >= 0.9).all() and (result.points["confidence"] < 1).all()
     assert result.points["segment"].max() < len(result.segments)
     assert "points" in repr(result)
@@ -147,7 +148,7 @@ def test_parameters_outside_their_ranges_are_refused(pair, parameters, text):
 
 
 def test_health_is_a_set_and_knows_the_pairs_before(pair):
-    assert [fault.value for fault in Fault] == linestereo._core.fault_names()
+    assert [fault.value for fault in Fault] == [*linestereo._core.fault_names(), "segments_dropped"]
     dead = linestereo.match(pair[0], np.full_like(pair[1], 90), max_disparity=32)
     assert Fault.RIGHT_DEAD in dead.health and not dead.is_fit
     [refused] = dead.objects(boxes=[[60, 30, 120, 90]])
@@ -157,6 +158,11 @@ def test_health_is_a_set_and_knows_the_pairs_before(pair):
     assert {Fault.LEFT_FROZEN, Fault.RIGHT_FROZEN} <= matcher.match(*pair).health
     assert Fault.SKEW in matcher.match(*pair, times_us=(0, 5000)).health
     assert len(matcher.match(*pair, times_us=(0, 5000)).points) == 0
+
+
+def test_what_was_cut_is_said():
+    dense = (np.indices((240, 320)).sum(axis=0) % 3 * 60 + 60).astype(np.uint8)
+    assert Fault.SEGMENTS_DROPPED in linestereo.match(dense, dense, max_disparity=32).health
 
 
 def test_results_stay_when_others_are_matched(pair, result):

@@ -68,12 +68,7 @@ impl Health {
     /// The flags that follow from what the core counted: full lists, and work left out.
     #[must_use]
     pub fn of(counts: &Counts) -> Self {
-        let Counts { segments_left_dropped, segments_right_dropped, edges_cut, comparisons_cut, .. } = *counts;
-        if [segments_left_dropped, segments_right_dropped, edges_cut, comparisons_cut] != [0; 4] {
-            Self::SEGMENTS_DROPPED
-        } else {
-            Self::GOOD
-        }
+        if counts.is_cut() { Self::SEGMENTS_DROPPED } else { Self::GOOD }
     }
 
     /// The core's flags among them.

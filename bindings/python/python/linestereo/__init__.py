@@ -64,6 +64,8 @@ class Fault(enum.Enum):
     SAME_PIXEL = "same_pixel"
     TORN = "torn"
     ROWS_FAR = "rows_far"
+    SEGMENTS_DROPPED = "segments_dropped"
+    """The list of segments was full or the budget of work spent: results are good, but not all that the images have."""
 
 
 _FAULTS = [Fault(name) for name in _core.fault_names()]
@@ -116,8 +118,9 @@ class Result:
         self._matched = matched
         self.points = matched.take_points().view(POINT)
         self.segments = matched.take_segments().view(SEGMENT)
-        bits, self.is_fit = matched.health
-        self.health = frozenset(fault for bit, fault in enumerate(_FAULTS) if bits >> bit & 1)
+        bits, self.is_fit, is_cut = matched.health
+        faults = [fault for bit, fault in enumerate(_FAULTS) if bits >> bit & 1]
+        self.health = frozenset(faults + [Fault.SEGMENTS_DROPPED] * is_cut)
 
     @property
     def size(self) -> Tuple[int, int]:
