@@ -10,7 +10,7 @@
 //! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
 //!
 //! # Bounds
-//! [`MOST_IMAGES`] images are known, 40 bytes each; [`MOST_TOPICS`] topics. See `mcap` for what is read at once.
+//! [`MOST_IMAGES`] images are known, some 300 bytes each; [`MOST_TOPICS`] topics. See `mcap` for what is read at once.
 
 mod images;
 mod pairing;
@@ -31,8 +31,8 @@ use tempfile::TempDir;
 
 pub use topics::{Choice, DEFAULT_WINDOW_MS};
 
-/// Most images of a recording: nine hours of a pair thirty times a second.
-const MOST_IMAGES: usize = 1 << 21;
+/// Most images of a recording: two hours and a half of a pair thirty times a second.
+const MOST_IMAGES: usize = 1 << 19;
 /// Most topics, and bytes of a name.
 const MOST_TOPICS: usize = 4096;
 const MOST_NAME_BYTES: usize = 1024;
@@ -184,7 +184,7 @@ fn stored(name: String, pair: RecordedPair, rig: &StoredRig) -> StoredPair {
 /// Every topic with images or a calibration.
 fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
-    let mut topics: Vec<Topic> = Vec::new();
+    let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
     let (mut images, mut foreign) = (0, None);
     reader.scan(|item| -> Result<(), RecordingFault> {
         match item {
@@ -204,13 +204,14 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
                 if topic.len() > MOST_NAME_BYTES {
                     return Err(RecordingFault::TooMany("bytes in the name of a topic"));
                 }
-                let at = topics.iter().position(|known| known.name == topic).unwrap_or(topics.len());
+                let at = names.get(topic).copied().unwrap_or(topics.len());
                 if at == MOST_TOPICS {
                     return Err(RecordingFault::TooMany("topics"));
                 }
                 if at == topics.len() {
                     let has_images = has_images || is_compressed;
                     let name = topic.to_owned();
+                    names.insert(name.clone(), at);
                     topics.push(Topic { name, has_images, is_compressed, has_info, ..Topic::default() });
                 }
                 channels.insert(id, (at, has_info, is_compressed));
