@@ -40,7 +40,9 @@ def image(path, ns, frame, encoding):
     height, width = grey.shape
     name, big = encoding.removesuffix('be'), encoding.endswith('be')
     if name == 'mono16':
-        rows = (grey.astype('>u2' if big else '<u2') * 257).astype('>u2' if big else '<u2').view(np.uint8)
+        # The same when rounded to 8 bits, another value in the other byte order.
+        wide = np.minimum(grey.astype(np.uint32) * 257 + 100, 65535)
+        rows = wide.astype('>u2' if big else '<u2').view(np.uint8)
     elif name in ('rgb8', 'bgr8'):
         rows = np.repeat(grey, 3, axis=1)
     else:
