@@ -10,7 +10,7 @@
 //! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
 //!
 //! # Bounds
-//! [`MOST_IMAGES`] images are known, some 300 bytes each; [`MOST_TOPICS`] topics. See `mcap` for what is read at once.
+//! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
 
 mod images;
 mod pairing;
