@@ -5,6 +5,7 @@
 //! ```text
 //! untrusted                 files of others: how much of one is read
 //! interruption, output      Ctrl-C; files written whole
+//! mcap, ros                 recordings: the container; the messages of ROS 2
 //! programs                  other programs of this machine
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
@@ -31,6 +32,7 @@ pub mod faults;
 pub mod fitting;
 pub mod input;
 pub mod interruption;
+pub mod mcap;
 pub mod monitor;
 pub mod output;
 pub mod planning;
@@ -38,6 +40,7 @@ mod programs;
 pub mod report;
 pub mod results;
 pub mod rivals;
+pub mod ros;
 pub mod scene;
 pub mod statistics;
 pub mod untrusted;

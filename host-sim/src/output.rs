@@ -140,6 +140,8 @@ pub fn spare<'a>(
     if outputs.peek().is_none() {
         return Ok(());
     }
+    // All pairs of a recording are in one file.
+    let inputs: HashSet<&Path> = inputs.into_iter().collect();
     let inputs: HashSet<PathBuf> = inputs.into_iter().map(place).collect();
     match outputs.find(|path| inputs.contains(&place(path))) {
         Some(path) => bail!("{} is one of the files that are read; write to another one", path.display()),
@@ -256,6 +258,16 @@ impl LineFile {
     }
 }
 
+impl Write for LineFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     if let Some(permissions) = ordinary_permissions() {
@@ -265,7 +277,7 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
 }
 
 /// Only the kind: the error itself names the temporary file, which nobody asked for.
-fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
+pub(crate) fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
     let why = match error.kind() {
         io::ErrorKind::NotFound => "its folder does not exist".to_owned(),
         kind => kind.to_string(),

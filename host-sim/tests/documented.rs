@@ -177,6 +177,21 @@ fn prepared() -> TempDir {
             }
         }
     }
+    succeed(
+        at,
+        &[
+            "sequence",
+            "recording",
+            "--out",
+            "recording.mcap",
+            "--with",
+            "images",
+            "--focal-px",
+            "288",
+            "--baseline-m",
+            "0.12",
+        ],
+    );
     fs::write(path("take1/frames.csv"), "frame,dist_m\n1,2\n2,1.5\n3,2\n").unwrap();
     fs::create_dir(path("rig")).unwrap();
     fs::copy(path("scene.json"), path("rig/scene.json")).unwrap();

@@ -13,6 +13,8 @@ mod first_hour;
 mod flash_image;
 #[cfg(unix)]
 mod frames_get;
+#[cfg(target_os = "linux")]
+mod hostile_recordings;
 mod interchange;
 mod layouts;
 mod monitor;
@@ -20,6 +22,7 @@ mod on_board;
 mod photograph;
 mod plan_rig;
 mod quality;
+mod recordings;
 mod rectify;
 mod region_files;
 mod registry;

@@ -27,6 +27,7 @@ mod pairs;
 pub mod photograph;
 pub mod plan_rig;
 pub mod quality;
+mod recording;
 pub mod rectify;
 pub mod report;
 pub mod run;

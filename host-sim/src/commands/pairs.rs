@@ -2,6 +2,7 @@
 //!
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
+use crate::input::recording::is_recording;
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::is_quiet;
 use crate::untrusted::printable;
@@ -29,8 +30,8 @@ pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) ->
         let title = name(left);
         return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(left.to_path_buf()))], title));
     }
-    if !left.is_dir() {
-        bail!("{} is no folder; give a left and a right image, or a folder", left.display());
+    if !left.is_dir() && !is_recording(left) {
+        bail!("{} is no folder; give a left and a right image, a folder, or an .mcap file", left.display());
     }
     Ok((Dataset::recording(left, side_by_side)?.pairs, name(left)))
 }

@@ -1,20 +1,22 @@
-//! `linestereo sequence`: a recorded sequence, a line of JSON per frame.
+//! `linestereo sequence`: a recorded sequence, a line of JSON or messages of ROS 2 per frame.
 
 use super::asked_for;
-use super::input::{InputArgs, Known, Matcher, Pair, Setup};
+use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::pairs::named_bar;
+use super::recording::RecordingArgs;
 use crate::draw;
 use crate::engine::FrameResult;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
 use crate::input::{Dataset, SceneInfo, StoredPair};
 use crate::interruption::{self, Interrupted};
-use crate::output::{LineFile, OutputFiles, OutputPath, is_quiet, print, say, spare};
+use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
 use crate::results::{health, listing};
 use crate::statistics::upper_median;
 use crate::untrusted::printable;
 use anyhow::{Result, bail};
-use linestereo::{Dims, Disparity};
+use linestereo::Disparity;
+use linestereo_baselines::GrayImage;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,6 +24,7 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   linestereo sequence recording --scene rig/scene.json --out results.jsonl
+  linestereo sequence recording.mcap --out results.mcap --with images     ROS 2, in and out: docs/recordings.md
   linestereo sequence MH_01_easy --rig cam0.yaml --rig cam1.yaml --size 376x240 | jq -c '.health.flags'
       EuRoC's folders, rectified first; lines on stdout
 
@@ -41,14 +44,14 @@ A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame
 {\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others. Objects that cannot be read are an
 \"objects_error\" in their frame's line.";
 
-/// Match every pair of a recorded sequence: one line of JSON per frame.
+/// Match every pair of a recorded sequence: one line of JSON per frame, or messages of ROS 2.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Folder with the sequence.
+    /// Folder with the sequence, or a recording of ROS 2 (.mcap).
     folder: PathBuf,
-    /// Write the lines to this file, in place of stdout.
-    #[arg(long, value_name = "FILE.jsonl")]
+    /// Write the lines to this file, in place of stdout; messages of ROS 2 where its name ends in .mcap.
+    #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     out: Option<OutputPath>,
     /// Both images of a pair stand side by side in one file: left | right.
     #[arg(long)]
@@ -59,6 +62,8 @@ pub struct Args {
     /// Leave the points out: short lines.
     #[arg(long)]
     no_points: bool,
+    #[command(flatten)]
+    recording: RecordingArgs,
     #[command(flatten)]
     input: InputArgs,
     #[command(flatten)]
@@ -83,16 +88,18 @@ struct TruthArgs {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let found = Dataset::recording(&args.folder, args.side_by_side)?;
+    let found = args.recording.find(&args.folder, args.side_by_side)?;
     let frames = chosen(&found, args.frames);
     if frames.is_empty() {
         bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), args.folder.display());
     }
+    if args.objects.is_given() && found.of_recording().is_some() {
+        bail!("--objects go by the names of images, which a recording has not; give a folder of images");
+    }
     args.objects.check(frames.iter().map(|(_, pair)| pair.left()))?;
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
     spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
-    let out = args.out.as_ref().filter(|path| !path.is_stdout());
-    let mut lines = out.map(|path| LineFile::new(path)).transpose()?;
+    let mut sink = args.recording.sink(args.out.as_ref(), found.of_recording())?;
     interruption::watch();
     let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, &args.folder)?);
     let mut tally = Tally::default();
@@ -102,10 +109,11 @@ pub fn run(args: &Args) -> Result<()> {
             break;
         }
         progress.set_message(pair.name.clone());
-        let line = tally.line(number, pair, player.next(pair, &args.objects), args.no_points)?;
-        match &mut lines {
-            Some(file) => file.push(&line)?,
-            None => print(&line)?,
+        let played = tally.count(number, pair, player.next(pair, &args.objects));
+        if sink.is_ros() {
+            sink.messages(number, pair, player.setup(), &played)?;
+        } else {
+            sink.line(&line(number, pair, &played, args.no_points)?)?;
         }
         progress.inc(1);
     }
@@ -117,15 +125,16 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(surveyed) = &surveyed {
         notes.push_str(&compare(args, player.setup(), surveyed, &tally.nearest, &mut plot)?);
     }
+    let out = sink.path();
     // Without a line an earlier file stays.
-    lines.filter(|_| tally.frames > 0).map_or(Ok(()), LineFile::commit)?;
+    notes.push_str(&sink.commit(tally.frames > 0)?);
     plot.commit()?;
     if out.is_some() {
         say(&notes)?;
     } else if !is_quiet() {
         eprint!("{}", printable(&notes));
     }
-    tally.outcome(frames.len(), out.map(|path| path.display().to_string()))
+    tally.outcome(frames.len(), out)
 }
 
 /// Counts of frames by outcome.
@@ -143,31 +152,29 @@ struct Tally {
 }
 
 impl Tally {
-    /// Counts a frame, and gives its line.
-    fn line(&mut self, number: u64, pair: &StoredPair, outcome: Result<Played>, no_points: bool) -> Result<String> {
+    /// Counts a frame; an error as one line.
+    fn count(&mut self, number: u64, pair: &StoredPair, outcome: Result<Played>) -> Result<Played, String> {
         self.frames += 1;
-        let Played { dims, result, objects } = match outcome {
+        let played = match outcome {
             Ok(played) => played,
             Err(error) => {
                 self.failed += 1;
                 self.nearest.push((number, None));
                 let error = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
                 self.first_error.get_or_insert_with(|| format!("{}: {error}", pair.name));
-                return Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error})));
+                return Err(error);
             }
         };
-        for (flag, what) in health::advice(result.health) {
+        for (flag, what) in health::advice(played.result.health) {
             self.flagged.entry(flag).or_insert((0, what)).0 += 1;
         }
-        if let Some(objects) = &objects {
+        if let Some(objects) = &played.objects {
             self.objects_skipped += objects.skipped.objects();
             self.objects_unread += usize::from(objects.error.is_some());
             self.objects_missing += usize::from(objects.no_file);
         }
-        self.nearest.push((number, nearest_disparity(&result)));
-        let answers = Asked::answers(objects.as_ref());
-        let line = listing::json(dims, &result.without_points(no_points), &answers)?;
-        Ok(with_name(number, &pair.name, &line))
+        self.nearest.push((number, nearest_disparity(&played.result)));
+        Ok(played)
     }
 
     /// The counts in words.
@@ -176,6 +183,9 @@ impl Tally {
         let (frames, failed) = (self.frames, self.failed);
         let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
         text.push_str(&format!("; layout: {}\n", layouts.join(", ")));
+        if let Some(recording) = found.of_recording() {
+            text.push_str(&format!("recording: {}\n", recording.summary()));
+        }
         if let Some(error) = &self.first_error {
             text.push_str(&format!("first failure: {error}\n"));
         }
@@ -235,10 +245,10 @@ pub(super) struct Player<'a> {
 }
 
 /// A pair that was matched.
-struct Played {
-    dims: Dims,
-    result: FrameResult,
-    objects: Option<Asked>,
+pub(super) struct Played {
+    pub(super) images: [GrayImage; 2],
+    pub(super) result: FrameResult,
+    pub(super) objects: Option<Asked>,
 }
 
 impl<'a> Player<'a> {
@@ -275,9 +285,21 @@ impl<'a> Player<'a> {
         if matcher.engine.knows_rows() {
             matcher.engine.focus(asked.areas(setup, pair.left()));
         }
-        let result = matcher.run(setup, &loaded, pair.images.times_us())?.result;
+        let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
         let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
-        Ok(Played { dims: setup.dims(), result, objects })
+        Ok(Played { images, result, objects })
+    }
+}
+
+/// The line of a frame.
+fn line(number: u64, pair: &StoredPair, played: &Result<Played, String>, no_points: bool) -> Result<String> {
+    match played {
+        Ok(Played { images, result, objects }) => {
+            let answers = Asked::answers(objects.as_ref());
+            let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
+            Ok(with_name(number, &pair.name, &line))
+        }
+        Err(error) => Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error}))),
     }
 }
 

@@ -10,6 +10,7 @@ use super::error::FrameError;
 use super::grey::{StoredGray, Values, luma};
 use super::resample::halves;
 use super::sequence::PairFiles;
+use crate::mcap::RECORD_BYTES;
 use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
 use image::error::{LimitError, LimitErrorKind};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits, Pixel};
@@ -17,7 +18,7 @@ use linestereo::Dims;
 use linestereo::image::ViewError;
 use linestereo_baselines::GrayImage;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind};
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, Seek};
 use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
@@ -28,7 +29,7 @@ const TEMPORARY: u8 = 0x01;
 
 /// Reads an image file as 8-bit grey. The core's limits of size do not apply yet.
 pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
-    let stored = load_stored(path)?;
+    let stored = StoredGray::load(path)?;
     let bits = stored.bits();
     Ok(stored.into_8_bit(bits))
 }
@@ -37,35 +38,109 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
         PairFiles::Two([left, right]) => {
-            let stored = [load_stored(left)?, load_stored(right)?];
+            let stored = [StoredGray::load(left)?, StoredGray::load(right)?];
+            let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
+            Ok(stored.map(|stored| stored.into_8_bit(bits)))
+        }
+        PairFiles::Recorded(pair) => {
+            let stored = pair.grey()?;
             let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
             Ok(stored.map(|stored| stored.into_8_bit(bits)))
         }
         PairFiles::SideBySide(both) => {
-            let stored = load_stored(both)?;
+            let stored = StoredGray::load(both)?;
             let bits = bits.unwrap_or_else(|| stored.bits());
             Ok(halves(&stored.into_8_bit(bits)))
         }
     }
 }
 
-/// Reads a file with the values that it stores.
-fn load_stored(path: &Path) -> Result<StoredGray, FrameError> {
-    let image = decode(path)?;
-    let dims = dims_of(path, &image)?;
-    // From each layout at once: an image in between would double the memory.
-    let values = match image {
-        DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
-        DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
-        DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
-        DynamicImage::ImageRgba8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
-        DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
-        DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
-        DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
-        DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
-        other => Values::Eight(other.into_rgb8().pixels().map(|pixel| grey_of(pixel) as u8).collect()),
-    };
-    Ok(StoredGray { dims, values })
+/// Bytes of a pixel.
+#[derive(Clone, Copy)]
+pub(super) enum Bytes {
+    /// One.
+    Grey,
+    /// Two, in the order of this function.
+    Grey16(fn([u8; 2]) -> u16),
+    /// So many; two are at these places, green between them.
+    Colour { red: usize, blue: usize, bytes: usize },
+}
+
+impl Bytes {
+    /// Their number.
+    pub(super) fn bytes(self) -> usize {
+        match self {
+            Self::Grey => 1,
+            Self::Grey16(_) => 2,
+            Self::Colour { bytes, .. } => bytes,
+        }
+    }
+}
+
+impl StoredGray {
+    fn load(path: &Path) -> Result<Self, FrameError> {
+        let image = decode(path)?;
+        Ok(Self::of_image(dims_of(path, &image)?, image))
+    }
+
+    /// A JPEG or PNG in a recording.
+    pub(super) fn of_file(bytes: &[u8]) -> Result<Self, String> {
+        let format = image::guess_format(bytes).ok();
+        if !matches!(format, Some(ImageFormat::Jpeg | ImageFormat::Png)) {
+            return Err("it is neither JPEG nor PNG; record one of them, or raw images".to_owned());
+        }
+        if format == Some(ImageFormat::Jpeg) && !is_whole_jpeg(bytes) {
+            return Err("a JPEG that ends too early; record it again".to_owned());
+        }
+        let mut reader = ImageReader::new(Cursor::new(bytes));
+        format.into_iter().for_each(|format| reader.set_format(format));
+        reader.limits(limits(RECORD_BYTES));
+        let image = guarded(reader, RECORD_BYTES, upright).ok_or("its decoder failed; record it again")?;
+        let image = image.map_err(|error| format!("it cannot be decoded ({error}); record it again, or smaller"))?;
+        let dims = [image.width(), image.height()].map(u16::try_from);
+        let [Ok(width), Ok(height)] = dims else { return Err("it has a side of more than 65535 px".to_owned()) };
+        Ok(Self::of_image(Dims { width, height }, image))
+    }
+
+    /// Rows of pixels in a recording, each of the whole width.
+    pub(super) fn of_rows<'a>(
+        sides: [u32; 2],
+        layout: Bytes,
+        rows: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<Self, String> {
+        let [Ok(width), Ok(height)] = sides.map(u16::try_from) else {
+            return Err("it has a side of more than 65535 px".to_owned());
+        };
+        let values = match layout {
+            Bytes::Grey => Values::Eight(rows.flatten().copied().collect()),
+            Bytes::Grey16(value) => {
+                Values::Sixteen(rows.flat_map(|row| row.as_chunks().0).map(|bytes| value(*bytes)).collect())
+            }
+            Bytes::Colour { red, blue, bytes } => {
+                let grey = |pixel: &[u8]| luma([pixel[red], pixel[1], pixel[blue]].map(u32::from)) as u8;
+                Values::Eight(rows.flat_map(|row| row.chunks_exact(bytes).map(grey)).collect())
+            }
+        };
+        Ok(Self { dims: Dims { width, height }, values })
+    }
+
+    fn of_image(dims: Dims, image: DynamicImage) -> Self {
+        // From each layout at once: an image in between would double the memory.
+        let values = match image {
+            DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
+            DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
+            DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+            DynamicImage::ImageRgba8(image) => {
+                Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect())
+            }
+            DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
+            DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
+            DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
+            DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
+            other => Values::Eight(other.into_rgb8().pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+        };
+        Self { dims, values }
+    }
 }
 
 /// Reads a file of plain numbers (disparities, masks): grey values as stored, 8 or 16 bit.
@@ -135,12 +210,15 @@ fn decode(path: &Path) -> Result<DynamicImage, FrameError> {
             return Err(FrameError::Decode(path.to_path_buf(), "a JPEG that ends too early".to_owned()));
         }
     }
-    decoded(path, reader, |mut decoder| {
-        let orientation = decoder.orientation()?;
-        let mut image = DynamicImage::from_decoder(decoder)?;
-        image.apply_orientation(orientation);
-        Ok(image)
-    })
+    decoded(path, reader, upright)
+}
+
+/// The image, turned as EXIF says.
+fn upright(mut decoder: Box<dyn ImageDecoder + '_>) -> ImageResult<DynamicImage> {
+    let orientation = decoder.orientation()?;
+    let mut image = DynamicImage::from_decoder(decoder)?;
+    image.apply_orientation(orientation);
+    Ok(image)
 }
 
 type Reader = ImageReader<BufReader<File>>;
@@ -151,10 +229,14 @@ fn reader(path: &Path) -> Result<Reader, FrameError> {
     if let Ok(format) = ImageFormat::from_path(path) {
         reader.set_format(format);
     }
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(IMAGE_BYTES);
-    reader.limits(limits);
+    reader.limits(limits(IMAGE_BYTES));
     reader.with_guessed_format().map_err(read_error)
+}
+
+fn limits(bytes: u64) -> Limits {
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(bytes);
+    limits
 }
 
 /// Result of `work` on a file's decoder, once its header is within the limits.
@@ -164,11 +246,7 @@ fn decoded<T>(
     work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<T>,
 ) -> Result<T, FrameError> {
     let broken = |what: &str| FrameError::Decode(path.to_path_buf(), what.to_owned());
-    let decoded = untrusted::guarded(|| {
-        let decoder = reader.into_decoder()?;
-        check_limits(&decoder)?;
-        work(Box::new(decoder))
-    });
+    let decoded = guarded(reader, IMAGE_BYTES, work);
     decoded.ok_or_else(|| broken("its decoder failed"))?.map_err(|error| match error {
         ImageError::IoError(error) if error.kind() != ErrorKind::UnexpectedEof => {
             FrameError::Read(path.to_path_buf(), error)
@@ -178,9 +256,22 @@ fn decoded<T>(
     })
 }
 
-fn check_limits(decoder: &impl ImageDecoder) -> ImageResult<()> {
+/// The same of what is decoded from anywhere; `None` where the decoder fails.
+fn guarded<R: BufRead + Seek, T>(
+    reader: ImageReader<R>,
+    most: u64,
+    work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<T>,
+) -> Option<ImageResult<T>> {
+    untrusted::guarded(|| {
+        let decoder = reader.into_decoder()?;
+        check_limits(&decoder, most)?;
+        work(Box::new(decoder))
+    })
+}
+
+fn check_limits(decoder: &impl ImageDecoder, most: u64) -> ImageResult<()> {
     let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > PIXELS || decoder.total_bytes() > IMAGE_BYTES {
+    if u64::from(width) * u64::from(height) > PIXELS || decoder.total_bytes() > most {
         return Err(ImageError::Limits(LimitError::from_kind(LimitErrorKind::DimensionError)));
     }
     Ok(())
@@ -227,7 +318,7 @@ fn grey_of<P: Pixel<Subpixel: Into<u32>>>(pixel: &P) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{ImageBuffer, Luma, Rgb};
+    use image::{ImageBuffer, Luma};
 
     fn load_back(image: &DynamicImage, name: &str) -> GrayImage {
         let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,7 @@
 //! Errors of frames on disk, each as one line that says what is wrong and what to do.
 
 use super::layout::Layout;
+use super::recording::RecordingFault;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
 use core::fmt;
 use linestereo::image::{MAX_WIDTH, ViewError};
@@ -59,6 +60,8 @@ pub enum FrameError {
     Disparities(PathBuf, DisparityFault),
     /// A folder is in no known layout, or something in it is missing.
     Layout(PathBuf, LayoutFault),
+    /// A recording, or an image in it, is not taken.
+    Recording(PathBuf, RecordingFault),
 }
 
 impl fmt::Display for FrameError {
@@ -116,6 +119,7 @@ impl fmt::Display for FrameError {
             }
             Self::Disparities(path, fault) => write!(f, "{}: {fault}", path.display()),
             Self::Layout(path, fault) => write!(f, "{}: {fault}", path.display()),
+            Self::Recording(path, fault) => write!(f, "{}: {fault}", path.display()),
         }
     }
 }

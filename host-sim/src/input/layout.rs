@@ -31,6 +31,8 @@ pub enum Layout {
     PairFolder,
     /// One image for both views.
     SideBySide,
+    /// Messages of ROS 2 in an MCAP file.
+    Recording,
 }
 
 impl Layout {
@@ -51,6 +53,7 @@ impl Layout {
             Self::SidesInNames => "the side in each name",
             Self::PairFolder => "a folder for each pair",
             Self::SideBySide => "side by side",
+            Self::Recording => "MCAP recording",
         }
     }
 }

@@ -4,6 +4,7 @@
 //! folder, sequence, datasets   which pairs are there, by names and small text files alone: `StoredPair`; the same for every command
 //! decode, grey, disparity_file image files as grey; files of disparities
 //! rig_file, interchange        calibrated rigs: our own file, and those of OpenCV, Kalibr, ROS, EuRoC
+//! recording                    pairs in a file of ROS 2
 //! stored                       a pair loaded: rectified, reduced, with truth and rig of one size: `Scene`
 //! perturb                      the same pair with a known fault
 //! regions                      boxes and masks of objects
@@ -20,6 +21,7 @@ pub mod interchange;
 mod layout;
 mod numpy;
 mod perturb;
+pub mod recording;
 pub mod rectify;
 pub mod regions;
 pub mod registry;

@@ -83,12 +83,12 @@ struct RectifiedInfo {
 
 impl SceneInfo {
     /// The information in a data set's calibration.
-    pub(super) fn of_rig(rig: RigUpdate, max_disparity: Option<f64>) -> Self {
+    pub(super) fn of_rig(rig: RigUpdate, centre: Option<[f64; 2]>, max_disparity: Option<f64>) -> Self {
         let rectified = RectifiedInfo {
             focal_px: rig.focal_px,
             baseline_m: rig.baseline_m,
             disparity_offset_px: rig.offset_px,
-            principal_point_px: None,
+            principal_point_px: centre,
             left_valid_normalized: None,
         };
         Self { max_disparity, rectified: Some(rectified), ..Self::default() }

@@ -12,6 +12,7 @@
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
+use super::recording::RecordedPair;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -35,6 +36,8 @@ pub enum PairFiles {
     Two([PathBuf; 2]),
     /// One file, left beside right.
     SideBySide(PathBuf),
+    /// Messages of a recording.
+    Recorded(RecordedPair),
 }
 
 impl PairFiles {
@@ -44,12 +47,16 @@ impl PairFiles {
         match self {
             Self::Two([left, right]) => [left, right],
             Self::SideBySide(both) => [both, both],
+            Self::Recorded(pair) => [pair.path(); 2],
         }
     }
 
-    /// When the images were captured, where both names say so.
+    /// When the images were captured, where both names or their messages say so.
     #[must_use]
     pub fn times_us(&self) -> Option<[u64; 2]> {
+        if let Self::Recorded(pair) = self {
+            return pair.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000));
+        }
         let [left, right] = self.paths().map(|path| time_us(&stem(path)));
         Some([left?, right?])
     }

@@ -75,6 +75,8 @@ pub(super) enum StoredRig {
     Unknown,
     /// Images are rectified; the file that says so, and the rig of the images as stored.
     Rectified(PathBuf, RigUpdate),
+    /// The same by a recording, which has the principal point too, px.
+    Recorded(PathBuf, RigUpdate, [f64; 2]),
     /// Images are raw: the files with the calibration of both cameras.
     Raw(Vec<PathBuf>),
 }
@@ -113,7 +115,11 @@ impl StoredPair {
     /// Two images that stand alone.
     #[must_use]
     pub fn alone(name: String, images: PairFiles) -> Self {
-        let layout = if matches!(images, PairFiles::Two(_)) { Layout::PairFolder } else { Layout::SideBySide };
+        let layout = match images {
+            PairFiles::Two(_) => Layout::PairFolder,
+            PairFiles::SideBySide(_) => Layout::SideBySide,
+            PairFiles::Recorded(_) => Layout::Recording,
+        };
         // No folder: what stands beside them was not asked for.
         let (folder, rig) = (PathBuf::new(), StoredRig::Unknown);
         Self { name, number: None, layout, folder, images, truth: None, rig, max_disparity: None }
@@ -136,7 +142,7 @@ impl StoredPair {
         let truth = self.truth.as_ref().map(|truth| truth.file.as_path());
         let rig: &[PathBuf] = match &self.rig {
             StoredRig::Unknown => &[],
-            StoredRig::Rectified(path, _) => core::slice::from_ref(path),
+            StoredRig::Rectified(path, _) | StoredRig::Recorded(path, ..) => core::slice::from_ref(path),
             StoredRig::Raw(paths) => paths,
         };
         self.images.paths().into_iter().chain(truth).chain(rig.iter().map(PathBuf::as_path))
@@ -148,8 +154,12 @@ impl StoredPair {
         if !self.folder.as_os_str().is_empty() && file.is_file() {
             return SceneInfo::load(&file).map(|info| Some((file, info)));
         }
-        let StoredRig::Rectified(path, rig) = &self.rig else { return Ok(None) };
-        Ok(Some((path.clone(), SceneInfo::of_rig(*rig, self.max_disparity))))
+        let (path, rig, centre) = match &self.rig {
+            StoredRig::Rectified(path, rig) => (path, rig, None),
+            StoredRig::Recorded(path, rig, centre) => (path, rig, Some(*centre)),
+            StoredRig::Unknown | StoredRig::Raw(_) => return Ok(None),
+        };
+        Ok(Some((path.clone(), SceneInfo::of_rig(*rig, centre, self.max_disparity))))
     }
 
     /// The files with the calibration of its cameras, where it is raw.
@@ -204,7 +214,7 @@ impl StoredPair {
 impl StoredRig {
     /// The rig of rectified images reduced by `scale`.
     fn at(&self, scale: f64) -> Result<Option<(RigUpdate, Rig)>, FrameError> {
-        let Self::Rectified(path, numbers) = self else { return Ok(None) };
+        let (Self::Rectified(path, numbers) | Self::Recorded(path, numbers, _)) = self else { return Ok(None) };
         let (focal_px, offset_px) = (numbers.focal_px * scale, numbers.offset_px * scale);
         let reduced = RigUpdate { focal_px, offset_px, ..*numbers };
         let rig = reduced.rig().map_err(|error| FrameError::Rig(path.clone(), error))?;

@@ -1,9 +1,10 @@
-//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as outlines of objects.
+//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as outlines of objects, as messages of ROS 2.
 
 pub mod directions;
 pub mod health;
 pub mod listing;
 pub mod outline;
 mod point_map;
+pub mod ros;
 
 pub use point_map::{PngMap, depth_npy, depth_png, kitti_png, pfm};

@@ -23,14 +23,16 @@ mod plain;
 use super::error::{FrameError, LayoutFault};
 use super::folder::{Listing, folder_name, walk};
 use super::layout::Layout;
+use super::recording::{self, Choice, Recording, is_recording};
 use super::scene_file;
 use super::sequence::number;
 use super::stored::StoredPair;
 use crate::untrusted::printable;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The pairs of a folder, whatever their layout.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Dataset {
     /// Sorted by folder, then by number.
     pub pairs: Vec<StoredPair>,
@@ -38,6 +40,7 @@ pub struct Dataset {
     pub alone: usize,
     /// A data set may lack its calibration.
     is_lenient: bool,
+    recording: Option<Arc<Recording>>,
 }
 
 impl Dataset {
@@ -58,6 +61,9 @@ impl Dataset {
     /// The same of recordings, where no truth is needed: a calibration that a data set lacks costs depths alone, a file that is broken its
     /// own pairs, and every image holds both views where that is said. Pairs come in the order of their numbers, then of their names.
     pub fn recording(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
+        if is_recording(root) && !root.is_dir() {
+            return Self::recorded(root, &Choice::default());
+        }
         let mut found = Self { is_lenient: true, ..Self::default() };
         if side_by_side {
             found.pairs = plain::side_by_side(&Listing::read(root)?, true)?;
@@ -70,6 +76,18 @@ impl Dataset {
         }
         found.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
         Ok(found)
+    }
+
+    /// Pairs of an `.mcap` file, in the order of their times.
+    pub fn recorded(path: &Path, choice: &Choice) -> Result<Self, FrameError> {
+        let (pairs, alone, recording) = recording::pairs(path, choice)?;
+        Ok(Self { pairs, alone, is_lenient: true, recording: Some(recording) })
+    }
+
+    /// What is known of a recording as a whole.
+    #[must_use]
+    pub fn of_recording(&self) -> Option<&Recording> {
+        self.recording.as_deref()
     }
 
     /// Number of pairs of each layout.

@@ -1,0 +1,174 @@
+//! Recordings of ROS 2 as input and as output of a sequence.
+
+use super::input::Setup;
+use super::sequence::Played;
+use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
+use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::output::{LineFile, OutputPath, cannot_write, print};
+use crate::results::ros::{Extra, Frame, RosFile, label};
+use crate::ros::sent::{Header, Label};
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+
+/// Frame of what is not from a recording.
+const FRAME_ID: &str = "left_camera_optical_frame";
+/// Time between two pairs that have none, ns.
+const STEP_NS: u64 = 100_000_000;
+
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Recordings of ROS 2 (.mcap)")]
+pub(super) struct RecordingArgs {
+    /// Topic with the left images [default: by its name].
+    #[arg(long, value_name = "TOPIC", requires = "right_topic")]
+    left_topic: Option<String>,
+    /// Topic with the right images.
+    #[arg(long, value_name = "TOPIC", requires = "left_topic")]
+    right_topic: Option<String>,
+    /// Images are a pair whose times differ by up to so much [default: 10].
+    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    pair_window_ms: Option<f64>,
+    /// Write these too: to --out FILE.mcap.
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', requires = "out")]
+    with: Vec<Extra>,
+}
+
+fn milliseconds(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=10_000.0).contains(value));
+    value.ok_or_else(|| "give milliseconds, 0 to 10000".to_owned())
+}
+
+impl RecordingArgs {
+    /// The pairs of a folder or of a recording.
+    pub(super) fn find(&self, root: &Path, side_by_side: bool) -> Result<Dataset> {
+        if !is_recording(root) || root.is_dir() {
+            if self.left_topic.is_some() || self.pair_window_ms.is_some() {
+                bail!(
+                    "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
+                );
+            }
+            return Ok(Dataset::recording(root, side_by_side)?);
+        }
+        if side_by_side {
+            bail!("--side-by-side is for folders; images of a recording have a topic for each camera");
+        }
+        let topics = [self.left_topic.clone(), self.right_topic.clone()];
+        let choice = Choice { topics, window_ms: self.pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
+        Ok(Dataset::recorded(root, &choice)?)
+    }
+
+    /// Where results go.
+    pub(super) fn sink(&self, out: Option<&OutputPath>, recording: Option<&Recording>) -> Result<Sink> {
+        let Some(path) = out.filter(|path| !path.is_stdout()) else {
+            if !self.with.is_empty() {
+                bail!("--with writes messages; give --out FILE.mcap");
+            }
+            return Ok(Sink { path: PathBuf::new(), to: To::Stdout, frame_id: String::new(), first_ns: 0 });
+        };
+        let frame_id = recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
+        let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
+        let to = if is_recording(&path) {
+            To::Messages(Box::new(RosFile::new(lines, &self.with).map_err(|error| cannot_write(&path, &error))?))
+        } else if self.with.is_empty() {
+            To::Lines(lines)
+        } else {
+            bail!("--with writes messages; give --out FILE.mcap");
+        };
+        Ok(Sink { path, to, frame_id: frame_id.to_owned(), first_ns: 0 })
+    }
+}
+
+/// Where results go.
+pub(super) struct Sink {
+    path: PathBuf,
+    to: To,
+    frame_id: String,
+    /// Time of the next pair that has none.
+    first_ns: u64,
+}
+
+enum To {
+    Stdout,
+    Lines(LineFile),
+    Messages(Box<RosFile<LineFile>>),
+}
+
+impl Sink {
+    /// Messages are written, not lines.
+    pub(super) fn is_ros(&self) -> bool {
+        matches!(self.to, To::Messages(_))
+    }
+
+    /// The file.
+    pub(super) fn path(&self) -> Option<String> {
+        (!matches!(self.to, To::Stdout)).then(|| self.path.display().to_string())
+    }
+
+    /// One more line.
+    pub(super) fn line(&mut self, line: &str) -> Result<()> {
+        match &mut self.to {
+            To::Lines(file) => file.push(line),
+            _ => print(line),
+        }
+    }
+
+    /// The messages of one more pair.
+    pub(super) fn messages(
+        &mut self,
+        number: u64,
+        pair: &StoredPair,
+        setup: Option<&Setup<'_>>,
+        played: &Result<Played, String>,
+    ) -> Result<()> {
+        let To::Messages(file) = &mut self.to else { return Ok(()) };
+        let stamp_ns = match &pair.images {
+            PairFiles::Recorded(recorded) => recorded.stamps_ns().map(|[left, _]| left),
+            files => files.times_us().map(|[left, _]| left.saturating_mul(1000)),
+        };
+        self.first_ns += STEP_NS;
+        let header = Header { stamp_ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
+        let named = (number, &*pair.name);
+        let sent = match (played, setup) {
+            (Ok(played), Some(setup)) => {
+                let objects = played.objects.as_ref().map(|_| labels(setup, played));
+                let Played { images, result, .. } = played;
+                let (params, rig_numbers) = (&setup.params, setup.rig_numbers);
+                file.frame(header, named, &Frame { images, result, params, rig_numbers, objects })
+            }
+            (Ok(_), None) => Ok(()),
+            (Err(error), _) => file.failure(header, named, error),
+        };
+        sent.map_err(|error| cannot_write(&self.path, &error))
+    }
+
+    /// Puts the file in its place, where there is anything in it; what is to be said of it.
+    pub(super) fn commit(self, is_wanted: bool) -> Result<String> {
+        if !is_wanted {
+            return Ok(String::new());
+        }
+        match self.to {
+            To::Stdout => Ok(String::new()),
+            To::Lines(file) => file.commit().map(|()| String::new()),
+            To::Messages(file) => {
+                let has_points = file.has_points();
+                file.finish().map_err(|error| cannot_write(&self.path, &error))?.commit()?;
+                let none = "no points or segments are written: without focal length and baseline they have no place in space\n";
+                Ok(if has_points { String::new() } else { none.to_owned() })
+            }
+        }
+    }
+}
+
+/// Objects with a depth, in the middle of what the detector found.
+fn labels(setup: &Setup<'_>, played: &Played) -> Vec<Label> {
+    let Some(rig) = setup.geometry() else { return Vec::new() };
+    let list = played.objects.iter().flat_map(|asked| &asked.list);
+    list.filter_map(|(object, found)| {
+        let area = object.region(setup.dims()).ok()?.area();
+        let middle = |from: u16, to: u16| (f64::from(from) + f64::from(to) - 1.0) / 2.0;
+        let at = [middle(area.left, area.right), middle(area.top, area.bottom)];
+        let name = object.name.as_deref().unwrap_or("object");
+        let text = format!("{name} {:.2} m", found.depth_m?);
+        label(rig, at, found.disparity_px?, text, found.confidence)
+    })
+    .collect()
+}

@@ -1,0 +1,53 @@
+//! A message with an image -> grey values, as files of the same pixels give them.
+
+use super::RecordedPair;
+use crate::input::decode::Bytes;
+use crate::input::error::FrameError;
+use crate::input::grey::StoredGray;
+use crate::ros::received::{CompressedImage, Image};
+use crate::untrusted::PIXELS;
+
+/// Why nothing is made of a message that ends before its fields do.
+const EARLY: &str = "the message ends early; record it again";
+
+impl RecordedPair {
+    /// Both images.
+    pub(in crate::input) fn grey(&self) -> Result<[StoredGray; 2], FrameError> {
+        self.images(|message, is_compressed| if is_compressed { compressed(message) } else { plain(message) })
+    }
+}
+
+fn compressed(message: &[u8]) -> Result<StoredGray, String> {
+    StoredGray::of_file(CompressedImage::read(message).ok_or(EARLY)?.data)
+}
+
+fn plain(message: &[u8]) -> Result<StoredGray, String> {
+    let image = Image::read(message).ok_or(EARLY)?;
+    let layout = match image.encoding {
+        "mono8" | "8UC1" => Bytes::Grey,
+        "mono16" | "16UC1" if image.is_big_endian => Bytes::Grey16(u16::from_be_bytes),
+        "mono16" | "16UC1" => Bytes::Grey16(u16::from_le_bytes),
+        "rgb8" => Bytes::Colour { red: 0, blue: 2, bytes: 3 },
+        "bgr8" | "8UC3" => Bytes::Colour { red: 2, blue: 0, bytes: 3 },
+        "rgba8" => Bytes::Colour { red: 0, blue: 2, bytes: 4 },
+        "bgra8" | "8UC4" => Bytes::Colour { red: 2, blue: 0, bytes: 4 },
+        bayer if bayer.starts_with("bayer") => {
+            return Err(format!("{bayer} is a mosaic of colours; record what image_proc's debayer node makes of it"));
+        }
+        other => {
+            let other: String = other.chars().take(24).collect();
+            return Err(format!("the encoding \"{other}\" is not read; record mono8, mono16, rgb8 or bgr8"));
+        }
+    };
+    let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
+    let row = width * layout.bytes();
+    let is_short = step < row || step.checked_mul(height).is_none_or(|bytes| image.data.len() < bytes);
+    if width == 0 || height == 0 || is_short || (width * height) as u64 > PIXELS {
+        return Err(format!(
+            "{} bytes are no {width}x{height} px with rows of {step} bytes; record it again",
+            image.data.len()
+        ));
+    }
+    let rows = image.data.chunks_exact(step).take(height).map(|bytes| &bytes[..row]);
+    StoredGray::of_rows([image.width, image.height], layout, rows)
+}

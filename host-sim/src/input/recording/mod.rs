@@ -1,0 +1,326 @@
+//! A recording of ROS 2 (`.mcap`): which of its images are pairs, what their calibration says, and the images themselves.
+//!
+//! ```text
+//! topics    every topic with images or a calibration -> the left and the right one
+//! pairing   times of both -> pairs; the rest is counted
+//! rig       CameraInfo of both -> focal length, baseline, principal points; of raw images the rig that rectifies them
+//! images    a message -> grey values
+//! ```
+//!
+//! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
+//!
+//! # Bounds
+//! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
+
+mod images;
+mod pairing;
+mod rig;
+mod topics;
+
+use super::error::FrameError;
+use super::sequence::PairFiles;
+use super::stored::{StoredPair, StoredRig};
+use crate::mcap::{Item, McapFault, Place, Reader};
+use crate::ros::received::{self, CameraInfo};
+use crate::untrusted::printable;
+use core::fmt;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use tempfile::TempDir;
+
+pub use topics::{Choice, DEFAULT_WINDOW_MS};
+
+/// Most images of a recording: two hours and a half of a pair thirty times a second.
+const MOST_IMAGES: usize = 1 << 19;
+/// Most topics, and bytes of a name.
+const MOST_TOPICS: usize = 4096;
+const MOST_NAME_BYTES: usize = 1024;
+
+/// Why no pair, or not this one, is taken of a recording.
+#[derive(Debug)]
+pub enum RecordingFault {
+    /// The file is damaged, or another one.
+    File(McapFault),
+    /// More than is counted.
+    TooMany(&'static str),
+    /// No topic has images of the left, or of the right camera, or more than one has.
+    Topics(String),
+    /// No two images are of one time; images, and window in ms.
+    NoPair([usize; 2], f64),
+    /// The calibration makes no rig.
+    Calibration(String),
+    /// An image that is not taken: its topic, and why.
+    Image(String, String),
+}
+
+impl fmt::Display for RecordingFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(fault) => fault.fmt(f),
+            Self::TooMany(what) => write!(f, "it has more {what} than are read; split it with `mcap filter`"),
+            Self::Topics(what) => f.write_str(&printable(what)),
+            Self::NoPair([left, right], window) => write!(
+                f,
+                "none of {left} left and {right} right images are within {window} ms; give --pair-window-ms, or other topics"
+            ),
+            Self::Calibration(what) => write!(
+                f,
+                "its CameraInfo makes no rig ({}); give --scene or --rig, or --focal-px and --baseline-m for rectified images",
+                printable(what)
+            ),
+            Self::Image(topic, what) => write!(f, "an image of {}: {}", printable(topic), printable(what)),
+        }
+    }
+}
+
+impl core::error::Error for RecordingFault {}
+
+impl From<McapFault> for RecordingFault {
+    fn from(fault: McapFault) -> Self {
+        Self::File(fault)
+    }
+}
+
+/// An image of a topic.
+#[derive(Clone, Copy, Debug)]
+struct Stored {
+    place: Place,
+    stamp_ns: i64,
+    is_compressed: bool,
+}
+
+/// A topic with what was found of it.
+#[derive(Debug, Default)]
+struct Topic {
+    name: String,
+    images: Vec<Stored>,
+    /// The first one.
+    info: Option<CameraInfo>,
+    info_changes: bool,
+    frame_id: String,
+    has_images: bool,
+    is_compressed: bool,
+    has_info: bool,
+}
+
+/// A recording that was scanned.
+pub struct Recording {
+    path: PathBuf,
+    reader: Mutex<Reader>,
+    pairs: Vec<[Stored; 2]>,
+    topics: [String; 2],
+    frame_id: String,
+    window_ms: f64,
+    rig: String,
+    /// Files with the rig of raw images, for as long as somebody may read them.
+    _files: Option<TempDir>,
+}
+
+/// A pair of a recording.
+#[derive(Clone, Debug)]
+pub struct RecordedPair {
+    recording: Arc<Recording>,
+    index: usize,
+}
+
+impl PartialEq for RecordedPair {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.recording, &other.recording) && self.index == other.index
+    }
+}
+
+impl Eq for RecordedPair {}
+
+impl fmt::Debug for Recording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Recording").field("path", &self.path).field("pairs", &self.pairs.len()).finish_non_exhaustive()
+    }
+}
+
+/// Is this a recording, by its name?
+#[must_use]
+pub fn is_recording(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
+}
+
+/// Pairs of a recording in the order of their times, and the number of images without a partner.
+pub(super) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
+    let fault = |fault| FrameError::Recording(path.to_path_buf(), fault);
+    let mut reader = Reader::open(path).map_err(|error| fault(error.into()))?;
+    let all = scanned(&mut reader).map_err(fault)?;
+    let chosen = choice.topics(&all).map_err(fault)?;
+    let counts = chosen.map(|topic| topic.images.len());
+    let (pairs, alone) = pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
+    if pairs.is_empty() {
+        return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
+    }
+    let infos = choice.infos(&all, chosen);
+    let (rig, told, files) = rig::of(path, chosen.map(|topic| topic.name.as_str()), infos).map_err(fault)?;
+    let recording = Arc::new(Recording {
+        path: path.to_path_buf(),
+        reader: Mutex::new(reader),
+        pairs,
+        topics: chosen.map(|topic| topic.name.clone()),
+        frame_id: chosen[0].frame_id.clone(),
+        window_ms: choice.window_ms,
+        rig: told,
+        _files: files,
+    });
+    let pairs = (0..recording.pairs.len()).map(|index| {
+        let pair = RecordedPair { recording: Arc::clone(&recording), index };
+        let stamp = recording.pairs[index][0].stamp_ns;
+        let name = format!("{}.{:09}", stamp.div_euclid(1_000_000_000), stamp.rem_euclid(1_000_000_000));
+        stored(name, pair, &rig)
+    });
+    Ok((pairs.collect(), alone, recording))
+}
+
+fn stored(name: String, pair: RecordedPair, rig: &StoredRig) -> StoredPair {
+    let (images, rig) = (PairFiles::Recorded(pair), rig.clone());
+    StoredPair { rig, ..StoredPair::alone(name, images) }
+}
+
+/// Every topic with images or a calibration.
+fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
+    let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+    let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
+    let (mut images, mut foreign) = (0, None);
+    reader.scan(|item| -> Result<(), RecordingFault> {
+        match item {
+            Item::Schema { id, name } => {
+                _ = schemas.insert(id, name.chars().take(MOST_NAME_BYTES).collect::<String>());
+            }
+            Item::Channel { id, schema, topic, encoding } => {
+                let kind = schemas.get(&schema).map_or("", String::as_str);
+                let [has_images, is_compressed, has_info] = kinds(kind);
+                if !(has_images || is_compressed || has_info) || encoding != "cdr" {
+                    if kind.ends_with("Image") && foreign.is_none() {
+                        foreign = Some(format!("{kind} in {encoding}"));
+                    }
+                    channels.remove(&id);
+                    return Ok(());
+                }
+                if topic.len() > MOST_NAME_BYTES {
+                    return Err(RecordingFault::TooMany("bytes in the name of a topic"));
+                }
+                let at = names.get(topic).copied().unwrap_or(topics.len());
+                if at == MOST_TOPICS {
+                    return Err(RecordingFault::TooMany("topics"));
+                }
+                if at == topics.len() {
+                    let has_images = has_images || is_compressed;
+                    let name = topic.to_owned();
+                    names.insert(name.clone(), at);
+                    topics.push(Topic { name, has_images, is_compressed, has_info, ..Topic::default() });
+                }
+                channels.insert(id, (at, has_info, is_compressed));
+            }
+            Item::Message { channel, log_time, place, data } => {
+                let Some(&(at, is_info, is_compressed)) = channels.get(&channel) else { return Ok(()) };
+                let topic = &mut topics[at];
+                if is_info {
+                    topic.calibrated(data)?;
+                    return Ok(());
+                }
+                images += 1;
+                if images > MOST_IMAGES {
+                    return Err(RecordingFault::TooMany("images"));
+                }
+                topic.take(data, log_time, place, is_compressed)?;
+            }
+        }
+        Ok(())
+    })?;
+    if !topics.iter().any(|topic| topic.has_images) {
+        let found = foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
+        return Err(RecordingFault::Topics(format!(
+            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them"
+        )));
+    }
+    Ok(topics)
+}
+
+/// Images, compressed images, a calibration?
+fn kinds(schema: &str) -> [bool; 3] {
+    ["Image", "CompressedImage", "CameraInfo"].map(|name| schema.strip_prefix("sensor_msgs/msg/") == Some(name))
+}
+
+impl Topic {
+    fn broken(&self) -> RecordingFault {
+        RecordingFault::Image(self.name.clone(), "the message ends early, or is no CDR; record it again".to_owned())
+    }
+
+    fn take(&mut self, data: &[u8], log_time: u64, place: Place, is_compressed: bool) -> Result<(), RecordingFault> {
+        let (header, _) = received::header(data).ok_or_else(|| self.broken())?;
+        if self.images.is_empty() {
+            self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
+        }
+        // Nobody set it: the time of the recorder.
+        let unset = header.stamp_ns == 0;
+        let stamp_ns = if unset { i64::try_from(log_time).unwrap_or(i64::MAX) } else { header.stamp_ns };
+        self.images.push(Stored { place, stamp_ns, is_compressed });
+        Ok(())
+    }
+
+    fn calibrated(&mut self, data: &[u8]) -> Result<(), RecordingFault> {
+        let info = CameraInfo::read(data).ok_or_else(|| self.broken())?;
+        match &self.info {
+            None => self.info = Some(info),
+            Some(first) => self.info_changes |= *first != info,
+        }
+        Ok(())
+    }
+}
+
+impl Recording {
+    /// Topics, window and rig, in words.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let [left, right] = &self.topics;
+        let text = format!("{left} and {right}, paired within {} ms; {}", self.window_ms, self.rig);
+        printable(&text).into_owned()
+    }
+
+    /// Name of the left camera's frame.
+    #[must_use]
+    pub fn frame_id(&self) -> &str {
+        &self.frame_id
+    }
+}
+
+impl RecordedPair {
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.recording.path
+    }
+
+    /// The recording.
+    #[must_use]
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// When the images were captured, ns; `None` before 1970.
+    #[must_use]
+    pub fn stamps_ns(&self) -> Option<[u64; 2]> {
+        let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
+        Some([left?, right?])
+    }
+
+    /// The messages of both images, the left one first, as `read` makes values of them.
+    fn images<T>(&self, read: impl Fn(&[u8], bool) -> Result<T, String>) -> Result<[T; 2], FrameError> {
+        let recording = &self.recording;
+        let one = |eye: usize| {
+            let fault = |fault| FrameError::Recording(recording.path.clone(), fault);
+            let stored = recording.pairs[self.index][eye];
+            let mut reader = recording.reader.lock().unwrap_or_else(PoisonError::into_inner);
+            let message = reader.message(stored.place).map_err(|error| fault(error.into()))?;
+            drop(reader);
+            let topic = &recording.topics[eye];
+            read(&message, stored.is_compressed).map_err(|what| fault(RecordingFault::Image(topic.clone(), what)))
+        };
+        Ok([one(0)?, one(1)?])
+    }
+}

@@ -1,0 +1,231 @@
+//! Frames' results as messages of ROS 2 in an `.mcap` file.
+//!
+//! ```text
+//! /linestereo/points         sensor_msgs/PointCloud2: x, y, z, confidence      with a rig
+//! /linestereo/segments       visualization_msgs/Marker, a list of lines        with a rig
+//! /linestereo/objects        visualization_msgs/MarkerArray                    where objects are given
+//! /linestereo/health         diagnostic_msgs/DiagnosticArray                   always
+//! /linestereo/disparity      stereo_msgs/DisparityImage                        where it is asked for
+//! /linestereo/left/image_rect, camera_info, right/..                           where they are asked for
+//! ```
+//!
+//! Frame: the optical one of the left camera, x right, y down, z forward, m. What has no finite depth is left out.
+
+use super::health;
+use crate::engine::FrameResult;
+use crate::mcap::Writer;
+use crate::ros::schema;
+use crate::ros::sent::{self, Disparities, Header, Label, Level, Line, Projection, Topic};
+use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
+use linestereo_baselines::GrayImage;
+use linestereo_wire::RigUpdate;
+use std::io::{self, Write};
+
+const POINTS: Topic = Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
+const SEGMENTS: Topic = Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
+const OBJECTS: Topic = Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
+const HEALTH: Topic = Topic { name: "/linestereo/health", package: "diagnostic_msgs", message: "DiagnosticArray" };
+const DISPARITY: Topic = Topic { name: "/linestereo/disparity", package: "stereo_msgs", message: "DisparityImage" };
+const IMAGES: [Topic; 2] = [
+    Topic { name: "/linestereo/left/image_rect", package: "sensor_msgs", message: "Image" },
+    Topic { name: "/linestereo/right/image_rect", package: "sensor_msgs", message: "Image" },
+];
+const INFOS: [Topic; 2] = [
+    Topic { name: "/linestereo/left/camera_info", package: "sensor_msgs", message: "CameraInfo" },
+    Topic { name: "/linestereo/right/camera_info", package: "sensor_msgs", message: "CameraInfo" },
+];
+
+/// Step of disparities, px.
+const DISPARITY_STEP: f32 = 1.0 / 64.0;
+
+/// More than is always written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Extra {
+    /// Both images as they were matched, with their CameraInfo.
+    Images,
+    /// Disparities as an image, empty where there is none.
+    Disparity,
+}
+
+/// A pair that was matched.
+#[derive(Clone, Debug)]
+pub struct Frame<'a> {
+    /// As they were matched.
+    pub images: &'a [GrayImage; 2],
+    /// What was found.
+    pub result: &'a FrameResult,
+    /// With what it was matched.
+    pub params: &'a Params,
+    /// The numbers behind its rig, where they are known more exactly.
+    pub rig_numbers: Option<RigUpdate>,
+    /// Objects with a depth; `None` where nobody asked.
+    pub objects: Option<Vec<Label>>,
+}
+
+/// The file, which grows.
+#[derive(Debug)]
+pub struct RosFile<W> {
+    writer: Writer<W>,
+    extras: Vec<Extra>,
+    schemas: Vec<(Topic, u16)>,
+    channels: Vec<(Topic, u16)>,
+}
+
+impl<W: Write> RosFile<W> {
+    /// Nothing yet.
+    pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
+        let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
+        Ok(Self { writer, extras: extras.to_vec(), schemas: Vec::new(), channels: Vec::new() })
+    }
+
+    /// The messages of a pair.
+    pub fn frame(&mut self, header: Header<'_>, named: (u64, &str), frame: &Frame<'_>) -> io::Result<()> {
+        let (result, size) = (frame.result, [frame.images[0].dims.width, frame.images[0].dims.height]);
+        let rig = frame.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some());
+        if let Some(rig) = rig {
+            self.send(POINTS, header, &sent::point_cloud(header, &points(rig, result)))?;
+            self.send(SEGMENTS, header, &sent::lines(header, &lines(rig, result)))?;
+            if let Some(labels) = &frame.objects {
+                self.send(OBJECTS, header, &sent::labels(header, labels))?;
+            }
+        }
+        if self.extras.contains(&Extra::Disparity) {
+            self.send(DISPARITY, header, &disparity_image(header, frame))?;
+        }
+        if self.extras.contains(&Extra::Images) {
+            let projection = rig.map(|rig| projection(rig, frame.rig_numbers));
+            for eye in 0..2 {
+                self.send(IMAGES[eye], header, &sent::image(header, size, &frame.images[eye].pixels))?;
+                if let Some(projection) = &projection {
+                    let info = sent::camera_info(header, size, projection, eye == 1);
+                    self.send(INFOS[eye], header, &info)?;
+                }
+            }
+        }
+        let flags = health::names(result.health);
+        let level = match flags.len() {
+            _ if !health::is_fit(result.health) => Level::Error,
+            0 => Level::Ok,
+            _ => Level::Warn,
+        };
+        let text = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+        let mut values: Vec<_> = health::advice(result.health).map(text).collect();
+        let counts = super::listing::counts(&result.counts);
+        values.extend(counts.into_iter().map(|(name, count)| (name.to_owned(), count.to_string())));
+        let message = if flags.is_empty() { "good".to_owned() } else { flags.join(", ") };
+        self.state(header, named, level, &message, values)
+    }
+
+    /// The message of one that cannot be matched.
+    pub fn failure(&mut self, header: Header<'_>, named: (u64, &str), error: &str) -> io::Result<()> {
+        self.state(header, named, Level::Error, error, Vec::new())
+    }
+
+    /// Anything had a place in space.
+    #[must_use]
+    pub fn has_points(&self) -> bool {
+        self.channels.iter().any(|(topic, _)| *topic == POINTS)
+    }
+
+    /// Closes the file.
+    pub fn finish(self) -> io::Result<W> {
+        self.writer.finish()
+    }
+
+    fn state(
+        &mut self,
+        header: Header<'_>,
+        (number, name): (u64, &str),
+        level: Level,
+        message: &str,
+        values: Vec<(String, String)>,
+    ) -> io::Result<()> {
+        let named = [("frame".to_owned(), number.to_string()), ("name".to_owned(), name.to_owned())];
+        let values: Vec<_> = named.into_iter().chain(values).collect();
+        self.send(HEALTH, header, &sent::diagnostics(header, level, message, &values))
+    }
+
+    fn send(&mut self, topic: Topic, header: Header<'_>, message: &[u8]) -> io::Result<()> {
+        let channel = self.channel(topic)?;
+        self.writer.message(channel, header.stamp_ns, message)
+    }
+
+    /// A topic and its definition are written before its first message.
+    fn channel(&mut self, topic: Topic) -> io::Result<u16> {
+        if let Some((_, id)) = self.channels.iter().find(|(known, _)| *known == topic) {
+            return Ok(*id);
+        }
+        let is_same = |known: &Topic| [known.package, known.message] == [topic.package, topic.message];
+        let schema = match self.schemas.iter().find(|(known, _)| is_same(known)) {
+            Some((_, id)) => *id,
+            None => {
+                let Topic { package, message, .. } = topic;
+                let definition = schema::definition(&format!("{package}/{message}"));
+                let id = self.writer.schema(&format!("{package}/msg/{message}"), &definition)?;
+                self.schemas.push((topic, id));
+                id
+            }
+        };
+        let id = self.writer.channel(schema, topic.name)?;
+        self.channels.push((topic, id));
+        Ok(id)
+    }
+}
+
+/// A place in space, m.
+fn point(rig: &Rig, at: ImagePosition, disparity: Disparity) -> Option<[f64; 3]> {
+    Some(rig.xyz(at, disparity)?.map(|metres| metres.to_num()))
+}
+
+fn points(rig: &Rig, result: &FrameResult) -> Vec<[f32; 4]> {
+    let place = |found: &linestereo::Point| {
+        let at = ImagePosition { x: Position::from_num(found.x), y: Position::from_num(found.y) };
+        let [x, y, z] = point(rig, at, found.disparity)?.map(|metres| metres as f32);
+        Some([x, y, z, found.confidence.to_num()])
+    };
+    result.points.iter().filter_map(place).collect()
+}
+
+fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
+    let line = |found: &linestereo::Match| {
+        let [start, end] = [0, 1].map(|end| point(rig, found.ends[end], found.disparity[end]));
+        Some(Line { ends: [start?, end?], confidence: found.confidence.to_num() })
+    };
+    result.matches.iter().filter_map(line).collect()
+}
+
+/// The place of an object with this disparity at a pixel.
+#[must_use]
+pub fn label(rig: &Rig, [x, y]: [f64; 2], disparity_px: f64, text: String, confidence: f64) -> Option<Label> {
+    let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
+    let position = point(rig, at, Disparity::saturating_from_num(disparity_px))?;
+    Some(Label { position, text, confidence: confidence as f32 })
+}
+
+fn projection(rig: &Rig, numbers: Option<RigUpdate>) -> Projection {
+    let focal_px = rig.focal_q16() as f64 / 65_536.0;
+    let baseline_m = rig.focal_baseline_q16() as f64 / 65_536.0 / focal_px;
+    let offset_px = rig.offset_q6() as f64 / 64.0;
+    let RigUpdate { focal_px, baseline_m, offset_px } =
+        numbers.unwrap_or(RigUpdate { focal_px, baseline_m, offset_px });
+    let [x, y] = rig.principal_point_q16().unwrap_or_default().map(|px| f64::from(px) / 65_536.0);
+    Projection { focal_px, centres: [[x, y], [x + offset_px, y]], baseline_m }
+}
+
+fn disparity_image(header: Header<'_>, frame: &Frame<'_>) -> Vec<u8> {
+    let Dims { width, height } = frame.images[0].dims;
+    let projection = frame.params.rig.as_ref().map(|rig| projection(rig, frame.rig_numbers));
+    let offset = projection.map_or(0.0, |rig| (rig.centres[1][0] - rig.centres[0][0]) as f32);
+    let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)].map(|end| end + offset);
+    // As OpenCV marks them.
+    let mut values = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
+    for point in &frame.result.points {
+        let at = usize::from(point.y) * usize::from(width) + usize::from(point.x);
+        if let Some(value) = values.get_mut(at) {
+            *value = point.disparity.to_num::<f32>() + offset;
+        }
+    }
+    let rig = projection.map_or([0.0; 2], |rig| [rig.focal_px as f32, rig.baseline_m as f32]);
+    let size = [width, height];
+    sent::disparity_image(header, &Disparities { size, values: &values, rig, range, step: DISPARITY_STEP })
+}

@@ -1,0 +1,311 @@
+//! Recordings that are cut off, foreign, changed or made to do harm: an error each, within 256 MiB.
+
+use crate::support::with_scene;
+use crate::support::{stderr, succeed};
+use linestereo_sim::input::recording::Choice;
+use linestereo_sim::input::{Dataset, load_images};
+use linestereo_sim::mcap::Writer;
+use linestereo_sim::ros::sent::{self, Header, Projection};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// Address space of a call, KiB.
+const MEMORY: usize = 256 << 10;
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+fn record(kind: u8, fields: &[&[u8]]) -> Vec<u8> {
+    let fields = fields.concat();
+    [&[kind][..], &(fields.len() as u64).to_le_bytes(), &fields].concat()
+}
+
+fn text(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
+}
+
+/// A chunk of these bytes, without a checksum, so that what is changed in them is looked at.
+fn chunk(packer: &str, size: u64, stored: &[u8]) -> Vec<u8> {
+    let length = (stored.len() as u64).to_le_bytes();
+    record(6, &[&[0; 16], &size.to_le_bytes(), &[0; 4], &text(packer), &length, stored])
+}
+
+fn file(records: &[Vec<u8>]) -> Vec<u8> {
+    [MAGIC, &record(1, &[&text("ros2"), &text("")]), &records.concat(), &record(15, &[&[0; 4]])].concat()
+}
+
+fn lz4(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn zstd(bytes: &[u8]) -> Vec<u8> {
+    compress_to_vec(bytes, CompressionLevel::Fastest)
+}
+
+fn schema(id: u16, name: &str) -> Vec<u8> {
+    record(3, &[&id.to_le_bytes(), &text(name), &text("ros2msg"), &text("")])
+}
+
+fn channel(id: u16, schema: u16, topic: &str) -> Vec<u8> {
+    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &text(topic), &text("cdr"), &[0; 4]])
+}
+
+fn message(channel: u16, time: u64, data: &[u8]) -> Vec<u8> {
+    record(5, &[&channel.to_le_bytes(), &[0; 4], &time.to_le_bytes(), &time.to_le_bytes(), data])
+}
+
+fn header(stamp_ns: u64) -> Header<'static> {
+    Header { stamp_ns, frame_id: "left" }
+}
+
+fn image(time: u64) -> Vec<u8> {
+    let pixels: Vec<u8> = (0..64 * 48_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    sent::image(header(time), [64, 48], &pixels)
+}
+
+/// Schemas, topics, and two pairs with their calibration.
+fn records() -> Vec<u8> {
+    let rig = Projection { focal_px: 60.0, centres: [[31.5, 23.5]; 2], baseline_m: 0.1 };
+    let mut all = vec![schema(1, "sensor_msgs/msg/Image"), schema(2, "sensor_msgs/msg/CameraInfo")];
+    all.extend([channel(0, 1, "/left/image_rect"), channel(1, 1, "/right/image_rect")]);
+    all.extend([channel(2, 2, "/left/camera_info"), channel(3, 2, "/right/camera_info")]);
+    for time in [1_000_000_000, 1_033_000_000] {
+        for eye in [0, 1] {
+            all.push(message(eye, time, &image(time)));
+            all.push(message(2 + eye, time, &sent::camera_info(header(time), [64, 48], &rig, eye == 1)));
+        }
+    }
+    all.concat()
+}
+
+/// The same recording as records, in chunks of each kind, and by our own writer with checksums and indexes.
+fn recordings() -> Vec<Vec<u8>> {
+    let all = records();
+    let size = all.len() as u64;
+    let packed = [("", all.clone()), ("lz4", lz4(&all)), ("zstd", zstd(&all))];
+    let mut found: Vec<Vec<u8>> = packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
+    found.push(file(&[all]));
+    let mut writer = Writer::new(Vec::new(), "test").unwrap();
+    let schema = writer.schema("sensor_msgs/msg/Image", "").unwrap();
+    let eyes = ["/left/image", "/right/image"].map(|topic| writer.channel(schema, topic).unwrap());
+    eyes.iter().for_each(|&eye| writer.message(eye, 5, &image(5)).unwrap());
+    found.push(writer.finish().unwrap());
+    found
+}
+
+/// Reads all that is in a recording; the number of pairs that were loaded.
+fn read(path: &Path) -> Result<usize, String> {
+    let found = Dataset::recorded(path, &Choice::default()).map_err(|error| error.to_string())?;
+    let mut loaded = 0;
+    for pair in &found.pairs {
+        pair.info().map_err(|error| error.to_string())?;
+        loaded += usize::from(load_images(&pair.images, None).is_ok());
+    }
+    Ok(loaded)
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
+    }
+
+    /// A value that lengths overflow by, or a bit, somewhere; most of them where heads are.
+    fn change(&mut self, bytes: &mut [u8]) {
+        let end = if self.below(3) > 0 { bytes.len().min(900) } else { bytes.len() };
+        let at = self.below(end);
+        let extreme: u64 =
+            [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX][self.below(9)];
+        if self.below(2) == 0 {
+            let length = [1, 4, 8][self.below(3)].min(bytes.len() - at);
+            bytes[at..at + length].copy_from_slice(&extreme.to_le_bytes()[..length]);
+        } else {
+            bytes.get_mut(at).into_iter().for_each(|byte| *byte ^= 1 << self.below(8));
+        }
+    }
+
+    /// A file that is cut off, or with pieces cut out, doubled or changed.
+    fn of_file(&mut self, from: &[u8]) -> Vec<u8> {
+        let mut bytes = from.to_vec();
+        for _ in 0..=self.below(3) {
+            let at = self.below(bytes.len());
+            match self.below(6) {
+                0 => bytes.truncate(at),
+                1 => drop(bytes.drain(at..(at + 1 + self.below(40)).min(bytes.len()))),
+                2 => {
+                    let piece = bytes[at..(at + 1 + self.below(200)).min(bytes.len())].to_vec();
+                    drop(bytes.splice(at..at, piece));
+                }
+                _ => self.change(&mut bytes),
+            }
+        }
+        bytes
+    }
+
+    /// A whole file of changed records: what is in messages is reached.
+    fn of_records(&mut self) -> Vec<u8> {
+        let mut all = records();
+        (0..=self.below(3)).for_each(|_| self.change(&mut all));
+        let size = all.len() as u64;
+        match self.below(4) {
+            0 => file(&[chunk("lz4", size, &lz4(&all))]),
+            1 => file(&[chunk("zstd", size, &zstd(&all))]),
+            2 => file(&[chunk("", size, &all)]),
+            _ => file(&[all]),
+        }
+    }
+}
+
+/// Numbers of files that gave pairs, fewer than there were, and an error.
+fn mutated(count: usize, seed: u64) -> [usize; 3] {
+    let (recordings, folder, mut random) = (recordings(), TempDir::new().unwrap(), Random(seed));
+    let path = folder.path().join("x.mcap");
+    let mut outcomes = [0; 3];
+    for i in 0..count {
+        let from = i % (2 * recordings.len());
+        let bytes = recordings.get(from).map(|recording| random.of_file(recording));
+        fs::write(&path, bytes.unwrap_or_else(|| random.of_records())).unwrap();
+        let whole = if from == recordings.len() - 1 { 1 } else { 2 };
+        outcomes[match read(&path) {
+            Ok(pairs) if pairs >= whole => 0,
+            Ok(_) => 1,
+            Err(_) => 2,
+        }] += 1;
+    }
+    outcomes
+}
+
+#[test]
+fn every_way_of_packing_is_read() {
+    let folder = TempDir::new().unwrap();
+    for (recording, pairs) in recordings().into_iter().zip([2, 2, 2, 2, 1]) {
+        let path = folder.path().join("x.mcap");
+        fs::write(&path, recording).unwrap();
+        assert_eq!(read(&path), Ok(pairs));
+    }
+}
+
+#[test]
+fn mutated_recordings_are_read_or_refused() {
+    let outcomes = mutated(600, 1);
+    assert!(outcomes.iter().all(|&count| count > 10), "{outcomes:?}");
+}
+
+/// `cargo test -p linestereo-sim ten_thousand -- --ignored --nocapture`: minutes.
+#[test]
+#[ignore = "a long run: docs/recordings.md says when"]
+fn ten_thousand_mutated_recordings_take_little_memory() {
+    let outcomes = mutated(10_000, 2);
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    let kilobytes: usize = peak.trim().trim_end_matches(" kB").parse().unwrap();
+    eprintln!("whole, in part, refused: {outcomes:?}; {kilobytes} kB at most");
+    assert!(kilobytes < MEMORY, "{kilobytes}");
+}
+
+/// Calls `sequence` on a recording within the bounds.
+fn bounded(folder: &Path, recording: &[u8]) -> Output {
+    fs::write(folder.join("x.mcap"), recording).unwrap();
+    let call = format!("ulimit -v {MEMORY}; exec timeout 30 \"$0\" sequence x.mcap --no-points");
+    let program = env!("CARGO_BIN_EXE_linestereo");
+    Command::new("sh").args(["-c", &call, program]).current_dir(folder).output().unwrap()
+}
+
+#[test]
+fn what_is_cut_off_foreign_or_a_bomb_says_so() {
+    let folder = TempDir::new().unwrap();
+    let all = records();
+    let zeros = vec![0; 64 << 20];
+    let topics = |kind: &str| [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat();
+    let pair = |kind: &str, data: &[u8]| file(&[topics(kind), message(0, 7, data), message(1, 7, data)]);
+    let named = |encoding: &str, size: u32, step: u32| {
+        let mut to = linestereo_sim::ros::cdr::Writer::default();
+        [1, 0].into_iter().for_each(|time| to.u32(time));
+        to.text("left");
+        [size, size].into_iter().for_each(|side| to.u32(side));
+        to.text(encoding);
+        to.u8(0);
+        to.u32(step);
+        to.bytes(&[9; 100]);
+        to.finish()
+    };
+    let compressed = |bytes: &[u8]| {
+        let mut to = linestereo_sim::ros::cdr::Writer::default();
+        [1, 0].into_iter().for_each(|time| to.u32(time));
+        to.text("left");
+        to.text("png");
+        to.bytes(bytes);
+        to.finish()
+    };
+    let mut broken = file(&[chunk("", all.len() as u64, &all)]);
+    broken.truncate(broken.len() - 1000);
+    let image_of = "sensor_msgs/msg/Image";
+    let mut huge = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x2d\x41\0\0\x2d\x41\x10\x06\0\0\0\x3d\x05\x8f\x8a".to_vec();
+    huge.extend(b"\0\0\0\x0bIDATx\xdac`\x80\x01\0\0\x0a\0\x01\xec$\x03\xb9");
+    let cases: Vec<(Vec<u8>, &str)> = vec![
+        (b"bag\n".to_vec(), "it is no MCAP file"),
+        (Vec::new(), "it is no MCAP file"),
+        (MAGIC.to_vec(), "it ends early, in or behind the record at byte 8"),
+        (broken, "it ends early"),
+        (file(&[]), "it holds no images"),
+        (pair("foxglove.RawImage", b""), "it holds images as foxglove.RawImage in cdr; sensor_msgs/msg/Image"),
+        (pair(image_of, b""), "the message ends early, or is no CDR"),
+        (file(&[topics(image_of)]), "no topics of a left and a right camera"),
+        (pair(image_of, &named("bayer_rggb8", 10, 10)), "bayer_rggb8 is a mosaic of colours; record"),
+        (pair(image_of, &named("yuv422", 10, 10)), "the encoding \"yuv422\" is not read; record mono8"),
+        (pair(image_of, &named("mono8", 11, 11)), "100 bytes are no 11x11 px"),
+        (pair(image_of, &named("mono8", u32::MAX, u32::MAX)), "100 bytes are no 4294967295x4294967295 px"),
+        (pair(image_of, &named("mono8", 10, 9)), "with rows of 9 bytes"),
+        (pair("sensor_msgs/msg/CompressedImage", &compressed(b"GIF89a")), "neither JPEG nor PNG"),
+        (pair("sensor_msgs/msg/CompressedImage", &compressed(&huge)), "cannot be decoded"),
+        // Bombs: said to be large; said to be small; many of them; a window of 128 MiB.
+        (file(&[chunk("zstd", 64 << 20, &zstd(&zeros))]), "more than 32 MiB; record with smaller chunks"),
+        (file(&[chunk("lz4", 1 << 40, &lz4(&zeros))]), "has 1099511627776 bytes, more than 32 MiB"),
+        (file(&[chunk("zstd", 9000, &zstd(&zeros))]), "it holds no images"),
+        (file(&vec![chunk("lz4", 32 << 20, &lz4(&zeros[..32 << 20])); 4]), "the record at byte"),
+        (file(&[chunk("zstd", 9, b"\x28\xb5\x2f\xfd\x00\x88\x01\x00\x00")]), "is broken"),
+        (file(&[chunk("bzip2", 9, b"xxxxxxxxx")]), "is packed by \"bzip2\"; lz4, zstd and none are read"),
+        (file(&[chunk("zstd", 9, b"xxxxxxxxx")]), "the chunk at byte"),
+        (file(&[record(5, &[&[0; 3]])]), "the record at byte"),
+        (file(&[[&[5][..], &u64::MAX.to_le_bytes()].concat()]), "it ends early"),
+    ];
+    for (recording, says) in cases {
+        let output = bounded(folder.path(), &recording);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{says}: {said}");
+        assert!(said.contains(says), "it does not say {says}: {said}");
+        assert!(!said.contains("panicked"), "{said}");
+    }
+}
+
+#[test]
+fn one_bad_image_ends_its_pair_alone() {
+    let folder = with_scene("demo", "320x240", "rec/1");
+    for name in ["rec/2", "rec/3"] {
+        succeed(folder.path(), &["scene", "--kind", "demo", "--size", "320x240", name]);
+    }
+    succeed(folder.path(), &["sequence", "rec", "--out", "a.mcap", "--with", "images"]);
+    let mut bytes = fs::read(folder.path().join("a.mcap")).unwrap();
+    // The encoding of the third image, in the second pair; without checksums nothing else notices.
+    let places: Vec<usize> = (0..bytes.len() - 6).filter(|&at| &bytes[at..at + 6] == b"mono8\0").collect();
+    assert_eq!(places.len(), 6);
+    bytes[places[2]..places[2] + 5].copy_from_slice(b"bayer");
+    let chunks: Vec<usize> =
+        (8..bytes.len() - 60).filter(|&at| bytes[at] == 6 && bytes[at + 37..at + 41] == [0; 4]).collect();
+    for at in chunks {
+        bytes[at + 33..at + 37].fill(0);
+    }
+    let output = bounded(folder.path(), &bytes);
+    let said = stderr(&output);
+    assert!(output.status.success() && said.contains("3 frames, 1 failed"), "{said}");
+    assert!(said.contains("bayer is a mosaic"), "{said}");
+}

@@ -1,0 +1,320 @@
+//! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which knows the official definitions.
+
+use crate::support::{all_refused, linestereo, stderr, succeed, with_scene};
+use linestereo_sim::input::load_gray;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use tempfile::TempDir;
+
+const TOPICS: [&str; 2] = ["/stereo/left/image_rect", "/stereo/right/image_rect"];
+const MS: u64 = 1_000_000;
+
+/// Runs recordings.py; `false` where its packages are missing.
+#[track_caller]
+fn python(folder: &Path, args: &[&str]) -> Option<String> {
+    let installed = Command::new("python3").args(["-c", "import numpy, rosbags"]).output();
+    if !installed.is_ok_and(|output| output.status.success()) {
+        eprintln!("SKIPPED: no rosbags in python3; pip install rosbags");
+        return None;
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings.py");
+    let output = Command::new("python3").arg(script).args(args).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+/// A bag by `rosbags`, as this job describes it.
+#[track_caller]
+fn bag(folder: &Path, job: &Value) -> Option<String> {
+    let _ = fs::remove_dir_all(folder.join("bag"));
+    fs::write(folder.join("job.json"), job.to_string()).unwrap();
+    python(folder, &["write", "bag", "job.json"])?;
+    Some("bag/bag.mcap".to_owned())
+}
+
+/// Lines without what files and recordings call their frames.
+fn records(text: &str) -> Vec<Value> {
+    let record = |line: &str| {
+        let mut value: Value = serde_json::from_str(line).unwrap();
+        let fields = value.as_object_mut().unwrap();
+        fields.remove("frame");
+        fields.remove("name");
+        fields.get_mut("health").unwrap().as_object_mut().unwrap().remove("skew_us");
+        value
+    };
+    text.lines().map(record).collect()
+}
+
+/// The images of some folders below this one, as PGM files too.
+fn with_pgm(folder: &Path, names: &[&str]) {
+    for name in names {
+        for side in ["left", "right"] {
+            let image = load_gray(&folder.join(name).join(format!("{side}.png"))).unwrap();
+            let head = format!("P5\n{} {}\n255\n", image.dims.width, image.dims.height);
+            let path = folder.join(name).join(format!("{side}.pgm.raw"));
+            fs::write(path, [head.as_bytes(), &image.pixels].concat()).unwrap();
+        }
+    }
+}
+
+/// Three drawn pairs in `rec/1` to `rec/3`.
+fn drawn() -> TempDir {
+    let folder = with_scene("demo", "320x240", "rec/1");
+    for seed in ["2", "3"] {
+        succeed(
+            folder.path(),
+            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &format!("rec/{seed}")],
+        );
+    }
+    with_pgm(folder.path(), &["rec/1", "rec/2", "rec/3"]);
+    folder
+}
+
+fn pairs(names: &[&str], file: &str) -> Vec<Value> {
+    let pair = |(name, i): (&&str, u64)| {
+        let ns = 1_700_000_000_000_000_000 + 33 * MS * i;
+        json!([format!("{name}/left.{file}"), format!("{name}/right.{file}"), ns, ns + 200_000])
+    };
+    names.iter().zip(0..).map(pair).collect()
+}
+
+const DRAWN: [&str; 3] = ["rec/1", "rec/2", "rec/3"];
+
+fn rig() -> Value {
+    json!({"focal_px": 288.0, "baseline_m": 0.12, "centre": [159.5, 119.5], "size": [320, 240]})
+}
+
+#[test]
+fn a_bag_gives_what_its_files_give() {
+    let folder = drawn();
+    let at = folder.path();
+    let known = ["--max-disparity", "48"];
+    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12"];
+    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    for (encoding, compression, scramble) in [
+        ("mono8", "none", false),
+        ("mono16", "zstd", false),
+        ("mono16be", "none", false),
+        ("rgb8", "zstd", true),
+        ("bgr8", "none", false),
+        ("file", "none", false),
+    ] {
+        let (file, suffix) = if encoding == "file" { ("png", "/compressed") } else { ("pgm.raw", "") };
+        let topics = TOPICS.map(|topic| format!("{topic}{suffix}"));
+        let job = json!({"pairs": pairs(&DRAWN, file), "encoding": encoding, "compression": compression,
+                         "rig": rig(), "topics": topics, "scramble": scramble});
+        let Some(bag) = bag(at, &job) else { return };
+        let found = records(&succeed(at, &[&["sequence", &bag], &known[..]].concat()));
+        assert_eq!(found.len(), 3);
+        assert!(found == expected, "{encoding} {compression}");
+    }
+}
+
+#[test]
+fn captured_pairs_come_out_of_a_bag_as_they_went_in() {
+    let Some(frames) = linestereo_tests::captured::folder("qvga") else { return };
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let names = ["dolls", "motorcycle", "tsukuba"];
+    for name in names {
+        fs::create_dir(at.join(name)).unwrap();
+        for side in ["left.png", "right.png"] {
+            fs::copy(frames.join(name).join(side), at.join(name).join(side)).unwrap();
+        }
+    }
+    with_pgm(at, &names);
+    for name in names {
+        let job = json!({"pairs": pairs(&[name], "pgm.raw"), "encoding": "mono8", "compression": "zstd",
+                         "topics": ["/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"]});
+        let Some(bag) = bag(at, &job) else { return };
+        let expected = records(&succeed(at, &["sequence", name]));
+        assert!(records(&succeed(at, &["sequence", &bag])) == expected, "{name}");
+    }
+}
+
+#[test]
+fn images_are_paired_by_their_times_and_the_rest_is_counted() {
+    let folder = drawn();
+    let image = |side: &str| format!("rec/1/{side}.pgm.raw");
+    let (left, right) = (image("left"), image("right"));
+    // 0.5 ms apart; 12 ms apart; one without a partner on each side.
+    let pairs = json!([
+        [left, right, 1000 * MS, 1000 * MS + 500_000],
+        [left, right, 1100 * MS, 1112 * MS],
+        [left, null, 1200 * MS, 1200 * MS],
+        [null, right, 1300 * MS, 1300 * MS]
+    ]);
+    let job = json!({"pairs": pairs, "encoding": "mono8", "compression": "none", "topics": TOPICS});
+    let Some(bag) = bag(folder.path(), &job) else { return };
+    let told = |args: &[&str]| {
+        let output = linestereo(folder.path(), &[&["sequence", &bag, "--no-points"], args].concat());
+        let lines = String::from_utf8(output.stdout.clone()).unwrap();
+        let values: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        (stderr(&output), values)
+    };
+    let (summary, lines) = told(&[]);
+    assert!(summary.contains("1 frames, 0 failed, 4 images without a partner; layout: MCAP recording"), "{summary}");
+    assert!(summary.contains("paired within 10 ms; no rig by the recording: it has no CameraInfo"), "{summary}");
+    assert_eq!((lines[0]["name"].as_str(), lines[0]["health"]["skew_us"].as_u64()), (Some("1.000000000"), Some(500)));
+    let (summary, lines) = told(&["--pair-window-ms", "12"]);
+    assert!(summary.contains("2 frames, 0 failed, 2 images without a partner"), "{summary}");
+    assert_eq!(lines[1]["health"]["skew_us"].as_u64(), Some(12_000));
+    assert!(lines[1]["health"]["flags"].as_array().unwrap().contains(&json!("skew")), "{}", lines[1]["health"]);
+    let (summary, _) = told(&["--pair-window-ms", "0.4"]);
+    assert!(
+        summary.contains("none of 3 left and 3 right images are within 0.4 ms; give --pair-window-ms"),
+        "{summary}"
+    );
+}
+
+#[test]
+fn raw_images_are_rectified_by_their_own_calibration() {
+    let folder = drawn();
+    let at = folder.path();
+    let mut rig = rig();
+    rig["lens"] = json!([-0.05, 0.01, 0.001, 0, 0]);
+    let job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "compression": "none", "rig": rig,
+                     "topics": ["/left/image_raw", "/right/image_raw"]});
+    let Some(bag) = bag(at, &job) else { return };
+    for (name, along) in [("left.yaml", 0.0), ("right.yaml", -288.0 * 0.12)] {
+        let text = format!(
+            "width: 320\nheight: 240\ndistortion_model: plumb_bob\nd: [-0.05, 0.01, 0.001, 0, 0]\n\
+             k: [288, 0, 159.5, 0, 288, 119.5, 0, 0, 1]\nr: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n\
+             p: [288, 0, 159.5, {along}, 0, 288, 119.5, 0, 0, 0, 1, 0]\n"
+        );
+        fs::write(at.join(name), text).unwrap();
+    }
+    let expected = records(&succeed(at, &["sequence", "rec", "--rig", "left.yaml", "--rig", "right.yaml"]));
+    let output = linestereo(at, &["sequence", &bag]);
+    assert!(stderr(&output).contains("raw, rectified by their CameraInfo"), "{}", stderr(&output));
+    assert!(records(core::str::from_utf8(&output.stdout).unwrap()) == expected);
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let folder = drawn();
+    let at = folder.path();
+    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--disparity-offset-px", "1.5"];
+    let expected = records(&succeed(at, &[&["sequence", "rec"], &known[..]].concat()));
+    succeed(at, &[&["sequence", "rec", "--out", "a.mcap", "--with", "images"], &known[..]].concat());
+    assert!(records(&succeed(at, &["sequence", "a.mcap", "--max-disparity", "48"])) == expected);
+    // Some frames alone, into a recording again, of a name in other letters.
+    succeed(
+        at,
+        &["sequence", "a.mcap", "--frames", "0..1", "--max-disparity", "48", "--out", "b.MCAP", "--with", "images"],
+    );
+    assert!(records(&succeed(at, &["sequence", "b.MCAP", "--max-disparity", "48"])) == expected[..2]);
+    // Other commands find its pairs too.
+    succeed(at, &["report", "a.mcap", "-o", "report.html"]);
+}
+
+#[test]
+fn messages_hold_the_numbers_of_the_lines() {
+    let folder = drawn();
+    let at = folder.path();
+    let args = ["sequence", "rec/1", "--max-disparity", "48", "--objects", "rec/1/objects.png", "--out"];
+    succeed(at, &[&args[..], &["lines.jsonl"]].concat());
+    succeed(at, &[&args[..], &["out.mcap", "--with", "images,disparity"]].concat());
+    let Some(text) = python(at, &["read", "out.mcap"]) else { return };
+    let all: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let on = |topic: &str| all.iter().find(|line| line["topic"] == format!("/linestereo/{topic}")).unwrap();
+    let line: Value = serde_json::from_str(&fs::read_to_string(at.join("lines.jsonl")).unwrap()).unwrap();
+    let near = |a: &Value, b: f64, limit: f64| assert!((a.as_f64().unwrap() - b).abs() <= limit, "{a} is not {b}");
+    let (f, baseline, [cx, cy]) = (288.0, 0.12, [159.5, 119.5]);
+
+    let points = line["points"].as_array().unwrap();
+    let cloud = on("points");
+    assert_eq!((cloud["message"]["width"].as_u64(), points.len() > 5000), (Some(points.len() as u64), true));
+    assert_eq!(cloud["message"]["header"]["frame_id"], "left_camera_optical_frame");
+    for (point, found) in points.iter().zip(cloud["points"].as_array().unwrap()) {
+        let [x, y, d] = [0, 1, 2].map(|i| point[i].as_f64().unwrap());
+        let z = f * baseline / d;
+        near(&found[0], (x - cx) * z / f, 1e-4);
+        near(&found[1], (y - cy) * z / f, 1e-4);
+        near(&found[2], z, 1e-4);
+        near(&found[3], point[3].as_f64().unwrap(), 1e-5);
+    }
+
+    let segments = line["segments"].as_array().unwrap();
+    let marker = &on("segments")["message"];
+    let ends = marker["points"].as_array().unwrap();
+    assert_eq!((ends.len(), segments.len() > 50, marker["type"].as_u64()), (2 * segments.len(), true, Some(5)));
+    for (segment, (ends, colours)) in
+        segments.iter().zip(ends.chunks(2).zip(marker["colors"].as_array().unwrap().chunks(2)))
+    {
+        for i in 0..2 {
+            let z = segment["depth_m"][i].as_f64().unwrap();
+            near(&ends[i]["z"], z, 1e-4);
+            near(&ends[i]["x"], (segment["left"][i][0].as_f64().unwrap() - cx) * z / f, 1e-4);
+            near(&colours[i]["a"], segment["confidence"].as_f64().unwrap(), 1e-5);
+        }
+    }
+
+    let objects = line["objects"].as_array().unwrap().iter().filter(|object| !object["depth_m"].is_null());
+    let objects: Vec<&Value> = objects.collect();
+    let markers = on("objects")["message"]["markers"].as_array().unwrap();
+    assert_eq!(
+        (markers.len(), objects.is_empty(), markers[0]["action"].as_u64()),
+        (1 + 2 * objects.len(), false, Some(3))
+    );
+    for (object, markers) in objects.iter().zip(markers[1..].chunks(2)) {
+        let z = object["depth_m"].as_f64().unwrap();
+        near(&markers[0]["pose"]["position"]["z"], z, 1e-4);
+        assert_eq!(markers[1]["text"], format!("object {z:.2} m"));
+    }
+
+    let status = &on("health")["message"]["status"][0];
+    let value = |key: &str| status["values"].as_array().unwrap().iter().find(|value| value["key"] == key).unwrap();
+    let flags: Vec<&str> =
+        line["health"]["flags"].as_array().unwrap().iter().map(|flag| flag.as_str().unwrap()).collect();
+    let message = if flags.is_empty() { "good".to_owned() } else { flags.join(", ") };
+    assert_eq!(
+        (status["message"].as_str(), status["level"].as_u64()),
+        (Some(&*message), Some((!flags.is_empty()).into()))
+    );
+    assert_eq!(value("points")["value"], points.len().to_string());
+
+    let disparity = on("disparity");
+    assert_eq!(disparity["message"]["image"]["encoding"], "32FC1");
+    let mut expected = vec![-1.0; 320 * 240];
+    for point in points {
+        expected[(320 * point[1].as_u64().unwrap() + point[0].as_u64().unwrap()) as usize] = point[2].as_f64().unwrap();
+    }
+    assert_eq!(disparity["disparities"], json!(expected));
+    near(&disparity["message"]["f"], f, 0.0);
+    near(&disparity["message"]["t"], baseline, 1e-8);
+
+    let image = load_gray(&at.join("rec/1/left.png")).unwrap();
+    assert_eq!(on("left/image_rect")["message"]["data"], json!(image.pixels));
+    assert_eq!(on("left/camera_info")["message"]["p"], json!([f, 0.0, cx, 0.0, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0]));
+    let right = on("right/camera_info");
+    near(&right["message"]["p"][3], -f * baseline, 1e-9);
+    near(&right["message"]["k"][2], cx, 0.0);
+    assert!(all.iter().any(|line| line["topic"] == "Foxglove reads it too") || python_lacks_mcap());
+}
+
+fn python_lacks_mcap() -> bool {
+    let installed = Command::new("python3").args(["-c", "import mcap, mcap_ros2"]).output();
+    !installed.is_ok_and(|output| output.status.success())
+}
+
+#[test]
+fn options_of_recordings_are_refused_where_there_is_none() {
+    let folder = drawn();
+    succeed(folder.path(), &["sequence", "rec", "--out", "a.mcap", "--with", "images"]);
+    let cases: [(&[&str], &str); 7] = [
+        (&["sequence", "rec", "--pair-window-ms", "3"], "for an .mcap file"),
+        (&["sequence", "rec", "--out", "a.jsonl", "--with", "images"], "give --out FILE.mcap"),
+        (&["sequence", "a.mcap", "--side-by-side"], "a topic for each camera"),
+        (&["sequence", "a.mcap", "--objects", "rec/1/objects.png"], "go by the names of images"),
+        (&["sequence", "a.mcap", "--out", "a.mcap"], "are the same; write to another file"),
+        (
+            &["sequence", "a.mcap", "--left-topic", "/a", "--right-topic", "/b"],
+            "no images are in /a, but in /linestereo/left",
+        ),
+        (&["sequence", "none.mcap"], "check the path"),
+    ];
+    all_refused(folder.path(), &cases);
+}
