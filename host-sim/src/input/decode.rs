@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn colour_becomes_bt601_grey() {
-        let image = ImageBuffer::<Rgb<u8>, _>::from_raw(3, 1, vec![255, 0, 0, 0, 255, 0, 0, 0, 255]).unwrap();
+        let image = ImageBuffer::<image::Rgb<u8>, _>::from_raw(3, 1, vec![255, 0, 0, 0, 255, 0, 0, 0, 255]).unwrap();
         for name in ["colour.png", "colour.ppm"] {
             assert_eq!(load_back(&image.clone().into(), name).pixels, [76, 150, 29], "{name}");
         }
