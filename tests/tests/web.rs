@@ -272,7 +272,7 @@ fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
     assert_eq!(found, engine.objects(&[region], true));
 }
 
-/// What an object's line says.
+/// Line of an object, as the page has to say it.
 fn said(images: &[GrayImage; 2], area: Area) -> String {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
     let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };

@@ -10,7 +10,7 @@ const INFINITE = 0x7fffffff;
 /// From here on a status says why there is no depth.
 const NO_DEPTH = 100;
 
-/// What a module refuses, in words that say what to do.
+/// Refusal of a module, in words that say what to do.
 export class Refused extends Error {}
 
 const metres = q16 => (q16 === INFINITE ? Infinity : q16 / 65536);
@@ -181,7 +181,7 @@ export class Images {
     this.call("add_pixels", width, height);
   }
 
-  /// What was added as a pair: one image is both side by side. `width` reduces them, 0 does not.
+  /// The images added, as a pair: one image is both side by side. `width` reduces them, 0 does not.
   pair(width) {
     this.call("pair", width);
     const size = { width: this.code.width(), height: this.code.height() }, bytes = size.width * size.height;

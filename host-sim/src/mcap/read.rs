@@ -312,7 +312,7 @@ fn visit_record<E: From<McapFault>>(
     visit(item.ok_or(McapFault::Record(at))?)
 }
 
-/// What is left of the fields of a record.
+/// Fields of a record that are not read yet.
 struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {

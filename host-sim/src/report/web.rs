@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Largest page, bytes.
 pub const MOST_BYTES: usize = 200 << 10;
-/// What the page's own script needs no more once it stands behind the other.
+/// Import of the page's own script, not needed once it stands behind the other.
 const IMPORT: &str = "import { Images, Matcher, Refused, csv } from \"./linestereo.js\";\n";
 
 /// The page and its modules in a folder.

@@ -52,9 +52,9 @@ pub enum Extra {
 pub struct Frame<'a> {
     /// As they were matched.
     pub images: &'a [GrayImage; 2],
-    /// What was found.
+    /// Results of the pair.
     pub result: &'a FrameResult,
-    /// With what it was matched.
+    /// Parameters by which it was matched.
     pub params: &'a Params,
     /// The numbers behind its rig, where they are known more exactly.
     pub rig_numbers: Option<RigUpdate>,

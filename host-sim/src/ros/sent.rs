@@ -90,7 +90,7 @@ enum Shape {
     Text = 9,
 }
 
-/// What is done with a marker.
+/// Action of a marker.
 #[derive(Clone, Copy)]
 enum Action {
     Add = 0,

@@ -84,7 +84,7 @@ impl Dataset {
         Ok(Self { pairs, alone, is_lenient: true, recording: Some(recording) })
     }
 
-    /// What is known of a recording as a whole.
+    /// The recording that the pairs are from, if they are from one.
     #[must_use]
     pub fn of_recording(&self) -> Option<&Recording> {
         self.recording.as_deref()

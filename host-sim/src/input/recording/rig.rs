@@ -57,7 +57,7 @@ pub(super) fn of(
     Ok((StoredRig::Recorded(path.to_path_buf(), rig, [left.p[2], left.p[6]]), told, None))
 }
 
-/// What comes through the camera needs no rectification.
+/// True for a camera whose images need no rectification.
 fn is_ideal(info: &CameraInfo) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
     let straight = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];

@@ -17,7 +17,7 @@ const NUMBERED: [[&str; 2]; 3] = [["camera_0", "camera_1"], ["cam_0", "cam_1"], 
 /// Topics that a message lists.
 const LISTED: usize = 8;
 
-/// What is taken of a recording.
+/// Topics and limits by which pairs are taken from a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Topics of the left and of the right images; found by their names where none is given.
