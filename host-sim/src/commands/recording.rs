@@ -1,19 +1,28 @@
 //! Recordings of ROS 2 as input and as output of a sequence.
 
 use super::input::Setup;
-use super::sequence::Played;
+use super::objects::Asked;
+use crate::engine::FrameResult;
 use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
 use crate::ros::sent::{Header, Label};
 use anyhow::{Result, bail};
+use linestereo_baselines::GrayImage;
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
 const FRAME_ID: &str = "left_camera_optical_frame";
 /// Time between two pairs that have none, ns.
 const STEP_NS: u64 = 100_000_000;
+
+/// A pair that was matched.
+pub(super) struct Played {
+    pub(super) images: [GrayImage; 2],
+    pub(super) result: FrameResult,
+    pub(super) objects: Option<Asked>,
+}
 
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Recordings of ROS 2 (.mcap)")]

@@ -4,9 +4,8 @@ use super::asked_for;
 use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::pairs::named_bar;
-use super::recording::RecordingArgs;
+use super::recording::{Played, RecordingArgs};
 use crate::draw;
-use crate::engine::FrameResult;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
 use crate::input::{Dataset, SceneInfo, StoredPair};
 use crate::interruption::{self, Interrupted};
@@ -16,7 +15,6 @@ use crate::statistics::upper_median;
 use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use linestereo::Disparity;
-use linestereo_baselines::GrayImage;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -242,13 +240,6 @@ pub(super) struct Player<'a> {
     scene: Known,
     /// Knowledge of the pairs at hand, with their set-up and matcher.
     at_hand: Option<(Known, Setup<'a>, Matcher)>,
-}
-
-/// A pair that was matched.
-pub(super) struct Played {
-    pub(super) images: [GrayImage; 2],
-    pub(super) result: FrameResult,
-    pub(super) objects: Option<Asked>,
 }
 
 impl<'a> Player<'a> {
