@@ -21,6 +21,7 @@ pub mod interchange;
 mod layout;
 mod numpy;
 mod perturb;
+mod recorded;
 pub mod recording;
 pub mod rectify;
 pub mod regions;

@@ -12,7 +12,7 @@
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
-use super::recording::RecordedPair;
+use super::recorded::RecordedPair;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

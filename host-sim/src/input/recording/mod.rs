@@ -17,18 +17,19 @@ mod pairing;
 mod rig;
 mod topics;
 
-use super::error::FrameError;
+use super::error::{FrameError, RecordingFault};
+use super::recorded::{RecordedPair, Stored};
 use super::sequence::PairFiles;
 use super::stored::{StoredPair, StoredRig};
-use crate::mcap::{Item, McapFault, Place, Reader};
+use crate::mcap::{Item, Place, Reader};
 use crate::ros::received::{self, CameraInfo};
 use crate::untrusted::printable;
 use core::fmt;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-use tempfile::TempDir;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
 
+pub use super::recorded::Recording;
 pub use topics::{Choice, DEFAULT_WINDOW_MS};
 
 /// Most images of a recording: two hours and a half of a pair thirty times a second.
@@ -36,59 +37,6 @@ const MOST_IMAGES: usize = 1 << 19;
 /// Most topics, and bytes of a name.
 const MOST_TOPICS: usize = 4096;
 const MOST_NAME_BYTES: usize = 1024;
-
-/// Why no pair, or not this one, is taken of a recording.
-#[derive(Debug)]
-pub enum RecordingFault {
-    /// The file is damaged, or another one.
-    File(McapFault),
-    /// More than is counted.
-    TooMany(&'static str),
-    /// No topic has images of the left, or of the right camera, or more than one has.
-    Topics(String),
-    /// No two images are of one time; images, and window in ms.
-    NoPair([usize; 2], f64),
-    /// The calibration makes no rig.
-    Calibration(String),
-    /// An image that is not taken: its topic, and why.
-    Image(String, String),
-}
-
-impl fmt::Display for RecordingFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(fault) => fault.fmt(f),
-            Self::TooMany(what) => write!(f, "it has more {what} than are read; split it with `mcap filter`"),
-            Self::Topics(what) => f.write_str(&printable(what)),
-            Self::NoPair([left, right], window) => write!(
-                f,
-                "none of {left} left and {right} right images are within {window} ms; give --pair-window-ms, or other topics"
-            ),
-            Self::Calibration(what) => write!(
-                f,
-                "its CameraInfo makes no rig ({}); give --scene or --rig, or --focal-px and --baseline-m for rectified images",
-                printable(what)
-            ),
-            Self::Image(topic, what) => write!(f, "an image of {}: {}", printable(topic), printable(what)),
-        }
-    }
-}
-
-impl core::error::Error for RecordingFault {}
-
-impl From<McapFault> for RecordingFault {
-    fn from(fault: McapFault) -> Self {
-        Self::File(fault)
-    }
-}
-
-/// An image of a topic.
-#[derive(Clone, Copy, Debug)]
-struct Stored {
-    place: Place,
-    stamp_ns: i64,
-    is_compressed: bool,
-}
 
 /// A topic with what was found of it.
 #[derive(Debug, Default)]
@@ -103,34 +51,6 @@ struct Topic {
     is_compressed: bool,
     has_info: bool,
 }
-
-/// A recording that was scanned.
-pub struct Recording {
-    path: PathBuf,
-    reader: Mutex<Reader>,
-    pairs: Vec<[Stored; 2]>,
-    topics: [String; 2],
-    frame_id: String,
-    window_ms: f64,
-    rig: String,
-    /// Files with the rig of raw images, for as long as somebody may read them.
-    _files: Option<TempDir>,
-}
-
-/// A pair of a recording.
-#[derive(Clone, Debug)]
-pub struct RecordedPair {
-    recording: Arc<Recording>,
-    index: usize,
-}
-
-impl PartialEq for RecordedPair {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.recording, &other.recording) && self.index == other.index
-    }
-}
-
-impl Eq for RecordedPair {}
 
 impl fmt::Debug for Recording {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -286,41 +206,5 @@ impl Recording {
     #[must_use]
     pub fn frame_id(&self) -> &str {
         &self.frame_id
-    }
-}
-
-impl RecordedPair {
-    /// The file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.recording.path
-    }
-
-    /// The recording.
-    #[must_use]
-    pub fn recording(&self) -> &Recording {
-        &self.recording
-    }
-
-    /// When the images were captured, ns; `None` before 1970.
-    #[must_use]
-    pub fn stamps_ns(&self) -> Option<[u64; 2]> {
-        let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
-        Some([left?, right?])
-    }
-
-    /// The messages of both images, the left one first, as `read` makes values of them.
-    fn images<T>(&self, read: impl Fn(&[u8], bool) -> Result<T, String>) -> Result<[T; 2], FrameError> {
-        let recording = &self.recording;
-        let one = |eye: usize| {
-            let fault = |fault| FrameError::Recording(recording.path.clone(), fault);
-            let stored = recording.pairs[self.index][eye];
-            let mut reader = recording.reader.lock().unwrap_or_else(PoisonError::into_inner);
-            let message = reader.message(stored.place).map_err(|error| fault(error.into()))?;
-            drop(reader);
-            let topic = &recording.topics[eye];
-            read(&message, stored.is_compressed).map_err(|what| fault(RecordingFault::Image(topic.clone(), what)))
-        };
-        Ok([one(0)?, one(1)?])
     }
 }
