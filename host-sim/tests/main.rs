@@ -9,6 +9,7 @@ mod command_line;
 mod compare;
 mod documented;
 mod explain;
+mod faults;
 mod first_hour;
 mod flash_image;
 #[cfg(unix)]

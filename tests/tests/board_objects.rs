@@ -18,7 +18,7 @@ fn boxes(dims: Dims) -> Vec<RegionBox> {
         let (left, top) = (label * 37 % width, label * 53 % height);
         RegionBox::from((label, Area { left, top, right: left + width / 3, bottom: top + height / 3 }))
     };
-    (0..12).map(of).collect()
+    (0..16).map(of).collect()
 }
 
 /// On the PC: of the whole frame, or of what lies around the boxes.
@@ -60,6 +60,6 @@ fn a_board_says_of_objects_what_the_pc_says() {
             answered += found.iter().filter(|object| object.depth.is_some()).count();
         }
         assert_eq!(replayed.pairs.len(), 3);
-        assert!(answered > 12, "{answered} of 36 objects");
+        assert!(answered > 12, "{answered} of 48 objects");
     }
 }

@@ -6,8 +6,9 @@
 //! cover:   the region's pixels, its centre
 //! region_support: hypotheses whose windows lie in it, each with a weight
 //! surface: the plane of disparity with the largest support (in a box: the nearest one with enough support)
-//! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px more; refused where the weight is small,
-//!          where it lies on the outline only, where a second surface has as much support, where it has no parallax (below 0.75 px)
+//! refusal: where its weight is small, where it lies on the outline only, where a second surface or the support points contradict it, where it has
+//!          no parallax
+//! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px more
 //! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's / 48)^2 + (range of their disparities / 8)^2
 //! ```
 //! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's.
@@ -18,9 +19,10 @@
 //! regions, or the order of lists.
 //!
 //! # Cost
-//! A box of a fifteenth of a QVGA image: 27 000 instructions on a Cortex-M7; at most 24 comparisons a hypothesis.
+//! A box of a fifteenth of a QVGA image: 33 000 instructions on a Cortex-M7; at most 24 comparisons a hypothesis.
 
 mod cover;
+mod refusal;
 mod region;
 pub(crate) mod region_support;
 mod rows;
@@ -114,12 +116,6 @@ pub struct ObjectDepth {
     pub confidence: Confidence,
 }
 
-/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth. With the offset of a rig
-/// it is a thin slice of near depths instead, which is given up: what stays at its pixel is rather dirt, overlaid text or the pattern of a sensor.
-const STILL_Q6: i32 = 48;
-/// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
-const LEAST_WEIGHT_Q8: i32 = 282;
-
 /// Results of the last run that the depth of regions is computed from, and working memory (`neighbours`, `order`, `marks`).
 pub(crate) struct ObjectQuery<'a> {
     pub(crate) candidates: &'a [Candidate],
@@ -145,39 +141,11 @@ impl ObjectQuery<'_> {
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
-        let refusal = refusal(&surface, &cover, found.weight_q8, found.outline_weight_q8)
-            .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(NoDepth::NoParallax));
-        match refusal {
+        match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
         }
     }
-}
-
-/// Reason why the surface is refused, if it is.
-fn refusal(surface: &Surface, cover: &Cover<'_>, all_q8: u32, outline_weight_q8: u32) -> Option<NoDepth> {
-    let weight = surface.weight_q8;
-    if weight < LEAST_WEIGHT_Q8 {
-        let with_outline = i32::try_from(all_q8.saturating_add(outline_weight_q8)).unwrap_or(i32::MAX);
-        let is_outline = outline_weight_q8 > 0 && with_outline >= LEAST_WEIGHT_Q8;
-        return Some(if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport });
-    }
-    let two = if cover.is_box() {
-        // The nearest surface may be another object that reaches into a corner, above all where the own one has little texture.
-        i64::from(weight) * 4 < i64::from(all_q8) * 3 && is_in_a_corner(surface, cover.half_size)
-    } else {
-        u64::from(surface.second_weight_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
-    };
-    two.then_some(NoDepth::TwoSurfaces)
-}
-
-/// True when the mean position of its hypotheses is more than 0.6 from the centre and their standard deviation less than 0.3, in half sizes of
-/// the region.
-fn is_in_a_corner(surface: &Surface, half_size: [i32; 2]) -> bool {
-    let part_q8 = |value: i32, of: i32| quotient(value.min(1 << 22) << 8, of);
-    let [width2, height2] = half_size.map(|half| half * half);
-    let ([u, v], [uu, vv]) = (surface.middle, surface.extent2);
-    part_q8(u * u, width2) + part_q8(v * v, height2) > 92 && part_q8(uu, width2).max(part_q8(vv, height2)) < 23
 }
 
 fn answer(label: u16, surface: &Surface, all_q8: u32, is_box: bool, rig: Option<&Rig>) -> ObjectDepth {

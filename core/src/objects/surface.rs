@@ -58,6 +58,13 @@ pub(crate) struct Surface {
     pub(crate) second_weight_q8: u32,
 }
 
+impl Surface {
+    /// Disparity at a position relative to the region's centre, 1/64 px.
+    pub(crate) fn at_q6(&self, u: i32, v: i32) -> i32 {
+        Plane { level_q6: self.centre_q6, slope_q10: self.slope_q10 }.at_q6(u, v)
+    }
+}
+
 /// Position and disparity of a hypothesis, with the weight of agreement.
 #[derive(Clone, Copy, Default)]
 struct Hypothesis {

@@ -413,6 +413,7 @@ fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
         return Ok(Some(folder.to_path_buf()));
     }
     let origin: Origin = read_json(&folder.join("scene.json"))?;
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf()); // of `.` there is no parent
     let folder = origin.from.and_then(|from| Some(folder.parent()?.parent()?.join(from)));
     Ok(folder.filter(|folder| folder.join("objects.json").is_file()))
 }
