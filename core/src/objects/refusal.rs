@@ -24,7 +24,7 @@ use super::region_support::RegionSupport;
 use super::surface::Surface;
 use crate::area::Area;
 use crate::image::Dims;
-use crate::support::Support;
+use crate::support::{SURROUNDINGS, Support};
 use crate::units::quotient;
 
 /// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth. With the offset of a rig
@@ -32,8 +32,6 @@ use crate::units::quotient;
 const STILL_Q6: i32 = 48;
 /// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
 const LEAST_WEIGHT_Q8: i32 = 282;
-/// Distance around the region's area in which support points are its surroundings, px.
-const SURROUNDINGS: u16 = 24;
 /// Largest distance of a support point on the plane, and least of one that contradicts it, 1/64 px.
 const ON_Q6: i32 = 96;
 const OFF_Q6: i32 = 192;

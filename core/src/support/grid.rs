@@ -1,6 +1,6 @@
 //! Positions of support points, and the memory that matching them takes.
 
-use super::{SUPPORT_PITCH, paths, ranks};
+use super::{SUPPORT_PITCH, SURROUNDINGS, paths, ranks};
 use crate::area::Area;
 use crate::image::Dims;
 use crate::params::Params;
@@ -106,11 +106,12 @@ impl Grid {
         (is_point && column < self.columns && row < self.rows).then(|| row * self.columns + column)
     }
 
-    /// Columns and rows of points around an area of pixels: those in it, and two more on each side.
+    /// Columns and rows of points around an area of pixels: those in it, and its surroundings on each side.
     pub(super) fn within(&self, area: Area) -> Area {
-        let first = |at: u16, pitch: u16| at.checked_div(pitch).unwrap_or(0).saturating_sub(2);
+        let beside = |pitch: u16| (SURROUNDINGS + pitch - 1).checked_div(pitch).unwrap_or(0);
+        let first = |at: u16, pitch: u16| at.checked_div(pitch).unwrap_or(0).saturating_sub(beside(pitch));
         let end = |at: u16, pitch: u16, most: usize| {
-            let end = at.saturating_add(pitch - 1).checked_div(pitch).unwrap_or(0).saturating_add(2);
+            let end = at.saturating_add(pitch - 1).checked_div(pitch).unwrap_or(0).saturating_add(beside(pitch));
             end.min(u16::try_from(most).unwrap_or(u16::MAX))
         };
         Area {

@@ -57,6 +57,8 @@ const UNIQUE_Q8: u8 = 32;
 const GUIDE_REACH: i32 = 12;
 /// Distance from a segment within which half of the points have to reach that uniqueness, px.
 const UNIQUE_REACH: i32 = 6;
+/// Distance around an area in which points are matched with it, px: those within it say whether an object's surface is its own.
+pub(crate) const SURROUNDINGS: u16 = 24;
 /// Least number of disparities compared at a point: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
 
