@@ -92,6 +92,18 @@ async function take(step) {
   return found;
 }
 
+// Processes of the browser that outlive it for a moment still write to its profile.
+async function removeProfile() {
+  for (let tries = 100; ; tries -= 1) {
+    try {
+      return rmSync(profile, { recursive: true, force: true });
+    } catch (error) {
+      if (tries === 0) throw error;
+      await new Promise(waited => setTimeout(waited, 100));
+    }
+  }
+}
+
 try {
   const { targetInfos } = await call("Target.getTargets");
   const { targetId } = targetInfos.find(({ type }) => type === "page");
@@ -105,5 +117,5 @@ try {
 } finally {
   child.kill();
   await new Promise(ended => child.once("exit", ended));
-  rmSync(profile, { recursive: true, force: true, maxRetries: 9, retryDelay: 100 });
+  await removeProfile();
 }
