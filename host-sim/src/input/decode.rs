@@ -38,9 +38,7 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
 /// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value in both.
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
-        PairFiles::Two([left, right]) => {
-            Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits))
-        }
+        PairFiles::Two([left, right]) => Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits)),
         PairFiles::Recorded(pair) => Ok(on_one_scale(pair.grey()?, bits)),
         PairFiles::SideBySide(both) => Ok(split(StoredGray::load(both)?, bits)),
         PairFiles::Filmed(pair) => Ok(match pair.grey()? {

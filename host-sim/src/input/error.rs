@@ -127,7 +127,9 @@ impl fmt::Display for FrameError {
             Self::Layout(path, fault) => write!(f, "{}: {fault}", path.display()),
             Self::Recording(path, fault) => write!(f, "{}: {fault}", path.display()),
             Self::Video(path, fault) => write!(f, "{}: {fault}", path.display()),
-            Self::VideoFrame(path, index, what) => write!(f, "frame {index} of {}: {}", path.display(), printable(what)),
+            Self::VideoFrame(path, index, what) => {
+                write!(f, "frame {index} of {}: {}", path.display(), printable(what))
+            }
         }
     }
 }

@@ -208,7 +208,8 @@ fn tick_of(about: &str) -> Option<[u32; 2]> {
 fn in_order(mut times: Vec<i64>, [ticks, second]: [u32; 2]) -> Option<Vec<u64>> {
     times.sort_unstable();
     let first = *times.first()?;
-    let ns = |time: i64| (i128::from(time) - i128::from(first)) * i128::from(ticks) * 1_000_000_000 / i128::from(second);
+    let ns =
+        |time: i64| (i128::from(time) - i128::from(first)) * i128::from(ticks) * 1_000_000_000 / i128::from(second);
     times.iter().map(|&time| u64::try_from(ns(time)).ok()).collect()
 }
 
@@ -388,14 +389,18 @@ impl Decoder {
 fn there_is(device: &Path) -> Result<(), VideoFault> {
     let fault = |what: String| Err(VideoFault::Camera(what));
     if !cfg!(target_os = "linux") {
-        return fault("cameras are read by V4L2, which Linux has; record a video with another program and give that".into());
+        return fault(
+            "cameras are read by V4L2, which Linux has; record a video with another program and give that".into(),
+        );
     }
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;
         match std::fs::metadata(device) {
             Err(error) => {
-                return fault(format!("there is no camera ({error}); plug it in, or give another: v4l2-ctl --list-devices"));
+                return fault(format!(
+                    "there is no camera ({error}); plug it in, or give another: v4l2-ctl --list-devices"
+                ));
             }
             Ok(about) if !about.file_type().is_char_device() => {
                 return fault("it is no camera; give its device, such as /dev/video0: v4l2-ctl --list-devices".into());
@@ -414,6 +419,9 @@ mod tests {
     fn times_are_in_the_order_in_which_frames_are_shown() {
         assert_eq!(in_order(vec![0, 2048, 1024, 512], [1, 15_360]), Some(vec![0, 33_333_333, 66_666_666, 133_333_333]));
         assert_eq!(in_order(vec![i64::MIN, i64::MAX], [u32::MAX, 1]), None);
-        assert_eq!((tick_of("tb 0: 1/1000"), tick_of("tb 0: 1/0"), tick_of("tb 1: 1/9")), (Some([1, 1000]), None, None));
+        assert_eq!(
+            (tick_of("tb 0: 1/1000"), tick_of("tb 0: 1/0"), tick_of("tb 1: 1/9")),
+            (Some([1, 1000]), None, None)
+        );
     }
 }

@@ -207,7 +207,9 @@ impl fmt::Display for VideoFault {
             ),
             Self::Ffmpeg(said) if said.is_empty() => f.write_str("ffmpeg cannot read it; look at it with ffprobe"),
             Self::Ffmpeg(said) => write!(f, "ffmpeg cannot read it ({}); look at it with ffprobe", printable(said)),
-            Self::Output(what) => write!(f, "ffmpeg does not write what it was asked for ({what}); install another one"),
+            Self::Output(what) => {
+                write!(f, "ffmpeg does not write what it was asked for ({what}); install another one")
+            }
             Self::Silent(seconds) => {
                 write!(f, "ffmpeg gave nothing for {seconds} s and was ended; see if it reads it alone")
             }

@@ -73,9 +73,8 @@ impl Header {
         if !is_side(width) || !is_side(height) || width * height > PIXELS {
             return Err(VideoFault::Size([width, height]));
         }
-        let (bits, chroma) = sampled(samples, [width, height]).ok_or_else(|| {
-            VideoFault::Samples(samples.chars().take(24).collect())
-        })?;
+        let (bits, chroma) =
+            sampled(samples, [width, height]).ok_or_else(|| VideoFault::Samples(samples.chars().take(24).collect()))?;
         let bytes = if bits > 8 { 2 } else { 1 };
         Ok(Self {
             sides: [width as u32, height as u32],

@@ -28,8 +28,8 @@ use super::scene_file;
 use super::sequence::number;
 use super::stored::StoredPair;
 use super::video::{self, Video, is_video};
-use crate::video::Camera;
 use crate::untrusted::printable;
+use crate::video::Camera;
 use std::path::Path;
 use std::sync::Arc;
 
