@@ -61,6 +61,7 @@ impl RecordingArgs {
             self.refuse_options()?;
             return camera.open();
         };
+        camera.refuse_options()?;
         if right.is_some() || (is_video(root) && !root.is_dir()) {
             self.refuse_options()?;
             return super::video::find(root, right, side_by_side);

@@ -3,11 +3,12 @@
 use super::asked_for;
 use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
-use super::pairs::{bar, has_ended, named_bar, video_note};
+use super::pairs::{bar, has_ended, named_bar};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
 use crate::draw;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
+use crate::input::video::Video;
 use crate::input::{Dataset, SceneInfo, StoredPair};
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
@@ -210,7 +211,8 @@ impl Tally {
         if let Some(recording) = found.of_recording() {
             text.push_str(&format!("recording: {}\n", recording.summary()));
         }
-        text.push_str(&video_note(found));
+        let video = found.of_video().and_then(Video::summary);
+        text.extend(video.map(|note| format!("video: {note}\n")));
         if let Some(error) = &self.first_error {
             text.push_str(&format!("first failure: {error}\n"));
         }

@@ -40,6 +40,14 @@ fn name(text: &str) -> Result<String, String> {
 }
 
 impl CameraArgs {
+    /// Refuses what is said of a camera where there is none.
+    pub(super) fn refuse_options(&self) -> Result<()> {
+        if self.camera_size.is_some() || self.camera_fps.is_some() || self.camera_format.is_some() {
+            bail!("--camera-size, --camera-fps and --camera-format are for --camera; leave them out");
+        }
+        Ok(())
+    }
+
     /// Starts the camera.
     pub(super) fn open(&self) -> Result<Dataset> {
         let Some(device) = self.camera.clone() else { bail!("give a folder, an .mcap file, a video or --camera") };

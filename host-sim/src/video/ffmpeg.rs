@@ -113,6 +113,11 @@ impl Program {
         let bytes: Vec<u8> = self.said.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         let text = String::from_utf8_lossy(&bytes);
         let line = text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or("");
+        // `[matroska,webm @ 0x55d4f3d94b40]`: the place in its memory tells nobody anything.
+        let line = match line.split_once(" @ 0x") {
+            Some((before, behind)) => format!("{before}{}", behind.trim_start_matches(|c: char| c.is_ascii_hexdigit())),
+            None => line.to_owned(),
+        };
         line.chars().take(TOLD).collect()
     }
 }
