@@ -6,6 +6,7 @@
 //! untrusted                 files of others: how much of one is read
 //! interruption, output      Ctrl-C; files written whole
 //! mcap, ros                 recordings: the container; the messages of ROS 2
+//! video                     frames of videos and cameras
 //! programs                  other programs of this machine
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
@@ -44,3 +45,4 @@ pub mod ros;
 pub mod scene;
 pub mod statistics;
 pub mod untrusted;
+pub mod video;

@@ -36,3 +36,4 @@ mod support;
 mod synthetic;
 #[cfg(unix)]
 mod untrusted;
+mod video;

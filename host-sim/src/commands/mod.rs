@@ -35,6 +35,7 @@ pub mod scene;
 mod sector_options;
 pub mod sequence;
 mod shell;
+mod video;
 mod view;
 
 use crate::board::{self, Board, Machine};

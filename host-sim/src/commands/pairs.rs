@@ -3,6 +3,7 @@
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
 use crate::input::recording::is_recording;
+use crate::input::video::{Video, is_video};
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::is_quiet;
 use crate::untrusted::printable;
@@ -15,25 +16,47 @@ use std::path::Path;
 /// An engine's memory may pass over the stack on its way to the heap.
 const STACK_BYTES: usize = 64 << 20;
 
-/// The pair of two images, the pair in one file, or the pairs of a folder; with a title.
-pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Vec<StoredPair>, String)> {
+/// What a command line gives: the pair of two images, the pair in one file, the pairs of a folder, of a recording or of videos; with a title.
+pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Dataset, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()).into_owned())
     };
+    let alone = |title: String, files: PairFiles| {
+        let mut found = Dataset::default();
+        found.pairs.push(StoredPair::alone(title, files));
+        found
+    };
+    let is_film = |path: &Path| is_video(path) && !path.is_dir();
     if let Some(right) = right {
         let title = format!("{} and {}", name(left), name(right));
+        if is_film(left) || is_film(right) {
+            return Ok((super::video::find(left, Some(right), side_by_side)?, title));
+        }
         let files = PairFiles::Two([left.to_path_buf(), right.to_path_buf()]);
-        return Ok((vec![StoredPair::alone(name(left), files)], title));
+        return Ok((alone(name(left), files), title));
     }
-    if side_by_side && left.is_file() {
-        let title = name(left);
-        return Ok((vec![StoredPair::alone(title.clone(), PairFiles::SideBySide(left.to_path_buf()))], title));
+    if side_by_side && left.is_file() && !is_film(left) {
+        return Ok((alone(name(left), PairFiles::SideBySide(left.to_path_buf())), name(left)));
     }
-    if !left.is_dir() && !is_recording(left) {
-        bail!("{} is no folder; give a left and a right image, a folder, or an .mcap file", left.display());
+    if !left.is_dir() && !is_recording(left) && !is_video(left) {
+        bail!("{} is no folder; give a left and a right image, a folder, an .mcap file, or videos", left.display());
     }
-    Ok((Dataset::recording(left, side_by_side)?.pairs, name(left)))
+    Ok((Dataset::recording(left, side_by_side)?, name(left)))
+}
+
+/// No more pairs come of a video, though there should be.
+pub(super) fn has_ended(found: &Dataset) -> bool {
+    found.of_video().is_some_and(|video| video.ended().is_some())
+}
+
+/// What is to be said of videos: a line, or nothing.
+pub(super) fn video_note(found: &Dataset) -> String {
+    let mut text = found.of_video().and_then(Video::summary).map_or(String::new(), |note| format!("video: {note}\n"));
+    if found.of_video().is_some() && found.alone > 0 {
+        text.push_str(&format!("{} frames of the longer video have no partner\n", found.alone));
+    }
+    text
 }
 
 /// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error

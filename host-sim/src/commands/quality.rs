@@ -1,7 +1,7 @@
 //! `linestereo quality`: depth quality on a flat wall.
 
 use super::input::InputArgs;
-use super::pairs::{named_bar, pairs_of};
+use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::sequence::Player;
 use super::{asked_for, written};
 use crate::draw;
@@ -40,9 +40,9 @@ Verdict, by the worst figure:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Left image; or a folder with a pair or a sequence.
+    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
     left: PathBuf,
-    /// Right image.
+    /// Right image or video.
     right: Option<PathBuf>,
     /// Both images of a pair stand side by side in one file: left | right.
     #[arg(long, conflicts_with = "right")]
@@ -76,14 +76,19 @@ fn parse_distance(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (pairs, _) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
+    let (found, _) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
+    let pairs = &found.pairs;
     spare(asked_for([&args.json, &args.picture]), pairs.iter().flat_map(StoredPair::files))?;
     let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
     let (mut points, mut last, mut flags) = (Vec::new(), None, Health::GOOD);
-    for pair in &pairs {
+    for pair in pairs {
         progress.set_message(pair.name.clone());
-        let (loaded, setup, matcher) = player.load(pair).with_context(|| pair.name.clone())?;
+        let loaded = player.load(pair);
+        if loaded.is_err() && has_ended(&found) && !points.is_empty() {
+            break;
+        }
+        let (loaded, setup, matcher) = loaded.with_context(|| pair.name.clone())?;
         let matched = matcher.run(setup, &loaded, pair.images.times_us()).with_context(|| pair.name.clone())?;
         flags |= matched.result.health;
         points.push(matched.result.points);
@@ -109,7 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.picture {
         output.add(path, &draw::png(&draw::quality(&left, &quality, &answers, &text))?)?;
     }
-    output.commit_and_say(&(text + &written([&args.json, &args.picture])))
+    output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))
 }
 
 /// The region as matched.

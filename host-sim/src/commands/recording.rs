@@ -2,8 +2,10 @@
 
 use super::input::Setup;
 use super::objects::Asked;
+use super::video::CameraArgs;
 use crate::engine::FrameResult;
 use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
+use crate::input::video::is_video;
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
@@ -47,14 +49,25 @@ fn milliseconds(text: &str) -> Result<f64, String> {
 }
 
 impl RecordingArgs {
-    /// The pairs of a folder or of a recording.
-    pub(super) fn find(&self, root: &Path, side_by_side: bool) -> Result<Dataset> {
+    /// The pairs of a folder, of a recording, of one video or of a left and a right one, or of a camera.
+    pub(super) fn find(
+        &self,
+        root: Option<&Path>,
+        right: Option<&Path>,
+        side_by_side: bool,
+        camera: &CameraArgs,
+    ) -> Result<Dataset> {
+        let Some(root) = root else {
+            self.refuse_options()?;
+            return camera.open();
+        };
+        camera.refuse_options()?;
+        if right.is_some() || (is_video(root) && !root.is_dir()) {
+            self.refuse_options()?;
+            return super::video::find(root, right, side_by_side);
+        }
         if !is_recording(root) || root.is_dir() {
-            if self.left_topic.is_some() || self.pair_window_ms.is_some() {
-                bail!(
-                    "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
-                );
-            }
+            self.refuse_options()?;
             return Ok(Dataset::recording(root, side_by_side)?);
         }
         if side_by_side {
@@ -63,6 +76,15 @@ impl RecordingArgs {
         let topics = [self.left_topic.clone(), self.right_topic.clone()];
         let choice = Choice { topics, window_ms: self.pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
         Ok(Dataset::recorded(root, &choice)?)
+    }
+
+    fn refuse_options(&self) -> Result<()> {
+        if self.left_topic.is_some() || self.pair_window_ms.is_some() {
+            bail!(
+                "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
+            );
+        }
+        Ok(())
     }
 
     /// Where results go.
@@ -131,6 +153,7 @@ impl Sink {
         let To::Messages(file) = &mut self.to else { return Ok(()) };
         let stamp_ns = match &pair.images {
             PairFiles::Recorded(recorded) => recorded.stamps_ns().map(|[left, _]| left),
+            PairFiles::Filmed(filmed) => filmed.time_ns(),
             files => files.times_us().map(|[left, _]| left.saturating_mul(1000)),
         };
         self.first_ns += STEP_NS;

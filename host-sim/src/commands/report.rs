@@ -2,7 +2,7 @@
 
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
-use super::pairs::{named_bar, pairs_of};
+use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::sequence::Player;
 use crate::explain::{CurveLog, SegmentTexts};
 use crate::input::StoredPair;
@@ -27,9 +27,9 @@ The page holds everything: images, data, script. It works offline, with mouse, t
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Left image; or a folder with a pair or a sequence.
+    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
     left: PathBuf,
-    /// Right image.
+    /// Right image or video.
     right: Option<PathBuf>,
     /// The page.
     #[arg(long, short, value_name = "FILE.html")]
@@ -48,7 +48,8 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (pairs, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
+    let (found, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
+    let pairs = &found.pairs;
     spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
     args.objects.check(pairs.iter().map(StoredPair::left))?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
@@ -70,6 +71,9 @@ pub fn run(args: &Args) -> Result<()> {
             if pairs.len() == 1 {
                 return Err(error);
             }
+            if has_ended(&found) {
+                break;
+            }
             failed.push((pair.name.clone(), format!("{error:#}")));
         }
         progress.inc(1);
@@ -85,11 +89,12 @@ pub fn run(args: &Args) -> Result<()> {
     output.add(&args.out, html.as_bytes())?;
     let megabytes = html.len() as f64 / 1e6;
     output.commit_and_say(&format!(
-        "{} of {} pairs, {} failed: wrote {} ({megabytes:.1} MB)\n",
+        "{} of {} pairs, {} failed: wrote {} ({megabytes:.1} MB)\n{}",
         shown.len(),
         pairs.len(),
         failed.len(),
-        args.out.display()
+        args.out.display(),
+        video_note(&found)
     ))
 }
 

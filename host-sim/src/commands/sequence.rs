@@ -3,10 +3,12 @@
 use super::asked_for;
 use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
-use super::pairs::named_bar;
+use super::pairs::{bar, has_ended, named_bar};
 use super::recording::{Played, RecordingArgs};
+use super::video::CameraArgs;
 use crate::draw;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
+use crate::input::video::Video;
 use crate::input::{Dataset, SceneInfo, StoredPair};
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
@@ -16,6 +18,7 @@ use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use linestereo::Disparity;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +26,9 @@ const EXAMPLES: &str = "\
 Examples:
   linestereo sequence recording --scene rig/scene.json --out results.jsonl
   linestereo sequence recording.mcap --out results.mcap --with images     ROS 2, in and out: docs/recordings.md
+  linestereo sequence both.mkv --rig rig.toml --out results.jsonl         videos: side by side; or left.mp4 right.mp4
+  linestereo sequence --camera /dev/video0 --rig rig.toml | jq -c .health
+      a stereo camera at this PC, until Ctrl-C
   linestereo sequence MH_01_easy --rig cam0.yaml --rig cam1.yaml --size 376x240 | jq -c '.health.flags'
       EuRoC's folders, rectified first; lines on stdout
 
@@ -46,8 +52,12 @@ A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Folder with the sequence, or a recording of ROS 2 (.mcap).
-    folder: PathBuf,
+    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m, .mjpeg; by ffmpeg .mp4, .mkv, .avi, .mov, .webm)
+    /// with both views side by side, or of the left camera.
+    #[arg(required_unless_present = "camera", conflicts_with = "camera")]
+    folder: Option<PathBuf>,
+    /// Video of the right camera, frame by frame with the left one.
+    right: Option<PathBuf>,
     /// Write the lines to this file, in place of stdout; messages of ROS 2 where its name ends in .mcap.
     #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     out: Option<OutputPath>,
@@ -60,6 +70,8 @@ pub struct Args {
     /// Leave the points out: short lines.
     #[arg(long)]
     no_points: bool,
+    #[command(flatten)]
+    camera: CameraArgs,
     #[command(flatten)]
     recording: RecordingArgs,
     #[command(flatten)]
@@ -86,32 +98,43 @@ struct TruthArgs {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let found = args.recording.find(&args.folder, args.side_by_side)?;
-    let frames = chosen(&found, args.frames);
-    if frames.is_empty() {
-        bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), args.folder.display());
+    if args.objects.is_given() && args.folder.is_none() {
+        bail!("--objects go by the names of images, which a camera has not; give a folder of images");
     }
-    if args.objects.is_given() && found.of_recording().is_some() {
+    // What is begun here, a video's decoder too, is ended in order.
+    interruption::watch();
+    let folder = args.folder.as_deref();
+    let found = args.recording.find(folder, args.right.as_deref(), args.side_by_side, &args.camera)?;
+    let frames = Chosen::new(&found, args.frames);
+    let folder = folder.unwrap_or(Path::new(""));
+    if frames.count() == Some(0) {
+        bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), folder.display());
+    }
+    if args.objects.is_given() && (found.of_recording().is_some() || found.of_video().is_some()) {
         bail!("--objects go by the names of images, which a recording has not; give a folder of images");
     }
-    args.objects.check(frames.iter().map(|(_, pair)| pair.left()))?;
+    args.objects.check(frames.listed.iter().map(|(_, pair)| pair.left()))?;
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
     spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
     let mut sink = args.recording.sink(args.out.as_ref(), found.of_recording())?;
-    interruption::watch();
-    let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, &args.folder)?);
+    let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, folder)?);
     let mut tally = Tally::default();
-    let progress = named_bar(frames.len());
-    for &(number, pair) in &frames {
+    let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
+    for (number, pair) in frames.pairs(&found) {
         if interruption::requested() {
             break;
         }
         progress.set_message(pair.name.clone());
-        let played = tally.count(number, pair, player.next(pair, &args.objects));
+        let outcome = player.next(&pair, &args.objects);
+        // Then it is not this pair that failed.
+        if outcome.is_err() && (interruption::requested() || has_ended(&found)) {
+            break;
+        }
+        let played = tally.count(number, &pair, outcome);
         if sink.is_ros() {
-            sink.messages(number, pair, player.setup(), &played)?;
+            sink.messages(number, &pair, player.setup(), &played)?;
         } else {
-            sink.line(&line(number, pair, &played, args.no_points)?)?;
+            sink.line(&line(number, &pair, &played, args.no_points)?)?;
         }
         progress.inc(1);
     }
@@ -132,7 +155,11 @@ pub fn run(args: &Args) -> Result<()> {
     } else if !is_quiet() {
         eprint!("{}", printable(&notes));
     }
-    tally.outcome(frames.len(), out)
+    match frames.count().filter(|_| interruption::requested() || !has_ended(&found)) {
+        Some(wanted) => tally.outcome(wanted, out),
+        None if tally.frames == 0 && !interruption::requested() => bail!("no frame came; {}", notes.replace('\n', " ")),
+        None => tally.outcome(tally.frames, out),
+    }
 }
 
 /// Counts of frames by outcome.
@@ -184,6 +211,8 @@ impl Tally {
         if let Some(recording) = found.of_recording() {
             text.push_str(&format!("recording: {}\n", recording.summary()));
         }
+        let video = found.of_video().and_then(Video::summary);
+        text.extend(video.map(|note| format!("video: {note}\n")));
         if let Some(error) = &self.first_error {
             text.push_str(&format!("first failure: {error}\n"));
         }
@@ -223,9 +252,37 @@ impl Tally {
 }
 
 /// Pairs in the range, each with its number.
-fn chosen(found: &Dataset, range: Option<(u64, u64)>) -> Vec<(u64, &StoredPair)> {
-    let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
-    numbered.filter(|(number, _)| range.is_none_or(|(first, last)| (first..=last).contains(number))).collect()
+struct Chosen<'a> {
+    listed: Vec<(u64, &'a StoredPair)>,
+    /// First and last number of pairs of a camera, which are not there yet.
+    live: Option<(u64, u64)>,
+}
+
+impl<'a> Chosen<'a> {
+    fn new(found: &'a Dataset, range: Option<(u64, u64)>) -> Self {
+        let live = found.of_video().filter(|video| video.is_live());
+        let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
+        let is_in = |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
+        Self {
+            listed: numbered.filter(|(number, _)| is_in(number)).collect(),
+            live: live.map(|_| range.unwrap_or((0, u64::MAX))),
+        }
+    }
+
+    /// Number of pairs; without a range a camera has no end.
+    fn count(&self) -> Option<usize> {
+        match self.live {
+            Some((_, u64::MAX)) => None,
+            Some((first, last)) => Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1)),
+            None => Some(self.listed.len()),
+        }
+    }
+
+    fn pairs(&self, found: &'a Dataset) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
+        let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
+        let live = live.map_while(|number| Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?))));
+        self.listed.iter().map(|&(number, pair)| (number, Cow::Borrowed(pair))).chain(live)
+    }
 }
 
 fn parse_range(text: &str) -> Result<(u64, u64), String> {

@@ -7,6 +7,7 @@
 //! A header of more than [`PIXELS`] or [`IMAGE_BYTES`] is all that is read of a file.
 
 use super::error::FrameError;
+use super::filmed::Views;
 use super::grey::{StoredGray, Values, luma};
 use super::resample::halves;
 use super::sequence::PairFiles;
@@ -37,22 +38,24 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
 /// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value in both.
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
-        PairFiles::Two([left, right]) => {
-            let stored = [StoredGray::load(left)?, StoredGray::load(right)?];
-            let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
-            Ok(stored.map(|stored| stored.into_8_bit(bits)))
-        }
-        PairFiles::Recorded(pair) => {
-            let stored = pair.grey()?;
-            let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
-            Ok(stored.map(|stored| stored.into_8_bit(bits)))
-        }
-        PairFiles::SideBySide(both) => {
-            let stored = StoredGray::load(both)?;
-            let bits = bits.unwrap_or_else(|| stored.bits());
-            Ok(halves(&stored.into_8_bit(bits)))
-        }
+        PairFiles::Two([left, right]) => Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits)),
+        PairFiles::Recorded(pair) => Ok(on_one_scale(pair.grey()?, bits)),
+        PairFiles::SideBySide(both) => Ok(split(StoredGray::load(both)?, bits)),
+        PairFiles::Filmed(pair) => Ok(match pair.grey()? {
+            Views::Two(stored) => on_one_scale(stored, bits),
+            Views::Both(both) => split(both, bits),
+        }),
     }
+}
+
+fn on_one_scale(stored: [StoredGray; 2], bits: Option<u32>) -> [GrayImage; 2] {
+    let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
+    stored.map(|stored| stored.into_8_bit(bits))
+}
+
+fn split(both: StoredGray, bits: Option<u32>) -> [GrayImage; 2] {
+    let bits = bits.unwrap_or_else(|| both.bits());
+    halves(&both.into_8_bit(bits))
 }
 
 /// Bytes of a pixel.

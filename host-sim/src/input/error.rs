@@ -4,6 +4,7 @@ use super::layout::Layout;
 use crate::mcap::McapFault;
 use crate::untrusted::printable;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
+use crate::video::VideoFault;
 use core::fmt;
 use linestereo::image::{MAX_WIDTH, ViewError};
 use linestereo::{Dims, RigError};
@@ -63,6 +64,10 @@ pub enum FrameError {
     Layout(PathBuf, LayoutFault),
     /// A recording, or an image in it, is not taken.
     Recording(PathBuf, RecordingFault),
+    /// A video, or a frame of it, is not taken.
+    Video(PathBuf, VideoFault),
+    /// A frame of a video that cannot be decoded: its number, and why.
+    VideoFrame(PathBuf, usize, String),
 }
 
 impl fmt::Display for FrameError {
@@ -121,6 +126,10 @@ impl fmt::Display for FrameError {
             Self::Disparities(path, fault) => write!(f, "{}: {fault}", path.display()),
             Self::Layout(path, fault) => write!(f, "{}: {fault}", path.display()),
             Self::Recording(path, fault) => write!(f, "{}: {fault}", path.display()),
+            Self::Video(path, fault) => write!(f, "{}: {fault}", path.display()),
+            Self::VideoFrame(path, index, what) => {
+                write!(f, "frame {index} of {}: {}", path.display(), printable(what))
+            }
         }
     }
 }

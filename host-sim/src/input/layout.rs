@@ -33,6 +33,8 @@ pub enum Layout {
     SideBySide,
     /// Messages of ROS 2 in an MCAP file.
     Recording,
+    /// Frames of a video.
+    Video,
 }
 
 impl Layout {
@@ -54,6 +56,7 @@ impl Layout {
             Self::PairFolder => "a folder for each pair",
             Self::SideBySide => "side by side",
             Self::Recording => "MCAP recording",
+            Self::Video => "video",
         }
     }
 }

@@ -4,7 +4,7 @@
 //! folder, sequence, datasets   which pairs are there, by names and small text files alone: `StoredPair`; the same for every command
 //! decode, grey, disparity_file image files as grey; files of disparities
 //! rig_file, interchange        calibrated rigs: our own file, and those of OpenCV, Kalibr, ROS, EuRoC
-//! recording                    pairs in a file of ROS 2
+//! recording, video             pairs in a file of ROS 2; in videos, and of a camera
 //! stored                       a pair loaded: rectified, reduced, with truth and rig of one size: `Scene`
 //! perturb                      the same pair with a known fault
 //! regions                      boxes and masks of objects
@@ -15,6 +15,7 @@ mod datasets;
 mod decode;
 mod disparity_file;
 mod error;
+mod filmed;
 mod folder;
 mod grey;
 pub mod interchange;
@@ -33,6 +34,7 @@ mod scene_info;
 mod sequence;
 mod stored;
 mod truth;
+pub mod video;
 
 pub use datasets::Dataset;
 pub(crate) use decode::load_values;

@@ -11,6 +11,7 @@
 //! differ, pairs are those that are nearest to each other. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
+use super::filmed::VideoPair;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
 use super::recorded::RecordedPair;
 use std::collections::BTreeMap;
@@ -38,6 +39,8 @@ pub enum PairFiles {
     SideBySide(PathBuf),
     /// Messages of a recording.
     Recorded(RecordedPair),
+    /// Frames of a video, or of two.
+    Filmed(VideoPair),
 }
 
 impl PairFiles {
@@ -48,14 +51,18 @@ impl PairFiles {
             Self::Two([left, right]) => [left, right],
             Self::SideBySide(both) => [both, both],
             Self::Recorded(pair) => [pair.path(); 2],
+            Self::Filmed(pair) => pair.paths(),
         }
     }
 
     /// When the images were captured, where both names or their messages say so.
     #[must_use]
     pub fn times_us(&self) -> Option<[u64; 2]> {
-        if let Self::Recorded(pair) = self {
-            return pair.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000));
+        match self {
+            Self::Recorded(pair) => return pair.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000)),
+            // Nobody says whether two videos began at once; views in one image are of one time, as in an image file.
+            Self::Filmed(_) => return None,
+            Self::Two(_) | Self::SideBySide(_) => {}
         }
         let [left, right] = self.paths().map(|path| time_us(&stem(path)));
         Some([left?, right?])

@@ -119,6 +119,7 @@ impl StoredPair {
             PairFiles::Two(_) => Layout::PairFolder,
             PairFiles::SideBySide(_) => Layout::SideBySide,
             PairFiles::Recorded(_) => Layout::Recording,
+            PairFiles::Filmed(_) => Layout::Video,
         };
         // No folder: what stands beside them was not asked for.
         let (folder, rig) = (PathBuf::new(), StoredRig::Unknown);

@@ -27,7 +27,9 @@ use super::recording::{self, Choice, Recording, is_recording};
 use super::scene_file;
 use super::sequence::number;
 use super::stored::StoredPair;
+use super::video::{self, Video, is_video};
 use crate::untrusted::printable;
+use crate::video::Camera;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -41,6 +43,7 @@ pub struct Dataset {
     /// A data set may lack its calibration.
     is_lenient: bool,
     recording: Option<Arc<Recording>>,
+    video: Option<Arc<Video>>,
 }
 
 impl Dataset {
@@ -64,6 +67,9 @@ impl Dataset {
         if is_recording(root) && !root.is_dir() {
             return Self::recorded(root, &Choice::default());
         }
+        if is_video(root) && !root.is_dir() {
+            return Self::video(&[root]);
+        }
         let mut found = Self { is_lenient: true, ..Self::default() };
         if side_by_side {
             found.pairs = plain::side_by_side(&Listing::read(root)?, true)?;
@@ -81,7 +87,31 @@ impl Dataset {
     /// Pairs of an `.mcap` file, in the order of their times.
     pub fn recorded(path: &Path, choice: &Choice) -> Result<Self, FrameError> {
         let (pairs, alone, recording) = recording::pairs(path, choice)?;
-        Ok(Self { pairs, alone, is_lenient: true, recording: Some(recording) })
+        Ok(Self { pairs, alone, is_lenient: true, recording: Some(recording), video: None })
+    }
+
+    /// Pairs of a video with both views side by side, or of a left and a right one, by the numbers of their frames.
+    pub fn video(paths: &[&Path]) -> Result<Self, FrameError> {
+        let (pairs, alone, video) = video::pairs(paths)?;
+        Ok(Self { pairs, alone, is_lenient: true, recording: None, video: Some(video) })
+    }
+
+    /// A camera: there are as many pairs as are asked for, [`Dataset::filmed`].
+    pub fn camera(camera: &Camera) -> Result<Self, FrameError> {
+        let video = video::camera(camera)?;
+        Ok(Self { pairs: Vec::new(), alone: 0, is_lenient: true, recording: None, video: Some(video) })
+    }
+
+    /// The video or camera that the pairs are from, if they are from one.
+    #[must_use]
+    pub fn of_video(&self) -> Option<&Video> {
+        self.video.as_deref()
+    }
+
+    /// The pair of this number of a camera; nothing of others.
+    #[must_use]
+    pub fn filmed(&self, index: usize) -> Option<StoredPair> {
+        self.video.as_ref().filter(|video| video.is_live()).map(|video| video::pair(video, index))
     }
 
     /// The recording that the pairs are from, if they are from one.
