@@ -2,6 +2,7 @@
 
 use crate::rectify::RIG;
 use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_scene};
+use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use linestereo_baselines::GrayImage;
@@ -9,7 +10,7 @@ use linestereo_sim::input::{Dataset, load_gray, load_images};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use tempfile::TempDir;
 
 const NUMBERS: [&str; 3] = ["1", "2", "3"];
