@@ -9,8 +9,8 @@
 //! No codec is linked. A file of ours is scanned once for the places of its frames; one of ffmpeg's is counted once without being decoded.
 //!
 //! # Bounds
-//! At most [`MOST_FRAMES`] frames are known, 16 bytes each. A line of a header has at most 1 KiB, a frame [`PIXELS`]; a JPEG
-//! [`RECORD_BYTES`]. Three frames of a pipe are held at most.
+//! At most 524 288 frames are known, 16 bytes each. A line of a header has at most 1 KiB, a frame 33 554 432 px; a JPEG
+//! 32 MiB. Three frames of a pipe are held at most.
 
 mod ffmpeg;
 mod mjpeg;
