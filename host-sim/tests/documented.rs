@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 26] = [
+const NOT_RUN: [(&str, &str); 29] = [
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
     ("monitor run.bin", "the recording of a board"),
@@ -42,6 +42,9 @@ const NOT_RUN: [(&str, &str); 26] = [
     ("sbatch", "other machines"),
     ("srun", "other machines"),
     ("ffmpeg", "cameras"),
+    ("both.mp4", "a program that decodes it: `video` tests it where that is installed"),
+    (".mkv", "a program that decodes it: `video` tests it where that is installed"),
+    ("--camera /dev", "a camera: `video` tests one that a program plays"),
 ];
 
 /// A command line, and where it stands.
