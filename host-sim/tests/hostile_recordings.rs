@@ -6,6 +6,7 @@ use linestereo_sim::input::recording::Choice;
 use linestereo_sim::input::{Dataset, load_images};
 use linestereo_sim::mcap::Writer;
 use linestereo_sim::ros::sent::{self, Header, Projection};
+use linestereo_tests::drawn::Random;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::fs;
 use std::io::Write as _;
@@ -108,60 +109,47 @@ fn read(path: &Path) -> Result<usize, String> {
     Ok(loaded)
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
+/// A value that lengths overflow by, or a bit, somewhere; most of them where heads are.
+fn change(random: &mut Random, bytes: &mut [u8]) {
+    let end = if random.index(3) > 0 { bytes.len().min(900) } else { bytes.len() };
+    let at = random.index(end);
+    let extreme: u64 = [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX][random.index(9)];
+    if random.index(2) == 0 {
+        let length = [1, 4, 8][random.index(3)].min(bytes.len() - at);
+        bytes[at..at + length].copy_from_slice(&extreme.to_le_bytes()[..length]);
+    } else {
+        bytes.get_mut(at).into_iter().for_each(|byte| *byte ^= 1 << random.index(8));
     }
+}
 
-    /// A value that lengths overflow by, or a bit, somewhere; most of them where heads are.
-    fn change(&mut self, bytes: &mut [u8]) {
-        let end = if self.below(3) > 0 { bytes.len().min(900) } else { bytes.len() };
-        let at = self.below(end);
-        let extreme: u64 =
-            [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX][self.below(9)];
-        if self.below(2) == 0 {
-            let length = [1, 4, 8][self.below(3)].min(bytes.len() - at);
-            bytes[at..at + length].copy_from_slice(&extreme.to_le_bytes()[..length]);
-        } else {
-            bytes.get_mut(at).into_iter().for_each(|byte| *byte ^= 1 << self.below(8));
-        }
-    }
-
-    /// A file that is cut off, or with pieces cut out, doubled or changed.
-    fn of_file(&mut self, from: &[u8]) -> Vec<u8> {
-        let mut bytes = from.to_vec();
-        for _ in 0..=self.below(3) {
-            let at = self.below(bytes.len());
-            match self.below(6) {
-                0 => bytes.truncate(at),
-                1 => drop(bytes.drain(at..(at + 1 + self.below(40)).min(bytes.len()))),
-                2 => {
-                    let piece = bytes[at..(at + 1 + self.below(200)).min(bytes.len())].to_vec();
-                    drop(bytes.splice(at..at, piece));
-                }
-                _ => self.change(&mut bytes),
+/// A file that is cut off, or with pieces cut out, doubled or changed.
+fn of_file(random: &mut Random, from: &[u8]) -> Vec<u8> {
+    let mut bytes = from.to_vec();
+    for _ in 0..=random.index(3) {
+        let at = random.index(bytes.len());
+        match random.index(6) {
+            0 => bytes.truncate(at),
+            1 => drop(bytes.drain(at..(at + 1 + random.index(40)).min(bytes.len()))),
+            2 => {
+                let piece = bytes[at..(at + 1 + random.index(200)).min(bytes.len())].to_vec();
+                drop(bytes.splice(at..at, piece));
             }
+            _ => change(random, &mut bytes),
         }
-        bytes
     }
+    bytes
+}
 
-    /// A whole file of changed records: what is in messages is reached.
-    fn of_records(&mut self) -> Vec<u8> {
-        let mut all = records();
-        (0..=self.below(3)).for_each(|_| self.change(&mut all));
-        let size = all.len() as u64;
-        match self.below(4) {
-            0 => file(&[chunk("lz4", size, &lz4(&all))]),
-            1 => file(&[chunk("zstd", size, &zstd(&all))]),
-            2 => file(&[chunk("", size, &all)]),
-            _ => file(&[all]),
-        }
+/// A whole file of changed records: what is in messages is reached.
+fn of_records(random: &mut Random) -> Vec<u8> {
+    let mut all = records();
+    (0..=random.index(3)).for_each(|_| change(random, &mut all));
+    let size = all.len() as u64;
+    match random.index(4) {
+        0 => file(&[chunk("lz4", size, &lz4(&all))]),
+        1 => file(&[chunk("zstd", size, &zstd(&all))]),
+        2 => file(&[chunk("", size, &all)]),
+        _ => file(&[all]),
     }
 }
 
@@ -172,8 +160,8 @@ fn mutated(count: usize, seed: u64) -> [usize; 3] {
     let mut outcomes = [0; 3];
     for i in 0..count {
         let from = i % (2 * recordings.len());
-        let bytes = recordings.get(from).map(|recording| random.of_file(recording));
-        fs::write(&path, bytes.unwrap_or_else(|| random.of_records())).unwrap();
+        let bytes = recordings.get(from).map(|recording| of_file(&mut random, recording));
+        fs::write(&path, bytes.unwrap_or_else(|| of_records(&mut random))).unwrap();
         let whole = if from == recordings.len() - 1 { 1 } else { 2 };
         outcomes[match read(&path) {
             Ok(pairs) if pairs >= whole => 0,

@@ -1,6 +1,6 @@
 //! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which knows the official definitions.
 
-use crate::support::{all_refused, linestereo, stderr, succeed, with_scene};
+use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
 use linestereo_sim::input::load_gray;
 use serde_json::{Value, json};
 use std::fs;
@@ -61,13 +61,7 @@ fn with_pgm(folder: &Path, names: &[&str]) {
 
 /// Three drawn pairs in `rec/1` to `rec/3`.
 fn drawn() -> TempDir {
-    let folder = with_scene("demo", "320x240", "rec/1");
-    for seed in ["2", "3"] {
-        succeed(
-            folder.path(),
-            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &format!("rec/{seed}")],
-        );
-    }
+    let folder = with_drawn_pairs();
     with_pgm(folder.path(), &["rec/1", "rec/2", "rec/3"]);
     folder
 }

@@ -1,12 +1,13 @@
 //! Videos: the same records as of the image files they were made of, by our readers and by ffmpeg; and all that may be wrong with them.
 
 use crate::rectify::RIG;
-use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_scene};
+use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_drawn_pairs};
 use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use linestereo_baselines::GrayImage;
 use linestereo_sim::input::{Dataset, load_gray, load_images};
+use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -17,13 +18,7 @@ const NUMBERS: [&str; 3] = ["1", "2", "3"];
 
 /// Three drawn pairs in `rec/1` to `rec/3`, without what else is known of them.
 fn drawn() -> TempDir {
-    let folder = with_scene("demo", "320x240", "rec/1");
-    for seed in ["2", "3"] {
-        succeed(
-            folder.path(),
-            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &format!("rec/{seed}")],
-        );
-    }
+    let folder = with_drawn_pairs();
     for number in NUMBERS {
         fs::remove_file(folder.path().join("rec").join(number).join("scene.json")).unwrap();
     }
@@ -318,40 +313,28 @@ fn hostile_heads_are_refused() {
     }
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) % end.max(1) as u64) as usize
-    }
-
-    /// Cut off, or with pieces cut out, doubled or changed; most of them where heads are.
-    fn change(&mut self, from: &[u8]) -> Vec<u8> {
-        let mut bytes = from.to_vec();
-        for _ in 0..=self.below(3) {
-            let end = if self.below(2) == 0 { bytes.len() } else { bytes.len().min(60) };
-            let at = self.below(end);
-            let until = (at + 1 + self.below(30)).min(bytes.len());
-            match self.below(6) {
-                0 => bytes.truncate(at.max(1)),
-                1 => drop(bytes.drain(at..until)),
-                2 => {
-                    let piece = bytes[at..until].to_vec();
-                    drop(bytes.splice(at..at, piece));
-                }
-                3 => bytes[at] = b" 0123456789-WHC\n\xff\xd8\xd9\xda"[self.below(20)],
-                _ => bytes[at] ^= 1 << self.below(8),
+/// Cut off, or with pieces cut out, doubled or changed; most of them where heads are.
+fn change(random: &mut Random, from: &[u8]) -> Vec<u8> {
+    let mut bytes = from.to_vec();
+    for _ in 0..=random.index(3) {
+        let end = if random.index(2) == 0 { bytes.len() } else { bytes.len().min(60) };
+        let at = random.index(end);
+        let until = (at + 1 + random.index(30)).min(bytes.len());
+        match random.index(6) {
+            0 => bytes.truncate(at.max(1)),
+            1 => drop(bytes.drain(at..until)),
+            2 => {
+                let piece = bytes[at..until].to_vec();
+                drop(bytes.splice(at..at, piece));
             }
-            if bytes.is_empty() {
-                bytes.push(0);
-            }
+            3 => bytes[at] = b" 0123456789-WHC\n\xff\xd8\xd9\xda"[random.index(20)],
+            _ => bytes[at] ^= 1 << random.index(8),
         }
-        bytes
+        if bytes.is_empty() {
+            bytes.push(0);
+        }
     }
+    bytes
 }
 
 #[test]
@@ -367,7 +350,7 @@ fn mutated_videos_are_read_or_refused() {
     for i in 0..3000 {
         let (name, video) = &videos[i % 2];
         let path = folder.path().join(name);
-        fs::write(&path, random.change(video)).unwrap();
+        fs::write(&path, change(&mut random, video)).unwrap();
         let found = Dataset::recording(&path, false);
         let loaded = found
             .as_ref()

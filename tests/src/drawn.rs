@@ -75,6 +75,11 @@ impl Random {
         self.bits() % limit.max(1)
     }
 
+    /// A position in a list of this length; 0 for an empty list.
+    pub fn index(&mut self, length: usize) -> usize {
+        self.below(length as u64) as usize
+    }
+
     /// From `low` to `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / (1_u64 << 53) as f64)

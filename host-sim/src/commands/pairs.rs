@@ -16,7 +16,7 @@ use std::path::Path;
 /// An engine's memory may pass over the stack on its way to the heap.
 const STACK_BYTES: usize = 64 << 20;
 
-/// What a command line gives: the pair of two images, the pair in one file, the pairs of a folder, of a recording or of videos; with a title.
+/// Pairs of a command line's paths, with a title: one of two images or of one file, those of a folder, of a recording or of videos.
 pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Dataset, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
@@ -50,7 +50,7 @@ pub(super) fn has_ended(found: &Dataset) -> bool {
     found.of_video().is_some_and(|video| video.ended().is_some())
 }
 
-/// What is to be said of videos: a line, or nothing.
+/// Warnings about videos, a line each; empty where there are none.
 pub(super) fn video_note(found: &Dataset) -> String {
     let mut text = found.of_video().and_then(Video::summary).map_or(String::new(), |note| format!("video: {note}\n"));
     if found.of_video().is_some() && found.alone > 0 {

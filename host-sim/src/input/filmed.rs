@@ -62,7 +62,7 @@ impl Video {
         ended.filter(|&frames| self.pairs.is_none_or(|pairs| frames < pairs))
     }
 
-    /// What is to be said of it; nothing where all is as it should be.
+    /// Warnings for the summary, on one line; `None` where every frame was read without one.
     #[must_use]
     pub fn summary(&self) -> Option<String> {
         let mut notes = Vec::new();

@@ -33,7 +33,7 @@ const SILENCE: Duration = Duration::from_secs(15);
 const TICK: Duration = Duration::from_millis(50);
 /// Time in which a program that has written everything ends.
 const END: Duration = Duration::from_secs(2);
-/// What is kept of what it says, and most letters of it that are told.
+/// Bytes of ffmpeg's messages that are kept, and most letters of them in an error.
 const SAID_BYTES: usize = 4096;
 const TOLD: usize = 200;
 /// Most bytes of a line about a packet.

@@ -120,7 +120,7 @@ impl Source {
         if let Kind::Decoded(decoder) = &self.0 { decoder.ended() } else { None }
     }
 
-    /// What is to be said of it.
+    /// A warning for the summary; `None` where every frame was read without one.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         match &self.0 {

@@ -16,7 +16,7 @@ const LINE_BYTES: u64 = 1024;
 /// Most px of a side.
 const MOST_SIDE: u64 = 65_535;
 
-/// What the first line says.
+/// Size, rate and sample format, from the first line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     sides: [u32; 2],

@@ -60,6 +60,18 @@ pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
     folder
 }
 
+/// A folder with three drawn pairs, `rec/1` to `rec/3`.
+pub(crate) fn with_drawn_pairs() -> TempDir {
+    let folder = with_scene("demo", "320x240", "rec/1");
+    for seed in ["2", "3"] {
+        succeed(
+            folder.path(),
+            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &format!("rec/{seed}")],
+        );
+    }
+    folder
+}
+
 /// A folder with a `rig.toml`.
 pub(crate) fn with_rig(rig: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
