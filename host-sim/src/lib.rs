@@ -16,7 +16,8 @@
 //! faults                    damaged pairs, and what is answered of them
 //! rivals, fitting           other methods on the same frames; the confidence models fitted
 //! calibration, planning     rigs from photos; rigs from wishes
-//! draw, report              pictures; a page
+//! draw, report              pictures; pages
+//! serve                     a page for browsers of this computer, with events
 //! commands                  the command line
 //! ```
 
@@ -43,6 +44,7 @@ pub mod results;
 pub mod rivals;
 pub mod ros;
 pub mod scene;
+pub mod serve;
 pub mod statistics;
 pub mod untrusted;
 pub mod video;

@@ -37,3 +37,5 @@ mod synthetic;
 #[cfg(unix)]
 mod untrusted;
 mod video;
+#[cfg(target_os = "linux")]
+mod view;

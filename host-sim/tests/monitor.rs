@@ -23,7 +23,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-fn packet<T: Record>(record: &T) -> Vec<u8> {
+pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
     encode(record, &mut [0; MAX_PACKET]).unwrap().to_vec()
 }
 
@@ -42,7 +42,7 @@ fn found(id: u16) -> Match {
 }
 
 /// The packets of a frame: its head, and its segments by tens.
-fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
+pub(crate) fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
     let mut core = linestereo::Counts::default();
     (core.segments_left, core.matched, core.segments_left_dropped) = (40, segments, u16::from(sequence == 1));
     let times = FrameTimes { waiting_us: 11_000, matching_us: 21_500, port_us: 300 };
@@ -100,7 +100,7 @@ fn enclosed(payload: &[u8]) -> Vec<u8> {
 }
 
 /// Every kind of damage once or more, and the bytes that it costs.
-fn damaged_recording() -> (Vec<u8>, usize) {
+pub(crate) fn damaged_recording() -> (Vec<u8>, usize) {
     let mut bytes = packet(&hello());
     bytes.extend(frame(1, 25).concat());
     let mut second = frame(2, 25);

@@ -1,7 +1,7 @@
 import { Images, Matcher, Refused, csv } from "./linestereo.js";
+import { dimmed, drawPair, drawTop, inMetres, inWords, item, onBoxes, range, showLegend } from "../../../host-sim/src/report/drawing.js";
 // The page: files or a camera -> a pair -> what was matched, drawn, with the depth of boxes.
 
-const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
 /// Largest side that the core takes, px, and bytes of a file that are read.
 const LARGEST = 1280, FILE_BYTES = 2 ** 27;
 /// Side of the square that a support point stands for, px.
@@ -17,8 +17,8 @@ let decodedBy = "";        // a note about files that the browser decoded
 let pair = null, matcher = null, result = null;
 let boxes = [];            // in px of the left image, ends exclusive
 let dragged = null;        // the box that is being drawn
+let picture = null;        // the left image, without anything on it
 let stream = null;         // of the camera
-let ours = document.createElement("canvas"); // the left image, without anything on it
 
 async function compiled(id) {
   const bytes = Uint8Array.from(atob($(id).textContent), letter => letter.charCodeAt(0));
@@ -121,16 +121,6 @@ async function warm(parameters) {
   modules.areWarm = true;
 }
 
-const inMetres = z => (z === Infinity ? "∞" : `${z.toFixed(z < 10 ? 3 : 1)} m`);
-const percent = share => `${(100 * share).toFixed(1)} %`;
-
-function depthOf(box) {
-  const found = matcher.box(box);
-  if (found.reason) return `no depth: ${found.reason}`;
-  const sure = `within 1 px with ${percent(found.confidence)}`, disparity = `${found.disparity.toFixed(2)} ± ${found.sigma.toFixed(2)} px`;
-  return matcher.rig ? `${inMetres(found.depth)} ± ${inMetres(found.depth_sigma)}, nearest ${inMetres(found.nearest)}; ${disparity}, ${sure}` : `${disparity}, ${sure}`;
-}
-
 // ---- what is shown
 
 function show() {
@@ -141,30 +131,17 @@ function show() {
   $("swap").hidden = files.length !== 2 || stream !== null;
   const faults = health.is_cut ? [...health.names, "segments_dropped"] : health.names;
   $("health").replaceChildren(...faults.map(name => item(`${name}: ${advice.get(name) ?? ""}`, "bad")));
-  const rgba = new Uint8ClampedArray(4 * pair.width * pair.height).fill(255);
-  // Half as bright, so that colours stand out.
-  pair.left.forEach((grey, i) => rgba.fill(grey * 0.62, 4 * i, 4 * i + 3));
-  Object.assign(ours, { width: pair.width, height: pair.height });
-  ours.getContext("2d").putImageData(new ImageData(rgba, pair.width, pair.height), 0, 0);
+  picture = dimmed(pair.left, pair.width, pair.height);
   draw();
-  drawTop(points);
-  const [far, near] = range(segments), bar = document.createElement("i");
-  bar.style.background = `linear-gradient(90deg, ${STOPS.map(stop => `rgb(${stop})`).join(",")})`;
-  const ends = matcher.rig ? [far, near].map(d => (d > 0 ? inMetres(matcher.rig.focal_px * matcher.rig.baseline_m / d) : "∞")) : [`${far} px`, `${near} px`];
-  $("legend").replaceChildren(ends[0], bar, ends[1]);
+  showTop(points);
+  const [far, near] = range(segments, settings().max_disparity);
+  showLegend($("legend"), matcher.rig ? [far, near].map(d => (d > 0 ? inMetres(matcher.rig.focal_px * matcher.rig.baseline_m / d) : "∞")) : [`${far} px`, `${near} px`]);
   list();
-}
-
-function item(text, name) {
-  const made = document.createElement("li");
-  made.textContent = text;
-  made.className = name;
-  return made;
 }
 
 function list() {
   $("objects").replaceChildren(...boxes.map((box, i) => {
-    const made = item(depthOf(box), ""), remove = document.createElement("button");
+    const made = item(inWords(matcher.box(box), matcher.rig), ""), remove = document.createElement("button");
     remove.textContent = "remove";
     remove.addEventListener("click", () => { boxes.splice(i, 1); list(); draw(); });
     made.append(remove);
@@ -172,77 +149,20 @@ function list() {
   }));
 }
 
-/// Disparities that the colours span: all but one in fifty at each end.
-function range(segments) {
-  const found = segments.flatMap(segment => segment.disparity).sort((a, b) => a - b), skip = Math.floor(found.length / 50);
-  if (!found.length) return [0, settings().max_disparity];
-  const far = Math.max(0, 4 * Math.floor(found[skip] / 4));
-  return [far, Math.max(far + 4, 4 * Math.ceil(found[found.length - 1 - skip] / 4))];
-}
-
-function colour(d, [far, near], alpha = 1) {
-  const at = Math.min(1, Math.max(0, (d - far) / (near - far))) * (STOPS.length - 1);
-  const i = Math.min(Math.floor(at), STOPS.length - 2), t = at - i;
-  return `rgba(${STOPS[i].map((value, k) => Math.round(value * (1 - t) + STOPS[i + 1][k] * t)).join(",")},${alpha})`;
-}
-
 function draw() {
-  const canvas = $("left"), scale = Math.max(1, Math.round(1280 / pair.width)), context = canvas.getContext("2d"), span = range(result.segments);
-  Object.assign(canvas, { width: pair.width * scale, height: pair.height * scale });
-  context.imageSmoothingEnabled = false;
-  context.scale(scale, scale);
-  context.drawImage(ours, 0, 0);
-  if ($("show-support").checked) {
-    for (const { x, y, disparity, segment } of result.points) {
-      if (segment !== SUPPORT_POINT) continue;
-      context.fillStyle = colour(disparity, span, 0.3);
-      context.fillRect(x - CELL / 2, y - CELL / 2, CELL - 0.5, CELL - 0.5);
-    }
-  }
-  if ($("show-segments").checked) {
-    context.lineWidth = 1.2;
-    for (const { x, y, disparity } of [...result.segments].reverse()) {
-      context.strokeStyle = colour((disparity[0] + disparity[1]) / 2, span);
-      context.beginPath();
-      // Whole numbers are centres of pixels.
-      context.moveTo(x[0] + 0.5, y[0] + 0.5);
-      context.lineTo(x[1] + 0.5, y[1] + 0.5);
-      context.stroke();
-    }
-  }
-  context.strokeStyle = context.fillStyle = "#fff";
-  context.font = `${Math.max(8, pair.width / 32)}px system-ui, sans-serif`;
-  [...boxes, ...(dragged ? [dragged] : [])].forEach(({ left, top, right, bottom }, i) => {
-    context.strokeRect(left, top, right - left, bottom - top);
-    context.fillText(`${i + 1}`, left + 2, top + Math.max(8, pair.width / 32));
-  });
+  const points = $("show-support").checked ? result.points.filter(point => point.segment === SUPPORT_POINT) : [];
+  const segments = $("show-segments").checked ? result.segments : [], span = range(result.segments, settings().max_disparity);
+  drawPair($("left"), { ...pair, picture }, { points, side: CELL, segments, boxes: [...boxes, ...(dragged ? [dragged] : [])], span });
 }
 
-function drawTop(points) {
-  const canvas = $("top"), context = canvas.getContext("2d"), { rig, width } = matcher;
-  context.clearRect(0, 0, canvas.width, canvas.height);
-  const depths = rig ? points.filter(p => p.disparity > 0).map(p => ({ ...p, z: rig.focal_px * rig.baseline_m / p.disparity })) : [];
-  $("top-note").textContent = !rig ? "Metres need focal length and baseline." : depths.length ? "" : "Nothing was placed.";
-  if (!depths.length) return;
-  // Points seen through a window should not make the room small.
-  const far = 1.2 * depths.map(p => p.z).sort((a, b) => a - b)[Math.floor(0.93 * (depths.length - 1))];
-  const half = Math.max(0.5 * width / rig.focal_px, 0.25) * far, scale = Math.min(canvas.width / (2 * half), (canvas.height - 30) / far);
-  const at = (x, z) => [canvas.width / 2 + x * scale, canvas.height - 20 - z * scale], span = range(result.segments);
-  context.strokeStyle = context.fillStyle = "#888";
-  context.font = "13px system-ui, sans-serif";
-  const rough = far / 4, power = 10 ** Math.floor(Math.log10(rough)), step = [1, 2, 5, 10].map(f => f * power).find(s => s >= rough);
-  for (let z = step; z < far; z += step) {
-    const [x, y] = at(0, z);
-    context.beginPath();
-    context.arc(canvas.width / 2, canvas.height - 20, z * scale, Math.PI, 2 * Math.PI);
-    context.stroke();
-    context.fillText(`${+z.toPrecision(3)} m`, x + 4, y - 3);
-  }
-  for (const { x, z, disparity } of depths) {
-    context.fillStyle = colour(disparity, span, 0.5);
-    const [u, v] = at((x - (width - 1) / 2) * z / rig.focal_px, z);
-    context.fillRect(u - 1, v - 1, 2, 2);
-  }
+function showTop(points) {
+  const { rig, width } = matcher;
+  const placed = !rig ? [] : points.filter(p => p.disparity > 0).map(({ x, disparity }) => {
+    const z = rig.focal_px * rig.baseline_m / disparity;
+    return { x: (x - (width - 1) / 2) * z / rig.focal_px, z, disparity };
+  });
+  $("top-note").textContent = !rig ? "Metres need focal length and baseline." : placed.length ? "" : "Nothing was placed.";
+  drawTop($("top"), placed, range(result.segments, settings().max_disparity));
 }
 
 // ---- a camera that gives both images side by side
@@ -319,31 +239,7 @@ $("save").addEventListener("click", () => {
   URL.revokeObjectURL(link.href);
 });
 
-function place(event) {
-  const area = $("left").getBoundingClientRect(), inside = (value, most) => Math.min(most, Math.max(0, Math.round(value)));
-  return [inside((event.clientX - area.left) * pair.width / area.width, pair.width), inside((event.clientY - area.top) * pair.height / area.height, pair.height)];
-}
-
-$("left").addEventListener("pointerdown", event => {
-  if (event.button !== 0) return;
-  $("left").setPointerCapture(event.pointerId);
-  const [x, y] = place(event);
-  dragged = { from: [x, y], left: x, top: y, right: x, bottom: y };
-});
-$("left").addEventListener("pointermove", event => {
-  if (!dragged) return;
-  const [x, y] = place(event), [x0, y0] = dragged.from;
-  Object.assign(dragged, { left: Math.min(x, x0), top: Math.min(y, y0), right: Math.max(x, x0), bottom: Math.max(y, y0) });
-  draw();
-});
-$("left").addEventListener("pointerup", () => {
-  const box = dragged;
-  dragged = null;
-  if (box && box.right > box.left && box.bottom > box.top) boxes.push(box);
-  list();
-  draw();
-});
-$("left").addEventListener("pointercancel", () => { dragged = null; draw(); });
+onBoxes($("left"), () => [pair.width, pair.height], box => { dragged = box; draw(); }, box => { boxes.push(box); list(); });
 
 next(async () => {
   if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") throw new Refused("this browser is too old; use one of 2023 or later");

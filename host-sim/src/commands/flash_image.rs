@@ -1,6 +1,6 @@
 //! `linestereo flash-image`: the rig as bytes for a board, and what such bytes say.
 
-use super::view::ViewArgs;
+use super::rectified_view::ViewArgs;
 use crate::output::{OutputFiles, OutputPath, print};
 use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, anyhow};

@@ -9,7 +9,7 @@
 
 use super::engine_with;
 use super::method::MethodArgs;
-use super::view::ViewArgs;
+use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
 use crate::input::rectify::PairRectifier;
 use crate::input::{
@@ -246,6 +246,11 @@ impl InputArgs {
             rig_numbers,
             rig: None,
         })
+    }
+
+    /// The set-up of rectified images of this size that are matched elsewhere: by the options alone.
+    pub(super) fn setup_of(&self, dims: Dims) -> Result<Setup<'_>> {
+        self.rectified(dims, dims, None)
     }
 
     fn option_behind(&self, error: &RigError) -> &'static str {

@@ -26,8 +26,10 @@ mod objects;
 mod pairs;
 pub mod photograph;
 pub mod plan_rig;
+mod player;
 pub mod quality;
 mod recording;
+mod rectified_view;
 pub mod rectify;
 pub mod report;
 pub mod run;
@@ -36,7 +38,7 @@ mod sector_options;
 pub mod sequence;
 mod shell;
 mod video;
-mod view;
+pub mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
@@ -94,6 +96,7 @@ enum Command {
     Report(Box<report::Args>),
     Scene(scene::Args),
     Sequence(Box<sequence::Args>),
+    View(Box<view::Args>),
     Calibrate(calibrate::Args),
     Monitor(monitor::Args),
     BenchBoard(bench_board::Args),
@@ -141,6 +144,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Report(args)) => report::run(args),
         Some(Command::Scene(args)) => scene::run(args),
         Some(Command::Sequence(args)) => sequence::run(args),
+        Some(Command::View(args)) => view::run(args),
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Monitor(args)) => monitor::run(args),
         Some(Command::BenchBoard(args)) => bench_board::run(args),

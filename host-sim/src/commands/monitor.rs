@@ -1,7 +1,8 @@
 //! `linestereo monitor`: a board's results as they arrive, and commands to it.
 
 use crate::interruption;
-use crate::monitor::frames::{Assembler, Frame};
+use crate::monitor::frames::Frame;
+use crate::monitor::link::{Event, Link};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
@@ -9,25 +10,11 @@ use crate::output::OutputPath;
 use crate::results::health;
 use crate::untrusted::printable;
 use anyhow::{Result, anyhow, bail};
-use core::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use linestereo_wire::{
-    Command, DELIMITER, DecodeError, Decoder, Health, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request,
-    SettingValue, encode,
-};
-use std::collections::VecDeque;
+use linestereo_wire::Health;
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
-
-/// Has the board give times in this computer's clock, anew after so long: the board forgets it after 10 s.
-const SYNC: &str = "sync";
-const SYNC_EVERY: Duration = Duration::from_secs(2);
-/// A command is sent again after this long without an answer,
-const ANSWER_WITHIN: Duration = Duration::from_secs(1);
-/// this many times in all.
-const ATTEMPTS: u32 = 5;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -106,7 +93,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let wanted = described(requests::parse(&args.send)?);
+    let wanted = requests::parse(&args.send)?;
     let mut record = match &args.record {
         Some(path) => Some(Record::create(path)?),
         None => None,
@@ -121,7 +108,7 @@ pub fn run(args: &Args) -> Result<()> {
         bail!(
             "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor --record",
             path.display(),
-            monitor.bytes
+            monitor.link.bytes()
         );
     }
     let summary = monitor.end();
@@ -150,15 +137,6 @@ impl From<io::Error> for Stop {
     }
 }
 
-/// Before a start, a board says what it is and why it was reset: when it began to run, nobody may have listened.
-fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
-    let place = |request: &Request| wanted.iter().position(|wanted| wanted.request == *request);
-    if let (Some(start), None) = (place(&Request::Start), place(&Request::Describe)) {
-        wanted.insert(start, Wanted { request: Request::Describe, words: "describe".to_owned() });
-    }
-    wanted
-}
-
 /// The bytes as they come, for another time.
 struct Record {
     path: PathBuf,
@@ -180,31 +158,12 @@ fn cannot_record(path: &Path, error: &io::Error) -> anyhow::Error {
     anyhow!("cannot write {}: {error}; choose a file in a folder that exists and is writable", path.display())
 }
 
-/// A command that was sent, and has no answer yet.
-struct Waiting {
-    command: Command,
-    words: String,
-    since: Instant,
-    attempts: u32,
-}
-
-/// State of the link and of the board as far as it is known.
+/// What is shown of a link, and how much of it.
 struct Monitor {
-    decoder: Decoder<Message, MAX_PACKET>,
-    frames: Assembler,
-    bytes: u64,
-    other_version: Option<u8>,
+    link: Link,
     /// Complete frames still to come.
     left: Option<u64>,
-    wanted: VecDeque<Wanted>,
-    /// When the board's clock was last asked for, if it is to follow the host's.
-    synced: Option<Instant>,
-    waiting: Option<Waiting>,
-    next_id: u16,
     last_capture: Option<u64>,
-    last_hello: Option<Hello>,
-    /// Those of a list that is not complete yet.
-    settings: Vec<SettingValue>,
     /// Flags of the last frame.
     health: Health,
     has_summary: bool,
@@ -214,18 +173,9 @@ struct Monitor {
 impl Monitor {
     fn new(args: &Args, wanted: Vec<Wanted>) -> Self {
         Self {
-            decoder: Decoder::new(),
-            frames: Assembler::default(),
-            bytes: 0,
-            other_version: None,
+            link: Link::new(wanted),
             left: args.count,
-            wanted: wanted.into(),
-            synced: None,
-            waiting: None,
-            next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
             last_capture: None,
-            last_hello: None,
-            settings: Vec::new(),
             health: Health::GOOD,
             has_summary: args.count != Some(0),
             screen: Screen::new(args, args.count != Some(0)),
@@ -237,7 +187,7 @@ impl Monitor {
         interruption::watch();
         let mut buffer = [0; 4096];
         loop {
-            self.command(port)?;
+            self.link.command(port)?;
             if self.is_done() || interruption::requested() {
                 return Ok(());
             }
@@ -253,7 +203,9 @@ impl Monitor {
                         })?;
                     }
                     for &byte in received {
-                        self.push(byte)?;
+                        for event in self.link.push(byte)? {
+                            self.show(event)?;
+                        }
                         if self.is_done() {
                             break;
                         }
@@ -263,114 +215,27 @@ impl Monitor {
         }
     }
 
-    /// True when no packet of a board, of this version or another one, was among the bytes.
+    /// True when nothing of a board was among the bytes, though something should be.
     fn has_nothing(&self) -> bool {
-        let packets = self.decoder.counters();
-        packets.good == 0 && packets.other_version == 0 && self.left != Some(0) && !interruption::requested()
+        self.link.has_nothing() && self.left != Some(0) && !interruption::requested()
     }
 
     fn is_done(&self) -> bool {
-        self.left == Some(0) && self.waiting.is_none() && self.wanted.is_empty()
+        self.left == Some(0) && self.link.is_answered()
     }
 
-    /// Sends the next command, or the last one again.
-    fn command(&mut self, port: &mut Port) -> Result<()> {
-        match &mut self.waiting {
-            None => {
-                if self.wanted.is_empty() && self.synced.is_some_and(|since| since.elapsed() >= SYNC_EVERY) {
-                    self.wanted.push_back(Wanted { request: Request::ReadClock, words: SYNC.to_owned() });
-                }
-                let Some(Wanted { request, words }) = self.wanted.pop_front() else { return Ok(()) };
-                if request == Request::ReadClock {
-                    self.synced = Some(Instant::now());
-                }
-                self.next_id = self.next_id.wrapping_add(1);
-                let command = Command { id: self.next_id, request };
-                self.waiting = Some(Waiting { command, words, since: Instant::now(), attempts: 0 });
+    fn show(&mut self, event: Event) -> Result<(), Stop> {
+        match event {
+            Event::Frame(_) if self.left == Some(0) => Ok(()), // came while a command is waited for
+            Event::Frame(frame) => self.show_frame(&frame),
+            Event::Objects(list) => {
+                list.iter().try_for_each(|object| self.screen.note(&text::object(object))).map_err(Stop::from)
             }
-            Some(waiting) if waiting.since.elapsed() < ANSWER_WITHIN => return Ok(()),
-            Some(waiting) if waiting.attempts == ATTEMPTS => {
-                bail!("no answer to {} in {ATTEMPTS} s; does the board run, and is the speed right?", waiting.words)
-            }
-            Some(_) => {}
-        }
-        let Some(waiting) = &mut self.waiting else { return Ok(()) };
-        waiting.attempts += 1;
-        waiting.since = Instant::now();
-        // The delimiter ends whatever noise stands before the command.
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&waiting.command, &mut packet[1..])?.len();
-        port.write(&packet[..=length])
-    }
-
-    fn push(&mut self, byte: u8) -> Result<(), Stop> {
-        self.bytes += 1;
-        match self.decoder.push(byte) {
-            None => Ok(()),
-            Some(Ok(Message::Frame(head))) => self.frames.begin(head).try_for_each(|frame| self.show(&frame)),
-            Some(Ok(Message::Segments(segments))) => match self.frames.add(&segments) {
-                Some(frame) => self.show(&frame),
-                None => Ok(()),
-            },
-            Some(Ok(Message::Objects(objects))) => {
-                let mut lines = objects.list.iter().map(|record| text::object(&record.into()));
-                lines.try_for_each(|line| self.screen.note(&line)).map_err(Stop::from)
-            }
-            // Points come only from programs that are fed by a file; the others are for `photograph` and `bench-board`.
-            Some(Ok(
-                Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
-            )) => Ok(()),
-            Some(Ok(Message::Setting(value))) => {
-                self.settings.push(value);
-                Ok(())
-            }
-            Some(Ok(Message::Kept(report))) => {
-                let settings = core::mem::take(&mut self.settings);
-                Ok(self.screen.note(&requests::listing(&settings, &report))?)
-            }
-            Some(Ok(Message::Clock(board_us))) => {
-                self.set_clock(board_us);
-                Ok(())
-            }
-            Some(Ok(Message::Capture(lost))) => Ok(self.screen.note(&format!("cameras lost: {lost}"))?),
-            Some(Ok(Message::Hello(hello))) => {
-                let is_news = self.last_hello.as_ref() != Some(&hello);
-                let text = introduction(&hello);
-                self.last_hello = Some(hello);
-                if is_news { Ok(self.screen.note(&text)?) } else { Ok(()) }
-            }
-            Some(Ok(Message::Answer(answer))) => {
-                let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
-                    return Ok(()); // answered twice
-                };
-                match answer.outcome {
-                    Outcome::Accepted if waiting.words == SYNC => Ok(()), // every few seconds; frames name the clock
-                    Outcome::Accepted => Ok(self.screen.note(&format!("accepted: {}", waiting.words))?),
-                    Outcome::Refused(refusal) => Err(anyhow!("the board refused {}: {refusal}", waiting.words).into()),
-                }
-            }
-            Some(Err(DecodeError::Version { found })) => {
-                self.other_version = Some(found);
-                Ok(())
-            }
-            Some(Err(_)) => Ok(()), // counted
+            Event::Note(note) => Ok(self.screen.note(&note)?),
         }
     }
 
-    /// Has the board give times in this computer's clock: its time in the middle of the question and the answer less the board's.
-    fn set_clock(&mut self, board_us: u64) {
-        let is_asked = |waiting: &&Waiting| waiting.command.request == Request::ReadClock && waiting.attempts == 1;
-        let Some(waiting) = self.waiting.as_ref().filter(is_asked) else { return };
-        let middle = SystemTime::now() - waiting.since.elapsed() / 2;
-        let now_us = middle.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64);
-        let offset_us = now_us.saturating_sub(board_us);
-        self.wanted.push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
-    }
-
-    fn show(&mut self, frame: &Frame) -> Result<(), Stop> {
-        if self.left == Some(0) {
-            return Ok(()); // came while a command is waited for
-        }
+    fn show_frame(&mut self, frame: &Frame) -> Result<(), Stop> {
         if frame.missing() == 0 {
             self.left = self.left.map(|left| left - 1);
         }
@@ -387,24 +252,16 @@ impl Monitor {
     /// Counts what is left unfinished, and says what arrived.
     fn end(&mut self) -> io::Result<()> {
         let mut outcome = Ok(());
-        if self.left != Some(0) {
-            self.decoder.finish();
-            if let Some(frame) = self.frames.finish() {
-                outcome = self.screen.frame(&frame, self.last_capture);
-            }
+        if self.left != Some(0)
+            && let Some(frame) = self.link.finish()
+        {
+            outcome = self.screen.frame(&frame, self.last_capture);
         }
         if !self.has_summary {
             return outcome;
         }
-        let summary = text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version);
-        outcome.and(self.screen.close(&summary))
+        outcome.and(self.screen.close(&self.link.summary()))
     }
-}
-
-fn introduction(hello: &Hello) -> String {
-    let Hello { board, largest_width, largest_height, segments, rig, reset } = hello;
-    let reset = reset.map_or_else(String::new, |reset| format!("; reset by {reset}"));
-    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}{reset}")
 }
 
 /// Where the frames are shown.

@@ -2,7 +2,7 @@
 
 use super::input::InputArgs;
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
-use super::sequence::Player;
+use super::player::Player;
 use super::{asked_for, written};
 use crate::draw;
 use crate::evaluate::{Quality, Wall};

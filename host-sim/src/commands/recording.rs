@@ -38,9 +38,6 @@ pub(super) struct RecordingArgs {
     /// Images are a pair whose times differ by up to so much [default: 10].
     #[arg(long, value_name = "MS", value_parser = milliseconds)]
     pair_window_ms: Option<f64>,
-    /// Write these too: to --out FILE.mcap.
-    #[arg(long, value_name = "WHAT", value_delimiter = ',', requires = "out")]
-    with: Vec<Extra>,
 }
 
 fn milliseconds(text: &str) -> Result<f64, String> {
@@ -86,26 +83,6 @@ impl RecordingArgs {
         }
         Ok(())
     }
-
-    /// Where results go.
-    pub(super) fn sink(&self, out: Option<&OutputPath>, recording: Option<&Recording>) -> Result<Sink> {
-        let Some(path) = out.filter(|path| !path.is_stdout()) else {
-            if !self.with.is_empty() {
-                bail!("--with writes messages; give --out FILE.mcap");
-            }
-            return Ok(Sink { path: PathBuf::new(), to: To::Stdout, frame_id: String::new(), first_ns: 0 });
-        };
-        let frame_id = recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
-        let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
-        let to = if is_recording(&path) {
-            To::Messages(Box::new(RosFile::new(lines, &self.with).map_err(|error| cannot_write(&path, &error))?))
-        } else if self.with.is_empty() {
-            To::Lines(lines)
-        } else {
-            bail!("--with writes messages; give --out FILE.mcap");
-        };
-        Ok(Sink { path, to, frame_id: frame_id.to_owned(), first_ns: 0 })
-    }
 }
 
 /// Where results go.
@@ -124,6 +101,26 @@ enum To {
 }
 
 impl Sink {
+    /// Lines on stdout, lines in a file, or messages with these too where its name ends in .mcap.
+    pub(super) fn new(out: Option<&OutputPath>, with: &[Extra], recording: Option<&Recording>) -> Result<Self> {
+        let Some(path) = out.filter(|path| !path.is_stdout()) else {
+            if !with.is_empty() {
+                bail!("--with writes messages; give --out FILE.mcap");
+            }
+            return Ok(Self { path: PathBuf::new(), to: To::Stdout, frame_id: String::new(), first_ns: 0 });
+        };
+        let frame_id = recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
+        let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
+        let to = if is_recording(&path) {
+            To::Messages(Box::new(RosFile::new(lines, with).map_err(|error| cannot_write(&path, &error))?))
+        } else if with.is_empty() {
+            To::Lines(lines)
+        } else {
+            bail!("--with writes messages; give --out FILE.mcap");
+        };
+        Ok(Self { path, to, frame_id: frame_id.to_owned(), first_ns: 0 })
+    }
+
     /// Messages are written, not lines.
     pub(super) fn is_ros(&self) -> bool {
         matches!(self.to, To::Messages(_))

@@ -1,7 +1,7 @@
 //! `linestereo rectify`: raw pairs to rectified ones, and a picture that shows whether rows agree.
 
 use super::pairs::named_bar;
-use super::view::ViewArgs;
+use super::rectified_view::ViewArgs;
 use crate::draw;
 use crate::input::rectify::PairRectifier;
 use crate::input::{Dataset, PairFiles, StoredPair, check_same_size, load_images};

@@ -3,7 +3,7 @@
 use super::input::InputArgs;
 use super::objects::ObjectArgs;
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
-use super::sequence::Player;
+use super::player::Player;
 use crate::explain::{CurveLog, SegmentTexts};
 use crate::input::StoredPair;
 use crate::output::{OutputFiles, OutputPath, spare};

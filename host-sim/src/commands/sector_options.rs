@@ -6,7 +6,8 @@ use crate::output::OutputPath;
 use crate::results::directions::Directions;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use linestereo::obstacles::{ObstacleError, ObstacleParams};
+use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan};
+use linestereo::{Dims, Params};
 use linestereo_mavlink::Policy;
 
 /// Messages that an autopilot would be sent.
@@ -16,15 +17,8 @@ pub(super) struct SectorArgs {
     /// List the nearest obstacle of each direction, 72 sectors of 5 degrees; needs a rig.
     #[arg(long)]
     pub(super) sectors: bool,
-    /// Obstacles at this distance or further do not matter [default: 10].
-    #[arg(long, value_name = "M")]
-    sector_range: Option<f32>,
-    /// Heights that matter, above the camera [default: all].
-    #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
-    sector_heights: Option<Vec<f32>>,
-    /// Where the camera looks, degrees clockwise from ahead [default: 0].
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    camera_yaw: Option<f32>,
+    #[command(flatten)]
+    plan: SectorPlanArgs,
     /// Draw the sectors from above, as PNG.
     #[arg(long, value_name = "FILE.png")]
     pub(super) fan: Option<OutputPath>,
@@ -34,6 +28,20 @@ pub(super) struct SectorArgs {
     /// Policy for a pair that is not fit to be used: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
     pub(super) policy: PolicyName,
+}
+
+/// Range, heights and direction that sectors are made for.
+#[derive(Debug, Default, clap::Args)]
+pub(super) struct SectorPlanArgs {
+    /// Obstacles at this distance or further do not matter [default: 10].
+    #[arg(long, value_name = "M")]
+    sector_range: Option<f32>,
+    /// Heights that matter, above the camera [default: all].
+    #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
+    sector_heights: Option<Vec<f32>>,
+    /// Where the camera looks, degrees clockwise from ahead [default: 0].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    camera_yaw: Option<f32>,
 }
 
 /// [`Policy`] by name.
@@ -67,17 +75,24 @@ impl SectorArgs {
         if setup.geometry().is_none() {
             bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
         }
+        let plan = self.plan.plan(&setup.params, setup.dims())?;
+        Ok(Some(Directions::new(plan, &result.matches, &result.points, result.health.of_pair())))
+    }
+}
+
+impl SectorPlanArgs {
+    /// The sectors that images of this size and rig see.
+    pub(super) fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan> {
         let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
         wanted.yaw_deg = self.camera_yaw.unwrap_or(wanted.yaw_deg);
         if let Some([low, high]) = self.sector_heights.as_deref() {
             wanted.heights_m = [*low, *high];
         }
-        let plan = wanted.plan(&setup.params, setup.dims()).map_err(|error| match error {
+        wanted.plan(params, dims).map_err(|error| match error {
             ObstacleError::NoRig => anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig"),
             ObstacleError::OutOfRange { name, .. } => anyhow!("{error}; change {}", option_behind(name)),
-        })?;
-        Ok(Some(Directions::new(plan, &result.matches, &result.points, result.health.of_pair())))
+        })
     }
 }
 

@@ -1,24 +1,23 @@
 //! `linestereo sequence`: a recorded sequence, a line of JSON or messages of ROS 2 per frame.
 
 use super::asked_for;
-use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
-use super::objects::{Asked, ObjectArgs};
+use super::input::{InputArgs, Setup};
+use super::objects::ObjectArgs;
 use super::pairs::{bar, has_ended, named_bar};
-use super::recording::{Played, RecordingArgs};
-use super::video::CameraArgs;
+use super::player::{Player, SourceArgs, line};
+use super::recording::{Played, Sink};
 use crate::draw;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
 use crate::input::video::Video;
-use crate::input::{Dataset, SceneInfo, StoredPair};
+use crate::input::{Dataset, StoredPair};
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
+use crate::results::ros::Extra;
 use crate::results::{health, listing};
 use crate::statistics::upper_median;
 use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use linestereo::Disparity;
-use serde_json::{Value, json};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -56,24 +55,17 @@ pub struct Args {
     /// with both views side by side, or of the left camera.
     #[arg(required_unless_present = "camera", conflicts_with = "camera")]
     folder: Option<PathBuf>,
-    /// Video of the right camera, frame by frame with the left one.
-    right: Option<PathBuf>,
     /// Write the lines to this file, in place of stdout; messages of ROS 2 where its name ends in .mcap.
     #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     out: Option<OutputPath>,
-    /// Both images of a pair stand side by side in one file: left | right.
-    #[arg(long)]
-    side_by_side: bool,
-    /// Only frames whose number is in this range (the position, where names have no number).
-    #[arg(long, value_name = "FIRST..LAST", value_parser = parse_range)]
-    frames: Option<(u64, u64)>,
     /// Leave the points out: short lines.
     #[arg(long)]
     no_points: bool,
+    /// Write these messages too, beside points, segments and health: to --out FILE.mcap.
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', requires = "out")]
+    with: Vec<Extra>,
     #[command(flatten)]
-    camera: CameraArgs,
-    #[command(flatten)]
-    recording: RecordingArgs,
+    source: SourceArgs,
     #[command(flatten)]
     input: InputArgs,
     #[command(flatten)]
@@ -104,19 +96,16 @@ pub fn run(args: &Args) -> Result<()> {
     // What is begun here, a video's decoder too, is ended in order.
     interruption::watch();
     let folder = args.folder.as_deref();
-    let found = args.recording.find(folder, args.right.as_deref(), args.side_by_side, &args.camera)?;
-    let frames = Chosen::new(&found, args.frames);
+    let found = args.source.find(folder)?;
+    let frames = args.source.chosen(&found)?;
     let folder = folder.unwrap_or(Path::new(""));
-    if frames.count() == Some(0) {
-        bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), folder.display());
-    }
     if args.objects.is_given() && (found.of_recording().is_some() || found.of_video().is_some()) {
         bail!("--objects go by the names of images, which a recording has not; give a folder of images");
     }
     args.objects.check(frames.listed.iter().map(|(_, pair)| pair.left()))?;
     let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
     spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
-    let mut sink = args.recording.sink(args.out.as_ref(), found.of_recording())?;
+    let mut sink = Sink::new(args.out.as_ref(), &args.with, found.of_recording())?;
     let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, folder)?);
     let mut tally = Tally::default();
     let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
@@ -249,112 +238,6 @@ impl Tally {
             _ => Ok(()),
         }
     }
-}
-
-/// Pairs in the range, each with its number.
-struct Chosen<'a> {
-    listed: Vec<(u64, &'a StoredPair)>,
-    /// First and last number of pairs of a camera, which are not there yet.
-    live: Option<(u64, u64)>,
-}
-
-impl<'a> Chosen<'a> {
-    fn new(found: &'a Dataset, range: Option<(u64, u64)>) -> Self {
-        let live = found.of_video().filter(|video| video.is_live());
-        let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
-        let is_in = |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
-        Self {
-            listed: numbered.filter(|(number, _)| is_in(number)).collect(),
-            live: live.map(|_| range.unwrap_or((0, u64::MAX))),
-        }
-    }
-
-    /// Number of pairs; without a range a camera has no end.
-    fn count(&self) -> Option<usize> {
-        match self.live {
-            Some((_, u64::MAX)) => None,
-            Some((first, last)) => Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1)),
-            None => Some(self.listed.len()),
-        }
-    }
-
-    fn pairs(&self, found: &'a Dataset) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
-        let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
-        let live = live.map_while(|number| Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?))));
-        self.listed.iter().map(|&(number, pair)| (number, Cow::Borrowed(pair))).chain(live)
-    }
-}
-
-fn parse_range(text: &str) -> Result<(u64, u64), String> {
-    let range = text.split_once("..").and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
-    range.filter(|(first, last)| first <= last).ok_or_else(|| "give two numbers: 10..200".to_owned())
-}
-
-/// Pairs of a folder, matched one after the other.
-pub(super) struct Player<'a> {
-    args: &'a InputArgs,
-    /// The folder's scene.json, for pairs that have none of their own.
-    scene: Known,
-    /// Knowledge of the pairs at hand, with their set-up and matcher.
-    at_hand: Option<(Known, Setup<'a>, Matcher)>,
-}
-
-impl<'a> Player<'a> {
-    pub(super) fn new(args: &'a InputArgs, folder: &Path) -> Result<Self> {
-        let path = folder.join("scene.json");
-        let scene = if path.is_file() { Known::Scene(path.clone(), SceneInfo::load(&path)?) } else { Known::Nothing };
-        Ok(Self { args, scene, at_hand: None })
-    }
-
-    /// Set-up of the last pair.
-    pub(super) fn setup(&self) -> Option<&Setup<'a>> {
-        self.at_hand.as_ref().map(|(_, setup, _)| setup)
-    }
-
-    /// Loads a pair and, where it is the first one or of another rig than the one before, sets up what it is matched with.
-    pub(super) fn load(&mut self, pair: &StoredPair) -> Result<(Pair, &Setup<'a>, &mut Matcher)> {
-        let mut known = self.args.known_of(pair)?;
-        if matches!(known, Known::Nothing) {
-            known = self.scene.clone();
-        }
-        let loaded = self.args.load_as(&pair.images, &known)?;
-        let is_set_up = self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
-        if !is_set_up {
-            let setup = self.args.setup_as(&loaded, &known)?;
-            let matcher = Matcher::new(&setup)?;
-            self.at_hand = Some((known, setup, matcher));
-        }
-        let Some((_, setup, matcher)) = &mut self.at_hand else { bail!("nothing is set up") };
-        Ok((loaded, setup, matcher))
-    }
-
-    fn next(&mut self, pair: &StoredPair, asked: &ObjectArgs) -> Result<Played> {
-        let (loaded, setup, matcher) = self.load(pair)?;
-        if matcher.engine.knows_rows() {
-            matcher.engine.focus(asked.areas(setup, pair.left()));
-        }
-        let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
-        let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
-        Ok(Played { images, result, objects })
-    }
-}
-
-/// The line of a frame.
-fn line(number: u64, pair: &StoredPair, played: &Result<Played, String>, no_points: bool) -> Result<String> {
-    match played {
-        Ok(Played { images, result, objects }) => {
-            let answers = Asked::answers(objects.as_ref());
-            let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
-            Ok(with_name(number, &pair.name, &line))
-        }
-        Err(error) => Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error}))),
-    }
-}
-
-/// The object of a line with the frame's number and name before its own fields.
-fn with_name(number: u64, name: &str, line: &str) -> String {
-    let name = Value::from(name);
-    format!("{{\"frame\":{number},\"name\":{name},{}", line.trim_start_matches('{'))
 }
 
 /// Nearest disparities against surveyed distances, in words; with a picture if asked.

@@ -5,10 +5,12 @@
 //! (wire)    bytes -> messages, and counts of what is damaged
 //! frames    messages -> frames; which are incomplete, which are lost
 //! requests  words of the command line -> commands
+//! link      bytes -> frames, depths of objects and notes; commands -> answers
 //! text      frames and counts -> lines, JSON, summary
 //! ```
 
 pub mod frames;
+pub mod link;
 pub mod port;
 pub mod requests;
 pub mod text;

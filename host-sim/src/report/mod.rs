@@ -6,6 +6,7 @@
 //! [`MOST_POINTS`] a frame: they are seen from above only. Images are PNG where there is one pair, JPEG in a sequence.
 
 pub mod browser;
+pub mod live;
 mod rejected;
 pub mod web;
 
@@ -31,6 +32,9 @@ const JPEG_QUALITY: u8 = 85;
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
+/// Drawing and style of the live page and of the page for browsers.
+const DRAWING: &str = include_str!("drawing.js");
+const SHARED_STYLE: &str = include_str!("shared.css");
 
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {

@@ -3,9 +3,10 @@
 //! ```text
 //! bindings/c     the core for wasm32 with simd128   matcher
 //! bindings/web   images to grey, as the PC does     images
-//! both           gzip, base64                       into the page, with what to do about each flag of health
+//! both           gzip, base64                       into the page, with its drawing, and what to do about each flag of health
 //! ```
 
+use super::{DRAWING, SHARED_STYLE};
 use crate::board::toolchain::Toolchain;
 use crate::results::health;
 use anyhow::{Context, Result, bail};
@@ -17,8 +18,6 @@ use std::path::{Path, PathBuf};
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Largest page, bytes.
 pub const MOST_BYTES: usize = 200 << 10;
-/// Import of the page's own script, not needed once it stands behind the other.
-const IMPORT: &str = "import { Images, Matcher, Refused, csv } from \"./linestereo.js\";\n";
 
 /// The page and its modules in a folder.
 #[derive(Clone, Debug)]
@@ -66,14 +65,15 @@ fn html(source: &Path, matcher: &Path, images: &Path) -> Result<String> {
         let path = source.join(name);
         String::from_utf8(bytes(&path)?).with_context(|| format!("{} is not text", path.display()))
     };
+    // Behind what it imports it needs no imports.
     let script = text("page.js")?;
-    let own = script.strip_prefix(IMPORT).with_context(|| format!("page.js does not begin with {IMPORT}"))?;
+    let own: String = script.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
-        ("/*STYLE*/", lean(&text("page.css")?)),
+        ("/*STYLE*/", lean(SHARED_STYLE)),
         ("/*ADVICE*/", serde_json::to_string(&health::ADVICE)?.replace('<', "\\u003c")),
         ("/*MATCHER*/", packed(matcher)?),
         ("/*IMAGES*/", packed(images)?),
-        ("/*SCRIPT*/", lean(&(text("linestereo.js")? + own))),
+        ("/*SCRIPT*/", lean(&[&text("linestereo.js")?, DRAWING, &own].concat())),
     ];
     let mut html = text("index.html")?;
     for (place, part) in parts {

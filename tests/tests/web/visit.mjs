@@ -1,5 +1,5 @@
 // A visit to the page in a browser without a window, by its debugging pipe: real files, real mouse events. On stdin JSON:
-// { browser, page, flags, steps }; a step is { files } | { settings } | { box } | { click } | { screenshot } and may ask for { text } of the page's result.
+// { browser, page, flags, steps }; a step is { files } | { settings } | { box } | { until } | { click } | { screenshot } and may ask for { text } of the page's result.
 // Prints for each step what the page shows then.
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -46,7 +46,7 @@ async function after(count) {
   }
 }
 const shown = `(() => {
-  const of = id => { const at = document.getElementById(id); return at.checkVisibility() ? at.innerText : ""; };
+  const of = id => { const at = document.getElementById(id); return at?.checkVisibility() ? at.innerText : ""; };
   return { error: of("error"), summary: of("summary"), names: of("names"), health: of("health"), top: of("top-note"),
     objects: [...document.querySelectorAll("#objects li")].map(item => item.firstChild.data), wide: document.documentElement.scrollWidth > innerWidth };
 })()`;
@@ -77,6 +77,11 @@ async function take(step) {
     await after(before);
   }
   if (step.box) await drawn(step.box);
+  if (step.until) {
+    for (const start = Date.now(); !(await evaluate(step.until)); await new Promise(wait => setTimeout(wait, 20))) {
+      if (Date.now() - start > 30000) throw new Error(`never: ${step.until}`);
+    }
+  }
   if (step.click) {
     await evaluate(`document.getElementById(${JSON.stringify(step.click)}).click()`);
     await after(before + (step.frames ?? 0));
@@ -109,7 +114,7 @@ try {
   const { targetId } = targetInfos.find(({ type }) => type === "page");
   ({ sessionId } = await call("Target.attachToTarget", { targetId, flatten: true }));
   for (const domain of ["Page", "Runtime", "DOM", "Network"]) await call(`${domain}.enable`);
-  await call("Page.navigate", { url: pathToFileURL(page).href });
+  await call("Page.navigate", { url: page.startsWith("http") ? page : pathToFileURL(page).href });
   await after(0);
   const found = [];
   for (const step of steps) found.push(await take(step));

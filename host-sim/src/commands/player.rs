@@ -1,0 +1,157 @@
+//! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the other.
+
+use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
+use super::objects::{Asked, ObjectArgs};
+use super::recording::{Played, RecordingArgs};
+use super::video::CameraArgs;
+use crate::input::{Dataset, SceneInfo, StoredPair};
+use crate::results::listing;
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// Options of where pairs are from, beside the path itself.
+#[derive(Debug, clap::Args)]
+pub(super) struct SourceArgs {
+    /// Video of the right camera, frame by frame with the left one.
+    right: Option<PathBuf>,
+    /// Both images of a pair stand side by side in one file: left | right.
+    #[arg(long)]
+    side_by_side: bool,
+    /// Only frames whose number is in this range (the position, where names have no number).
+    #[arg(long, value_name = "FIRST..LAST", value_parser = parse_range)]
+    frames: Option<(u64, u64)>,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    recording: RecordingArgs,
+}
+
+impl SourceArgs {
+    /// The pairs of this path, or of the camera where there is none.
+    pub(super) fn find(&self, path: Option<&Path>) -> Result<Dataset> {
+        self.recording.find(path, self.right.as_deref(), self.side_by_side, &self.camera)
+    }
+
+    /// Those of them that are asked for.
+    pub(super) fn chosen<'a>(&self, found: &'a Dataset) -> Result<Chosen<'a>> {
+        let chosen = Chosen::new(found, self.frames);
+        if chosen.count() == Some(0) {
+            bail!("none of the {} pairs has a number in --frames", found.pairs.len());
+        }
+        Ok(chosen)
+    }
+}
+
+/// Pairs in the range, each with its number.
+pub(super) struct Chosen<'a> {
+    pub(super) listed: Vec<(u64, &'a StoredPair)>,
+    /// First and last number of pairs of a camera, which are not there yet.
+    live: Option<(u64, u64)>,
+}
+
+impl<'a> Chosen<'a> {
+    fn new(found: &'a Dataset, range: Option<(u64, u64)>) -> Self {
+        let live = found.of_video().filter(|video| video.is_live());
+        let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
+        let is_in = |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
+        Self {
+            listed: numbered.filter(|(number, _)| is_in(number)).collect(),
+            live: live.map(|_| range.unwrap_or((0, u64::MAX))),
+        }
+    }
+
+    /// Number of pairs; without a range a camera has no end.
+    pub(super) fn count(&self) -> Option<usize> {
+        match self.live {
+            Some((_, u64::MAX)) => None,
+            Some((first, last)) => Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1)),
+            None => Some(self.listed.len()),
+        }
+    }
+
+    pub(super) fn pairs(&self, found: &'a Dataset) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
+        let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
+        let live = live.map_while(|number| Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?))));
+        self.listed.iter().map(|&(number, pair)| (number, Cow::Borrowed(pair))).chain(live)
+    }
+}
+
+fn parse_range(text: &str) -> Result<(u64, u64), String> {
+    let range = text.split_once("..").and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
+    range.filter(|(first, last)| first <= last).ok_or_else(|| "give two numbers: 10..200".to_owned())
+}
+
+/// Pairs matched one after the other.
+pub(super) struct Player<'a> {
+    args: &'a InputArgs,
+    /// The folder's scene.json, for pairs that have none of their own.
+    scene: Known,
+    /// Knowledge of the pairs at hand, with their set-up and matcher.
+    at_hand: Option<(Known, Setup<'a>, Matcher)>,
+}
+
+impl<'a> Player<'a> {
+    pub(super) fn new(args: &'a InputArgs, folder: &Path) -> Result<Self> {
+        let path = folder.join("scene.json");
+        let scene = if path.is_file() { Known::Scene(path.clone(), SceneInfo::load(&path)?) } else { Known::Nothing };
+        Ok(Self { args, scene, at_hand: None })
+    }
+
+    /// Set-up of the last pair.
+    pub(super) fn setup(&self) -> Option<&Setup<'a>> {
+        self.at_hand.as_ref().map(|(_, setup, _)| setup)
+    }
+
+    /// Set-up and matcher of the last pair.
+    pub(super) fn at_hand(&mut self) -> Option<(&Setup<'a>, &mut Matcher)> {
+        self.at_hand.as_mut().map(|(_, setup, matcher)| (&*setup, matcher))
+    }
+
+    /// Loads a pair and, where it is the first one or of another rig than the one before, sets up what it is matched with.
+    pub(super) fn load(&mut self, pair: &StoredPair) -> Result<(Pair, &Setup<'a>, &mut Matcher)> {
+        let mut known = self.args.known_of(pair)?;
+        if matches!(known, Known::Nothing) {
+            known = self.scene.clone();
+        }
+        let loaded = self.args.load_as(&pair.images, &known)?;
+        let is_set_up = self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
+        if !is_set_up {
+            let setup = self.args.setup_as(&loaded, &known)?;
+            let matcher = Matcher::new(&setup)?;
+            self.at_hand = Some((known, setup, matcher));
+        }
+        let Some((_, setup, matcher)) = &mut self.at_hand else { bail!("nothing is set up") };
+        Ok((loaded, setup, matcher))
+    }
+
+    /// Matches a pair, with the depths of its objects.
+    pub(super) fn next(&mut self, pair: &StoredPair, asked: &ObjectArgs) -> Result<Played> {
+        let (loaded, setup, matcher) = self.load(pair)?;
+        if matcher.engine.knows_rows() {
+            matcher.engine.focus(asked.areas(setup, pair.left()));
+        }
+        let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
+        let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
+        Ok(Played { images, result, objects })
+    }
+}
+
+/// The line of a frame.
+pub(super) fn line(number: u64, pair: &StoredPair, played: &Result<Played, String>, no_points: bool) -> Result<String> {
+    match played {
+        Ok(Played { images, result, objects }) => {
+            let answers = Asked::answers(objects.as_ref());
+            let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
+            Ok(with_name(number, &pair.name, &line))
+        }
+        Err(error) => Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error}))),
+    }
+}
+
+/// The object of a line with the frame's number and name before its own fields.
+fn with_name(number: u64, name: &str, line: &str) -> String {
+    let name = Value::from(name);
+    format!("{{\"frame\":{number},\"name\":{name},{}", line.trim_start_matches('{'))
+}

@@ -1,0 +1,171 @@
+//! A board's results, shown as they arrive, or at the times of their recording.
+
+use super::{Args, Asked, LOOK, Pace, end, in_space};
+use crate::interruption;
+use crate::monitor::frames::Frame;
+use crate::monitor::link::{Event, Link};
+use crate::monitor::port::{Port, Received};
+use crate::monitor::requests::{self, Wanted};
+use crate::monitor::text;
+use crate::output::say;
+use crate::results::listing;
+use crate::serve::Server;
+use anyhow::{Result, bail};
+use core::time::Duration;
+use linestereo::{Dims, ObjectDepth};
+use linestereo_wire::{RegionBox, Regions, Request};
+use serde_json::json;
+use std::path::Path;
+use std::thread;
+use std::time::Instant;
+
+/// Counts of the link are told this often.
+const COUNTS_EVERY: Duration = Duration::from_millis(250);
+
+/// A board whose results are shown.
+struct Show<'a> {
+    args: &'a Args,
+    server: &'a Server,
+    link: Link,
+    asked: Asked,
+    pace: Pace,
+    /// A port that a board listens at.
+    is_live: bool,
+    told: Instant,
+}
+
+/// Shows what the board sends until its end, or Ctrl-C; the summary.
+pub(super) fn show(args: &Args) -> Result<String> {
+    let link = Link::new(requests::parse(&args.send)?);
+    let mut port = open(args)?;
+    let server = &args.serve()?;
+    let (is_live, told) = (args.path.is_none(), Instant::now());
+    let mut show = Show { args, server, link, asked: Asked::default(), pace: Pace::new(args), is_live, told };
+    let outcome = loop {
+        let outcome = show.follow(&mut port);
+        if outcome.is_err() || is_live || !args.repeat || interruption::requested() || show.link.has_nothing() {
+            break outcome;
+        }
+        port = open(args)?;
+    };
+    if let (Ok(()), Some(path)) = (&outcome, args.path.as_ref().filter(|_| show.link.has_nothing())) {
+        bail!(
+            "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor --record, a folder, an .mcap \
+             file or a video",
+            path.display(),
+            show.link.bytes()
+        );
+    }
+    if let Some(frame) = show.link.finish() {
+        show.frame(&frame)?;
+    }
+    show.tell_counts();
+    if outcome.is_ok() && !interruption::requested() {
+        say("all frames are shown; the page stays until Ctrl-C\n")?;
+        show.wait(None);
+    }
+    let summary = show.link.summary();
+    end(server, &outcome.as_ref().map_or_else(|error| format!("{error:#}\n{summary}"), |()| summary.clone()));
+    outcome.map(|()| summary)
+}
+
+fn open(args: &Args) -> Result<Port> {
+    args.path.as_deref().map_or_else(|| args.board.open(), |path: &Path| Port::file(path))
+}
+
+impl Show<'_> {
+    fn follow(&mut self, port: &mut Port) -> Result<()> {
+        let mut buffer = [0; 4096];
+        while !interruption::requested() {
+            if self.is_live {
+                self.ask();
+                self.link.command(port)?;
+            }
+            match port.read(&mut buffer)? {
+                Received::Silence => {}
+                Received::End => return Ok(()),
+                Received::Bytes(length) => {
+                    for &byte in &buffer[..length] {
+                        for event in self.link.push(byte)? {
+                            self.event(event)?;
+                        }
+                    }
+                }
+            }
+            if self.told.elapsed() >= COUNTS_EVERY {
+                self.tell_counts();
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks the board for the visitors' boxes, where they are others than before.
+    fn ask(&mut self) {
+        if !self.asked.changed(self.server) {
+            return;
+        }
+        let numbered = self.asked.boxes.iter().zip(0..);
+        let boxes = numbered.map(|(&[left, top, right, bottom], label)| RegionBox { label, left, top, right, bottom });
+        let request = Request::SetRegions(Regions { boxes: boxes.collect(), only: false });
+        self.link.ask(Wanted { request, words: "the boxes of the page".to_owned() });
+    }
+
+    fn event(&mut self, event: Event) -> Result<()> {
+        match event {
+            Event::Frame(frame) => self.frame(&frame),
+            Event::Objects(list) => {
+                self.objects(&list);
+                Ok(())
+            }
+            Event::Note(note) => {
+                self.server.send("note", &[("note", json!(note).to_string())]);
+                Ok(())
+            }
+        }
+    }
+
+    /// Shows a complete frame; others are counted.
+    fn frame(&mut self, frame: &Frame) -> Result<()> {
+        if frame.missing() > 0 {
+            return Ok(());
+        }
+        if !self.is_live {
+            let due = self.pace.due(Some(frame.head.capture_time_us));
+            self.wait(Some(due));
+        }
+        let mut events = vec![("frame", text::json(frame)?)];
+        let dims = Dims { width: frame.head.width, height: frame.head.height };
+        let setup = self.args.input.setup_of(dims)?;
+        events.extend(in_space(self.args, &setup, (&frame.matches, &[]), frame.head.health)?);
+        self.server.send("pair", &events);
+        Ok(())
+    }
+
+    /// Depths by the board, of the visitors' boxes by their labels, or of those of --send.
+    fn objects(&self, list: &[ObjectDepth]) {
+        let objects: Vec<_> = list.iter().map(|depth| listing::Object::new(depth, None)).collect();
+        let boxes: Vec<_> = list.iter().filter_map(|depth| self.asked.boxes.get(usize::from(depth.label))).collect();
+        let has_metres = list.iter().any(|depth| depth.depth.is_some());
+        let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
+        self.server.send("objects", &[("objects", told.to_string())]);
+    }
+
+    fn tell_counts(&mut self) {
+        self.told = Instant::now();
+        let (frames, packets) = self.link.counts();
+        let damaged = packets.cobs + packets.checksum + packets.too_long + packets.malformed;
+        let told = json!({
+            "complete": frames.complete, "incomplete": frames.incomplete, "lost": frames.lost, "missing_segments": frames.missing_segments,
+            "restarts": frames.restarts, "damaged": damaged, "bytes": self.link.bytes(),
+        });
+        self.server.send("link", &[("link", told.to_string())]);
+    }
+
+    /// Until it is time, or Ctrl-C.
+    fn wait(&mut self, due: Option<Instant>) {
+        while due.is_none_or(|due| Instant::now() < due) && !interruption::requested() {
+            self.asked.changed(self.server);
+            thread::sleep(LOOK);
+        }
+    }
+}

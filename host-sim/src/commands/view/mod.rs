@@ -1,0 +1,188 @@
+//! `linestereo view`: pairs as they are matched, or a board's results as they arrive, on a page in the browser.
+
+mod boards;
+mod pairs;
+
+use super::input::{InputArgs, Setup};
+use super::player::SourceArgs;
+use super::sector_options::SectorPlanArgs;
+use crate::input::recording::is_recording;
+use crate::input::video::is_video;
+use crate::interruption;
+use crate::monitor::port::PortArgs;
+use crate::output::{print, say};
+use crate::report::live;
+use crate::results::directions::Directions;
+use crate::serve::{AskedBox, Event, Server};
+use anyhow::Result;
+use core::time::Duration;
+use linestereo::{Disparity, ImagePosition, Match, Point};
+use linestereo_wire::Health;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo view recording --rig rig.toml
+      a folder of pairs, ten a second; open the address that is printed
+  linestereo view recording.mcap --repeat
+      a recording of ROS 2 with the times between its pairs, again and again
+  linestereo view --camera /dev/video0 --rig rig.toml
+      a stereo camera at this PC
+  linestereo view --serial /dev/ttyACM0 --send start --focal-px 300 --baseline-m 0.1
+      a board; with its focal length and baseline also from above, and in sectors
+  linestereo view run.bin
+      what linestereo monitor --record wrote, at its own speed
+
+On the page: the left image with segments and points, all from above with the nearest obstacle of each sector, health
+with what to do, pairs and losses of each second. A box that is drawn there is answered in every pair: of pairs by this
+program, of a board by the board (which is asked with box=, as linestereo monitor --send does); a recording of a board
+answers no new ones. A board sends no pictures: its segments are on black.
+
+The page stays after the last pair, until Ctrl-C; then a summary is printed.
+Only this computer can open it, and only with the token in the address, new each time. From another computer: ssh -L
+PORT:127.0.0.1:PORT, with --port PORT here. Eight pages are served at once; one that is too slow leaves pairs out.";
+
+/// Wait between two looks for what happened meanwhile.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// Show pairs as they are matched, or a board's results as they arrive, on a page in the browser.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+#[command(group(clap::ArgGroup::new("shown").required(true).args(["path", "tcp", "serial", "camera"])))]
+pub struct Args {
+    /// Folder of pairs, recording of ROS 2 (.mcap), or video; or bytes that a board sent, "-" is stdin.
+    #[arg(conflicts_with = "baud")]
+    path: Option<PathBuf>,
+    #[command(flatten)]
+    source: SourceArgs,
+    /// Port of 127.0.0.1 to serve the page at; 0 is a free one.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    /// Pairs a second of what is recorded [default: at its own times, else 10].
+    #[arg(long, value_name = "N", value_parser = rate, conflicts_with_all = ["tcp", "serial", "camera"])]
+    rate: Option<f64>,
+    /// Begin anew after the last pair.
+    #[arg(long, conflicts_with_all = ["tcp", "serial", "camera"])]
+    repeat: bool,
+    #[command(flatten)]
+    board: PortArgs,
+    /// Send a command to the board, as linestereo monitor --send does; may be given several times.
+    #[arg(long, value_name = "COMMAND", conflicts_with_all = ["path", "camera"])]
+    send: Vec<String>,
+    #[command(flatten)]
+    sectors: SectorPlanArgs,
+    #[command(flatten)]
+    input: InputArgs,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate| (0.01..=1000.0).contains(rate));
+    rate.ok_or_else(|| "give pairs a second, 0.01 to 1000".to_owned())
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    interruption::watch();
+    let is_of_board = |path: &Path| !path.is_dir() && !is_recording(path) && !is_video(path);
+    let has_board = args.board.tcp.is_some() || args.board.serial.is_some();
+    let summary = if has_board || args.path.as_deref().is_some_and(is_of_board) {
+        boards::show(args)?
+    } else {
+        pairs::show(args)?
+    };
+    say(&summary)
+}
+
+impl Args {
+    /// Serves the page, and says where.
+    fn serve(&self) -> Result<Server> {
+        let PortArgs { tcp, serial, .. } = &self.board;
+        let path = self.path.as_ref().map(|path| path.display().to_string());
+        let source = path.or_else(|| tcp.clone()).or_else(|| serial.clone()).unwrap_or_else(|| "camera".to_owned());
+        let server = Server::start(self.port, |nonce| live::page(&source, nonce))?;
+        // Wanted even by who wants no notes.
+        print(&format!("{}\n", server.address()))?;
+        Ok(server)
+    }
+}
+
+/// Boxes that the visitors ask for, as they were last answered.
+#[derive(Default)]
+struct Asked {
+    boxes: Vec<AskedBox>,
+}
+
+impl Asked {
+    /// Takes the visitors' list, and tells all of them; true where it is another one.
+    fn changed(&mut self, server: &Server) -> bool {
+        let boxes = server.boxes();
+        let is_new = boxes != self.boxes;
+        if is_new {
+            server.send("boxes", &[("boxes", json!(boxes).to_string())]);
+            self.boxes = boxes;
+        }
+        is_new
+    }
+}
+
+/// Times of recorded pairs.
+struct Pace {
+    rate: Option<f64>,
+    last: Option<(Instant, Option<u64>)>,
+}
+
+impl Pace {
+    /// Between pairs without times, and the longest that is waited for the next one.
+    const STEP: Duration = Duration::from_millis(100);
+    const LONGEST: Duration = Duration::from_secs(2);
+
+    fn new(args: &Args) -> Self {
+        Self { rate: args.rate, last: None }
+    }
+
+    /// Time to show a pair that was captured at this time.
+    fn due(&mut self, captured_us: Option<u64>) -> Instant {
+        let now = Instant::now();
+        let due = self.last.map_or(now, |(last, before_us)| {
+            let since_us = captured_us.zip(before_us).and_then(|(this, before)| this.checked_sub(before));
+            let recorded =
+                since_us.map(Duration::from_micros).filter(|since| !since.is_zero() && *since <= Self::LONGEST);
+            let step = self.rate.map(|rate| Duration::from_secs_f64(1.0 / rate)).or(recorded);
+            now.max(last + step.unwrap_or(Self::STEP))
+        });
+        self.last = Some((due, captured_us));
+        due
+    }
+}
+
+/// Events of what has a place in space: points from above, and sectors.
+fn in_space(
+    args: &Args,
+    setup: &Setup<'_>,
+    (matches, points): (&[Match], &[Point]),
+    health: Health,
+) -> Result<Vec<Event>> {
+    let Some(rig) = setup.geometry() else { return Ok(Vec::new()) };
+    let above = |at: ImagePosition, disparity: Disparity| {
+        let [x, _, z] = rig.xyz(at, disparity)?.map(|metres| (metres.to_num::<f64>() * 1e3).round() / 1e3);
+        Some(json!([x, z, disparity.to_num::<f64>()]))
+    };
+    let of_points = points.iter().filter_map(|point| above(point.position(), point.disparity));
+    let ends = matches.iter().flat_map(|found| found.ends.into_iter().zip(found.disparity));
+    let placed: Vec<Value> = of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
+    let product = rig.focal_baseline_q16() as f64 / 65536.0;
+    let rig = json!({"product": product, "offset": rig.offset_q6() as f64 / 64.0});
+    let plan = args.sectors.plan(&setup.params, setup.dims())?;
+    let directions = Directions::new(plan, matches, points, health.of_pair()).list();
+    Ok(vec![
+        ("above", json!({"points": placed, "rig": rig}).to_string()),
+        ("sectors", serde_json::to_string(&directions)?),
+    ])
+}
+
+/// Tells the visitors how it ended.
+fn end(server: &Server, summary: &str) {
+    server.send("end", &[("end", json!(summary).to_string())]);
+}

@@ -1,0 +1,158 @@
+//! Pairs of a folder, a recording, a video or a camera, shown as they are matched.
+
+use super::super::objects::ObjectArgs;
+use super::super::pairs::{has_ended, video_note};
+use super::super::player::{Player, line};
+use super::super::recording::Played;
+use super::{Args, Asked, LOOK, Pace, end, in_space};
+use crate::engine::FrameResult;
+use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::interruption;
+use crate::output::say;
+use crate::results::health;
+use crate::results::listing;
+use crate::serve::{AskedBox, Event, Server};
+use anyhow::{Result, bail};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use linestereo::{Area, Region};
+use linestereo_baselines::GrayImage;
+use serde_json::json;
+use std::path::Path;
+use std::thread;
+use std::time::Instant;
+
+/// A source of pairs that is shown.
+struct Show<'a> {
+    args: &'a Args,
+    server: &'a Server,
+    player: Player<'a>,
+    asked: Asked,
+    /// Result of the last pair.
+    last: Option<FrameResult>,
+    shown: u64,
+    failed: u64,
+    first_error: Option<String>,
+}
+
+/// Shows every pair, then the last one until Ctrl-C; the summary.
+pub(super) fn show(args: &Args) -> Result<String> {
+    let found = args.source.find(args.path.as_deref())?;
+    let frames = args.source.chosen(&found)?;
+    let player = Player::new(&args.input, args.path.as_deref().unwrap_or(Path::new("")))?;
+    let server = &args.serve()?;
+    let (asked, last) = (Asked::default(), None);
+    let mut show = Show { args, server, player, asked, last, shown: 0, failed: 0, first_error: None };
+    let is_live = frames.count().is_none();
+    loop {
+        let mut pace = Pace::new(args);
+        for (number, pair) in frames.pairs(&found) {
+            if !is_live {
+                let due = pace.due(time_us(&pair));
+                show.wait(|| Instant::now() >= due);
+            }
+            if interruption::requested() || !show.pair(number, &pair, &found)? {
+                break;
+            }
+        }
+        let is_over = interruption::requested() || is_live || has_ended(&found) || show.shown == 0;
+        if is_over || !args.repeat {
+            break;
+        }
+    }
+    let summary = show.summary(&found);
+    if let (0, Some(error)) = (show.shown, &show.first_error) {
+        bail!("no pair can be matched; {error}");
+    }
+    if !interruption::requested() {
+        say("all pairs are shown; the page stays until Ctrl-C\n")?;
+        show.wait(|| false);
+    }
+    end(server, &summary);
+    Ok(summary)
+}
+
+fn time_us(pair: &StoredPair) -> Option<u64> {
+    match &pair.images {
+        PairFiles::Filmed(filmed) => filmed.time_ns().map(|ns| ns / 1000),
+        files => files.times_us().map(|[left, _]| left),
+    }
+}
+
+impl Show<'_> {
+    /// Matches and shows a pair; false where no more will come.
+    fn pair(&mut self, number: u64, pair: &StoredPair, found: &Dataset) -> Result<bool> {
+        let outcome = self.player.next(pair, &ObjectArgs::default());
+        if outcome.is_err() && (interruption::requested() || has_ended(found)) {
+            return Ok(false);
+        }
+        let played = outcome.map_err(|error| format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
+        let mut events = Vec::new();
+        if let Ok(Played { images: [left, _], .. }) = &played {
+            events.push(picture(left));
+        }
+        events.push(("frame", line(number, pair, &played, false)?));
+        match played {
+            Ok(Played { result, .. }) => {
+                self.shown += 1;
+                if let Some(setup) = self.player.setup() {
+                    events.extend(in_space(self.args, setup, (&result.matches, &result.points), result.health)?);
+                }
+                self.last = Some(result);
+            }
+            Err(error) => {
+                self.failed += 1;
+                self.first_error.get_or_insert_with(|| format!("{}: {error}", pair.name));
+            }
+        }
+        self.server.send("pair", &events);
+        self.asked.changed(self.server);
+        self.answer();
+        let counts = json!({"shown": self.shown, "failed": self.failed});
+        self.server.send("link", &[("link", counts.to_string())]);
+        Ok(true)
+    }
+
+    /// Answers the visitors until it is time, or Ctrl-C.
+    fn wait(&mut self, is_time: impl Fn() -> bool) {
+        while !is_time() && !interruption::requested() {
+            if self.asked.changed(self.server) {
+                self.answer();
+            }
+            thread::sleep(LOOK);
+        }
+    }
+
+    /// Tells the depths of the visitors' boxes in the last pair.
+    fn answer(&mut self) {
+        if let Some(told) = self.answers() {
+            self.server.send("objects", &[("objects", told)]);
+        }
+    }
+
+    fn answers(&mut self) -> Option<String> {
+        let (result, (setup, matcher)) = (self.last.as_ref()?, self.player.at_hand()?);
+        let dims = setup.dims();
+        let region = |(&asked, label): (&AskedBox, u16)| {
+            let [left, top, right, bottom] = asked;
+            Some((asked, Region::boxed(label, Area { left, top, right, bottom }, dims).ok()?))
+        };
+        let (boxes, regions): (Vec<_>, Vec<_>) = self.asked.boxes.iter().zip(0..).filter_map(region).unzip();
+        let depths = matcher.engine.objects(&regions, health::is_fit(result.health));
+        let objects: Vec<_> = depths.iter().map(|depth| listing::Object::new(depth, None)).collect();
+        let has_metres = setup.params.rig.is_some();
+        Some(json!({"boxes": boxes, "objects": objects, "rig": has_metres}).to_string())
+    }
+
+    fn summary(&self, found: &Dataset) -> String {
+        let mut text = format!("{} pairs shown, {} failed\n", self.shown, self.failed);
+        if let Some(error) = &self.first_error {
+            text.push_str(&format!("first failure: {error}\n"));
+        }
+        text + &video_note(found)
+    }
+}
+
+fn picture(image: &GrayImage) -> Event {
+    let size = [image.dims.width, image.dims.height];
+    ("picture", json!({"size": size, "grey": BASE64_STANDARD.encode(&image.pixels)}).to_string())
+}

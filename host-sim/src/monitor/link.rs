@@ -1,0 +1,229 @@
+//! A board behind a port: bytes to what they say, and commands with their answers.
+//!
+//! In: bytes, and requests. Out: frames, depths of objects, notes; a command is sent again until it is answered.
+
+use super::frames::{Assembler, Frame, FrameCounts};
+use super::port::Port;
+use super::requests::{self, Wanted};
+use super::text;
+use anyhow::{Result, anyhow, bail};
+use core::time::Duration;
+use linestereo::ObjectDepth;
+use linestereo_wire::{
+    Answer, Command, Counters, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome,
+    Request, SettingValue, encode,
+};
+use std::collections::VecDeque;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+/// Has the board give times in this computer's clock, anew after so long: the board forgets it after 10 s.
+const SYNC: &str = "sync";
+const SYNC_EVERY: Duration = Duration::from_secs(2);
+/// A command is sent again after this long without an answer,
+const ANSWER_WITHIN: Duration = Duration::from_secs(1);
+/// this many times in all.
+const ATTEMPTS: u32 = 5;
+
+/// Content of one or more packets.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// A frame, complete or not.
+    Frame(Frame),
+    /// Depths of the boxes that the board was asked for.
+    Objects(Vec<ObjectDepth>),
+    /// A line for people.
+    Note(String),
+}
+
+/// A command that was sent, and has no answer yet.
+struct Waiting {
+    command: Command,
+    words: String,
+    since: Instant,
+    attempts: u32,
+}
+
+/// State of the link and of the board as far as it is known.
+pub struct Link {
+    decoder: Decoder<Message, MAX_PACKET>,
+    frames: Assembler,
+    bytes: u64,
+    other_version: Option<u8>,
+    wanted: VecDeque<Wanted>,
+    /// When the board's clock was last asked for, if it is to follow the host's.
+    synced: Option<Instant>,
+    waiting: Option<Waiting>,
+    next_id: u16,
+    last_hello: Option<Hello>,
+    /// Those of a list that is not complete yet.
+    settings: Vec<SettingValue>,
+}
+
+impl Link {
+    /// A link that sends these requests, each after the answer to the one before.
+    #[must_use]
+    pub fn new(wanted: Vec<Wanted>) -> Self {
+        Self {
+            decoder: Decoder::new(),
+            frames: Assembler::default(),
+            bytes: 0,
+            other_version: None,
+            wanted: described(wanted).into(),
+            synced: None,
+            waiting: None,
+            next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
+            last_hello: None,
+            settings: Vec::new(),
+        }
+    }
+
+    /// One more request, behind those that wait.
+    pub fn ask(&mut self, wanted: Wanted) {
+        self.wanted.push_back(wanted);
+    }
+
+    /// Was everything answered that was asked?
+    #[must_use]
+    pub fn is_answered(&self) -> bool {
+        self.waiting.is_none() && self.wanted.is_empty()
+    }
+
+    /// Sends the next command, or the last one again.
+    pub fn command(&mut self, port: &mut Port) -> Result<()> {
+        match &mut self.waiting {
+            None => {
+                if self.wanted.is_empty() && self.synced.is_some_and(|since| since.elapsed() >= SYNC_EVERY) {
+                    self.wanted.push_back(Wanted { request: Request::ReadClock, words: SYNC.to_owned() });
+                }
+                let Some(Wanted { request, words }) = self.wanted.pop_front() else { return Ok(()) };
+                if request == Request::ReadClock {
+                    self.synced = Some(Instant::now());
+                }
+                self.next_id = self.next_id.wrapping_add(1);
+                let command = Command { id: self.next_id, request };
+                self.waiting = Some(Waiting { command, words, since: Instant::now(), attempts: 0 });
+            }
+            Some(waiting) if waiting.since.elapsed() < ANSWER_WITHIN => return Ok(()),
+            Some(waiting) if waiting.attempts == ATTEMPTS => {
+                bail!("no answer to {} in {ATTEMPTS} s; does the board run, and is the speed right?", waiting.words)
+            }
+            Some(_) => {}
+        }
+        let Some(waiting) = &mut self.waiting else { return Ok(()) };
+        waiting.attempts += 1;
+        waiting.since = Instant::now();
+        // The delimiter ends whatever noise stands before the command.
+        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
+        let length = encode(&waiting.command, &mut packet[1..])?.len();
+        port.write(&packet[..=length])
+    }
+
+    /// One byte from the board: the events that it completes, mostly none.
+    pub fn push(&mut self, byte: u8) -> Result<Vec<Event>> {
+        self.bytes += 1;
+        let event = match self.decoder.push(byte) {
+            None => return Ok(Vec::new()),
+            Some(Ok(Message::Frame(head))) => return Ok(self.frames.begin(head).map(Event::Frame).collect()),
+            Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
+            Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.iter().map(Into::into).collect())),
+            // Points come only from programs that are fed by a file; the others are for `photograph` and `bench-board`.
+            Some(Ok(
+                Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
+            )) => None,
+            Some(Ok(Message::Setting(value))) => {
+                self.settings.push(value);
+                None
+            }
+            Some(Ok(Message::Kept(report))) => {
+                let settings = core::mem::take(&mut self.settings);
+                Some(Event::Note(requests::listing(&settings, &report)))
+            }
+            Some(Ok(Message::Clock(board_us))) => {
+                self.set_clock(board_us);
+                None
+            }
+            Some(Ok(Message::Capture(lost))) => Some(Event::Note(format!("cameras lost: {lost}"))),
+            Some(Ok(Message::Hello(hello))) => {
+                let is_news = self.last_hello.as_ref() != Some(&hello);
+                let note = is_news.then(|| Event::Note(introduction(&hello)));
+                self.last_hello = Some(hello);
+                note
+            }
+            Some(Ok(Message::Answer(answer))) => self.answered(answer)?,
+            Some(Err(error)) => {
+                if let DecodeError::Version { found } = error {
+                    self.other_version = Some(found);
+                }
+                None // counted
+            }
+        };
+        Ok(event.into_iter().collect())
+    }
+
+    fn answered(&mut self, answer: Answer) -> Result<Option<Event>> {
+        let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
+            return Ok(None); // answered twice
+        };
+        match answer.outcome {
+            Outcome::Accepted if waiting.words == SYNC => Ok(None), // every few seconds; frames name the clock
+            Outcome::Accepted => Ok(Some(Event::Note(format!("accepted: {}", waiting.words)))),
+            Outcome::Refused(refusal) => Err(anyhow!("the board refused {}: {refusal}", waiting.words)),
+        }
+    }
+
+    /// Has the board give times in this computer's clock: its time in the middle of the question and the answer less the board's.
+    fn set_clock(&mut self, board_us: u64) {
+        let is_asked = |waiting: &&Waiting| waiting.command.request == Request::ReadClock && waiting.attempts == 1;
+        let Some(waiting) = self.waiting.as_ref().filter(is_asked) else { return };
+        let middle = SystemTime::now() - waiting.since.elapsed() / 2;
+        let now_us = middle.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64);
+        let offset_us = now_us.saturating_sub(board_us);
+        self.wanted.push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
+    }
+
+    /// No more bytes come: the frame that is left incomplete.
+    pub fn finish(&mut self) -> Option<Frame> {
+        self.decoder.finish();
+        self.frames.finish()
+    }
+
+    /// True when no packet of a board, of this version or another one, was among the bytes.
+    #[must_use]
+    pub fn has_nothing(&self) -> bool {
+        let packets = self.decoder.counters();
+        packets.good == 0 && packets.other_version == 0
+    }
+
+    /// Bytes so far.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Frames and packets so far.
+    #[must_use]
+    pub fn counts(&self) -> (FrameCounts, Counters) {
+        (self.frames.counts(), self.decoder.counters())
+    }
+
+    /// The counts in a few lines.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version)
+    }
+}
+
+/// Before a start, a board says what it is and why it was reset: when it began to run, nobody may have listened.
+fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
+    let place = |request: &Request| wanted.iter().position(|wanted| wanted.request == *request);
+    if let (Some(start), None) = (place(&Request::Start), place(&Request::Describe)) {
+        wanted.insert(start, Wanted { request: Request::Describe, words: "describe".to_owned() });
+    }
+    wanted
+}
+
+fn introduction(hello: &Hello) -> String {
+    let Hello { board, largest_width, largest_height, segments, rig, reset } = hello;
+    let reset = reset.map_or_else(String::new, |reset| format!("; reset by {reset}"));
+    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}{reset}")
+}

@@ -1,0 +1,141 @@
+// What the page for browsers (bindings/web) and the live page share: a pair with what was matched in it, its points from above, boxes that are drawn.
+
+const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
+const FONT = "system-ui, sans-serif";
+
+export const inMetres = z => (z === Infinity ? "∞" : `${z.toFixed(z < 10 ? 3 : 1)} m`);
+const percent = share => `${(100 * share).toFixed(1)} %`;
+
+/// The depth of an object in words: disparities in px, depths in m where there is a rig.
+export function inWords({ reason, disparity, sigma, confidence, depth, depth_sigma, nearest }, rig) {
+  if (reason) return `no depth: ${reason}`;
+  const sure = `within 1 px with ${percent(confidence)}`, px = `${disparity.toFixed(2)} ± ${sigma.toFixed(2)} px`;
+  return rig ? `${inMetres(depth)} ± ${inMetres(depth_sigma)}, nearest ${inMetres(nearest)}; ${px}, ${sure}` : `${px}, ${sure}`;
+}
+
+/// An entry of a list.
+export function item(text, name) {
+  const made = document.createElement("li");
+  made.textContent = text;
+  made.className = name;
+  return made;
+}
+
+/// Disparities that the colours span: all but one segment in fifty at each end; up to `most` without segments.
+export function range(segments, most) {
+  const found = segments.flatMap(segment => segment.disparity).sort((a, b) => a - b), skip = Math.floor(found.length / 50);
+  if (!found.length) return [0, most];
+  const far = Math.max(0, 4 * Math.floor(found[skip] / 4));
+  return [far, Math.max(far + 4, 4 * Math.ceil(found[found.length - 1 - skip] / 4))];
+}
+
+function colour(d, [far, near], alpha = 1) {
+  const at = Math.min(1, Math.max(0, (d - far) / (near - far))) * (STOPS.length - 1);
+  const i = Math.min(Math.floor(at), STOPS.length - 2), t = at - i;
+  return `rgba(${STOPS[i].map((value, k) => Math.round(value * (1 - t) + STOPS[i + 1][k] * t)).join(",")},${alpha})`;
+}
+
+/// The colours between the words at both ends.
+export function showLegend(place, [far, near]) {
+  const bar = document.createElement("i");
+  bar.style.background = `linear-gradient(90deg, ${STOPS.map(stop => `rgb(${stop})`).join(",")})`;
+  place.replaceChildren(far, bar, near);
+}
+
+/// Grey pixels as a picture half as bright, so that colours stand out.
+export function dimmed(grey, width, height) {
+  const rgba = new Uint8ClampedArray(4 * width * height).fill(255), canvas = document.createElement("canvas");
+  grey.forEach((value, i) => rgba.fill(value * 0.62, 4 * i, 4 * i + 3));
+  Object.assign(canvas, { width, height }).getContext("2d").putImageData(new ImageData(rgba, width, height), 0, 0);
+  return canvas;
+}
+
+/// A picture, or black, with squares of `side` px around points, segments, and boxes with their numbers.
+export function drawPair(canvas, { width, height, picture }, { points, side, segments, boxes, span }) {
+  const scale = Math.max(1, Math.round(1280 / width)), context = canvas.getContext("2d"), size = Math.max(8, width / 32);
+  Object.assign(canvas, { width: width * scale, height: height * scale });
+  context.imageSmoothingEnabled = false;
+  context.scale(scale, scale);
+  if (picture) context.drawImage(picture, 0, 0);
+  for (const { x, y, disparity } of points) {
+    context.fillStyle = colour(disparity, span, side > 2 ? 0.3 : 0.8);
+    context.fillRect(x - side / 2, y - side / 2, Math.max(side - 0.5, 1), Math.max(side - 0.5, 1));
+  }
+  context.lineWidth = 1.2;
+  for (const { x, y, disparity } of [...segments].reverse()) {
+    context.strokeStyle = colour((disparity[0] + disparity[1]) / 2, span);
+    context.beginPath();
+    // Whole numbers are centres of pixels.
+    context.moveTo(x[0] + 0.5, y[0] + 0.5);
+    context.lineTo(x[1] + 0.5, y[1] + 0.5);
+    context.stroke();
+  }
+  context.strokeStyle = context.fillStyle = "#fff";
+  context.font = `${size}px ${FONT}`;
+  boxes.forEach(({ left, top, right, bottom }, i) => {
+    context.strokeRect(left, top, right - left, bottom - top);
+    context.fillText(`${i + 1}`, left + 2, top + size);
+  });
+}
+
+/// Points from above, the camera below: x to the right and z ahead in m. Sectors, where there are any, as arcs at their distances.
+export function drawTop(canvas, points, span, sectors = []) {
+  const context = canvas.getContext("2d"), [middle, base] = [canvas.width / 2, canvas.height - 20];
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  if (!points.length) return;
+  // Points seen through a window should not make the room small.
+  const far = 1.2 * points.map(p => p.z).sort((a, b) => a - b)[Math.floor(0.93 * (points.length - 1))];
+  const half = far * points.reduce((most, { x, z }) => Math.max(most, Math.abs(x / z)), 0.25);
+  const scale = Math.min(canvas.width / (2 * half), (canvas.height - 30) / far), at = (x, z) => [middle + x * scale, base - z * scale];
+  context.strokeStyle = context.fillStyle = "#888";
+  context.font = `13px ${FONT}`;
+  const rough = far / 4, power = 10 ** Math.floor(Math.log10(rough)), step = [1, 2, 5, 10].map(f => f * power).find(s => s >= rough);
+  for (let z = step; z < far; z += step) {
+    const [x, y] = at(0, z);
+    context.beginPath();
+    context.arc(middle, base, z * scale, Math.PI, 2 * Math.PI);
+    context.stroke();
+    context.fillText(`${+z.toPrecision(3)} m`, x + 4, y - 3);
+  }
+  for (const { x, z, disparity } of points) {
+    context.fillStyle = colour(disparity, span, 0.5);
+    const [u, v] = at(x, z);
+    context.fillRect(u - 1, v - 1, 2, 2);
+  }
+  context.strokeStyle = "#d33";
+  context.lineWidth = 3;
+  for (const { from, to, distance } of sectors) {
+    context.beginPath();
+    context.arc(middle, base, distance * scale, from - Math.PI / 2, to - Math.PI / 2);
+    context.stroke();
+  }
+  context.lineWidth = 1;
+}
+
+/// Has `drawn` called with each box that the visitor draws, and `dragged` while it is drawn, with null at its end; in px of an image of this `size()`.
+export function onBoxes(canvas, size, dragged, drawn) {
+  let box = null;
+  const place = event => {
+    const area = canvas.getBoundingClientRect(), inside = (value, most) => Math.min(most, Math.max(0, Math.round(value))), [width, height] = size();
+    return [inside((event.clientX - area.left) * width / area.width, width), inside((event.clientY - area.top) * height / area.height, height)];
+  };
+  canvas.addEventListener("pointerdown", event => {
+    if (event.button !== 0) return;
+    canvas.setPointerCapture(event.pointerId);
+    const [x, y] = place(event);
+    box = { from: [x, y], left: x, top: y, right: x, bottom: y };
+  });
+  canvas.addEventListener("pointermove", event => {
+    if (!box) return;
+    const [x, y] = place(event), [x0, y0] = box.from;
+    Object.assign(box, { left: Math.min(x, x0), top: Math.min(y, y0), right: Math.max(x, x0), bottom: Math.max(y, y0) });
+    dragged(box);
+  });
+  canvas.addEventListener("pointerup", () => {
+    const { left, top, right, bottom } = box ?? {};
+    box = null;
+    if (right > left && bottom > top) drawn({ left, top, right, bottom });
+    dragged(null);
+  });
+  canvas.addEventListener("pointercancel", () => { box = null; dragged(null); });
+}

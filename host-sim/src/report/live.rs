@@ -1,0 +1,25 @@
+//! The live page: events of a server in, pictures and charts out. It asks for nothing but those events.
+
+use super::{DRAWING, SHARED_STYLE};
+use crate::results::health;
+use serde_json::json;
+
+const PAGE: &str = include_str!("live.html");
+const SCRIPT: &str = include_str!("live.js");
+
+/// The page of this source, a name for people. The server's word `nonce` marks its scripts and styles.
+#[must_use]
+pub fn page(source: &str, nonce: &str) -> String {
+    let advice = json!(health::ADVICE).to_string().replace('<', "\\u003c");
+    let source = source.replace('&', "&amp;").replace('<', "&lt;");
+    // Behind what it imports it needs no imports.
+    let script: String = SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
+    let parts = [
+        ("/*NONCE*/", nonce),
+        ("/*STYLE*/", SHARED_STYLE),
+        ("/*ADVICE*/", &advice),
+        ("/*SCRIPT*/", &[DRAWING, &script].concat()),
+        ("/*SOURCE*/", &source),
+    ];
+    parts.into_iter().fold(PAGE.to_owned(), |page, (place, part)| page.replace(place, part))
+}

@@ -1,0 +1,450 @@
+//! `linestereo view` as a browser meets it: who is let in, events against the lines of `sequence` and `monitor`, boxes, a board's link, the end.
+
+use crate::monitor::{damaged_recording, frame, packet};
+use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
+use core::time::Duration;
+use linestereo_sim::report::browser::Browser;
+use linestereo_wire::{
+    Answer, Command as BoardCommand, Decoder, MAX_COMMAND, ObjectRecord, Objects, Outcome, Regions, Request,
+};
+use serde_json::{Value, json};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::thread;
+use std::time::Instant;
+use tempfile::TempDir;
+
+/// The program, serving.
+struct View {
+    child: Child,
+    stdout: BufReader<ChildStdout>,
+    port: u16,
+    token: String,
+}
+
+impl View {
+    fn start(folder: &Path, args: &[&str]) -> Self {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_linestereo"));
+        program.current_dir(folder).arg("view").args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = program.spawn().unwrap();
+        let mut stdout = BufReader::new(child.stdout.take().unwrap());
+        let mut address = String::new();
+        stdout.read_line(&mut address).unwrap();
+        let told = address.trim().strip_prefix("http://127.0.0.1:").and_then(|rest| rest.split_once("/?token="));
+        let Some((port, token)) = told else {
+            panic!("{address:?} {}", stderr(&child.wait_with_output().unwrap()));
+        };
+        Self { child, stdout, port: port.parse().unwrap(), token: token.to_owned() }
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream
+    }
+
+    /// Sends bytes; the status and all that comes back.
+    fn answer(&self, request: &[u8]) -> (u16, String) {
+        let (mut stream, mut text) = (self.connect(), String::new());
+        stream.write_all(request).unwrap();
+        stream.read_to_string(&mut text).unwrap();
+        let status = text.split(' ').nth(1).and_then(|status| status.parse().ok());
+        (status.unwrap_or_else(|| panic!("{text:?}")), text)
+    }
+
+    fn head(&self, method: &str, path: &str, fields: &str) -> String {
+        format!("{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{fields}\r\n", self.port)
+    }
+
+    fn post(&self, body: &str) -> u16 {
+        let path = format!("/boxes?token={}", self.token);
+        self.answer((self.head("POST", &path, &format!("Content-Length: {}\r\n", body.len())) + body).as_bytes()).0
+    }
+
+    fn events(&self) -> Events {
+        let mut stream = self.connect();
+        let path = format!("/events?token={}", self.token);
+        stream.write_all(self.head("GET", &path, "").as_bytes()).unwrap();
+        let mut events = Events(BufReader::new(stream));
+        let head: Vec<String> = core::iter::from_fn(|| events.line()).take_while(|line| !line.is_empty()).collect();
+        assert!(head[0] == "HTTP/1.1 200 OK" && head[1].contains("text/event-stream"), "{head:?}");
+        events
+    }
+
+    /// Ctrl-C; exit code, the rest of stdout, and stderr.
+    fn interrupt(mut self) -> (Option<i32>, String, String) {
+        assert!(Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().unwrap().success());
+        self.end()
+    }
+
+    fn end(&mut self) -> (Option<i32>, String, String) {
+        let (mut said, mut errors) = (String::new(), String::new());
+        self.stdout.read_to_string(&mut said).unwrap();
+        self.child.stderr.take().unwrap().read_to_string(&mut errors).unwrap();
+        (self.child.wait().unwrap().code(), said, errors)
+    }
+}
+
+/// Events as they come.
+struct Events(BufReader<TcpStream>);
+
+impl Events {
+    fn line(&mut self) -> Option<String> {
+        let mut line = String::new();
+        (self.0.read_line(&mut line).unwrap() > 0).then(|| line.trim_end().to_owned())
+    }
+
+    /// Name and data of the next one; nothing at the end.
+    fn next(&mut self) -> Option<(String, String)> {
+        loop {
+            let line = self.line()?;
+            if let Some(name) = line.strip_prefix("event: ") {
+                let data = self.line().unwrap();
+                return Some((name.to_owned(), data.strip_prefix("data: ").unwrap().to_owned()));
+            }
+            assert!(line.is_empty() || line == ":", "{line}");
+        }
+    }
+
+    /// The next one of this name.
+    #[track_caller]
+    fn of(&mut self, name: &str) -> String {
+        loop {
+            let (found, data) = self.next().expect("the events ended");
+            if found == name {
+                return data;
+            }
+        }
+    }
+
+    fn json(&mut self, name: &str) -> Value {
+        serde_json::from_str(&self.of(name)).unwrap()
+    }
+}
+
+#[test]
+fn the_page_is_for_this_computer_and_its_token_alone() {
+    let folder = with_drawn_pairs();
+    let view = View::start(folder.path(), &["rec"]);
+    let (token, port) = (&view.token, view.port);
+    assert_eq!(token.len(), 32);
+    let page = format!("/?token={token}");
+    let (status, text) = view.answer(view.head("GET", &page, "").as_bytes());
+    assert!(status == 200 && text.contains("<title>linestereo</title>") && text.contains("new EventSource"), "{text}");
+    for field in ["default-src 'none'", "connect-src 'self'", "Cache-Control: no-store", "Referrer-Policy: no-referrer"]
+    {
+        assert!(text.contains(field), "{field}");
+    }
+    // Whatever it fetches is from here, and nothing in it is code of somebody else.
+    assert!(!text.contains("https://") && !text.replace(&format!("http://127.0.0.1:{port}"), "").contains("http://"));
+    let of_host = |host: &str| format!("GET {page} HTTP/1.1\r\nHost: {host}\r\n\r\n");
+    let own = format!("127.0.0.1:{port}");
+    let cases = [
+        (of_host(&format!("localhost:{port}")), 200),
+        (of_host("127.0.0.1"), 403),
+        (of_host(&format!("attacker.example:{port}")), 403),
+        (format!("GET {page} HTTP/1.1\r\n\r\n"), 403),
+        (format!("GET {page} HTTP/1.1\r\nHost: {own}\r\nHost: {own}\r\n\r\n"), 400),
+        (view.head("GET", &page, "Origin: http://attacker.example\r\n"), 403),
+        (view.head("GET", &page, "Origin: null\r\n"), 403),
+        (view.head("GET", &page, &format!("Origin: http://{own}\r\n")), 200),
+        (view.head("GET", "/", ""), 403),
+        (view.head("GET", "/events", ""), 403),
+        (view.head("GET", "/?token=", ""), 403),
+        (view.head("GET", &format!("/?token={}0", &token[1..]), ""), 403),
+        (view.head("GET", &format!("/?token={}", &token[1..]), ""), 403),
+        (view.head("GET", &format!("/../etc/passwd?token={token}"), ""), 404),
+        (view.head("POST", &page, ""), 405),
+        (view.head("GET", &format!("/boxes?token={token}"), ""), 405),
+        (view.head("GET", &page, &format!("X: {}\r\n", "y".repeat(9000))), 431),
+        (view.head("GET", &page, &"X: y\r\n".repeat(100)), 431),
+        (view.head("POST", &format!("/boxes?token={token}"), "Content-Length: 5000\r\n"), 413),
+        (view.head("POST", &format!("/boxes?token={token}"), "Content-Length: -1\r\n"), 400),
+        (view.head("POST", &format!("/boxes?token={token}"), "Transfer-Encoding: chunked\r\n"), 400),
+        ("\x16\x03\x01\x02 hello\r\n\r\n".to_owned(), 400),
+    ];
+    for (request, status) in cases {
+        assert_eq!(view.answer(request.as_bytes()).0, status, "{request}");
+    }
+    for body in
+        ["", "x", "[[1,2,3]]", "[[9,2,3,4]]", "[[1,2,3,70000]]", &format!("[{}[1,1,2,2]]", "[1,1,2,2],".repeat(16))]
+    {
+        assert_eq!(view.post(body), 400, "{body}");
+    }
+    // Who says nothing is not waited for; another one is served meanwhile.
+    let silent = view.connect();
+    assert_eq!(view.answer(view.head("GET", &page, "").as_bytes()).0, 200);
+    let (mut text, begin) = (String::new(), Instant::now());
+    BufReader::new(&silent).read_to_string(&mut text).unwrap();
+    assert!(text.starts_with("HTTP/1.1 408 ") && begin.elapsed() < Duration::from_secs(15), "{text}");
+    let visitors: Vec<Events> = (0..8).map(|_| view.events()).collect();
+    let path = format!("/events?token={token}");
+    assert_eq!(view.answer(view.head("GET", &path, "").as_bytes()).0, 503);
+    drop(visitors);
+    assert_eq!(view.interrupt().0, Some(0));
+}
+
+#[test]
+fn events_of_pairs_are_the_lines_of_a_sequence() {
+    let folder = with_drawn_pairs();
+    let at = folder.path();
+    let expected = succeed(at, &["sequence", "rec"]);
+    // The first pair is there for who comes before the second one.
+    let view = View::start(at, &["rec", "--rate", "0.5"]);
+    let mut events = view.events();
+    let picture = events.json("picture");
+    assert_eq!(picture["size"], json!([320, 240]));
+    assert_eq!(picture["grey"].as_str().unwrap().len(), (320 * 240_usize).div_ceil(3) * 4);
+    for line in expected.lines() {
+        assert_eq!(events.of("frame"), line);
+        assert!(!events.json("above")["points"].as_array().unwrap().is_empty());
+        assert_eq!(events.json("sectors").as_array().unwrap().len(), 72);
+    }
+    // A box is answered after the last pair, too: by the depth that `sequence` gives.
+    fs::write(at.join("box.csv"), "50,50,150,150\n").unwrap();
+    let answered = succeed(at, &["sequence", "rec", "--objects", "box.csv"]);
+    let mut answered: Value = serde_json::from_str(answered.lines().nth(2).unwrap()).unwrap();
+    assert_eq!(view.post("[[50,50,150,150],[400,300,500,400]]"), 200);
+    assert_eq!(events.json("boxes"), json!([[50, 50, 150, 150], [400, 300, 500, 400]]));
+    let mut found = events.json("objects");
+    assert_eq!((&found["boxes"], &found["rig"]), (&json!([[50, 50, 150, 150]]), &json!(true)), "one lies outside");
+    let [found, answered] = [&mut found, &mut answered].map(|of| of["objects"][0].take());
+    assert!(found["depth_m"].is_number(), "{found}");
+    for field in ["disparity_px", "sigma_px", "depth_m", "sigma_m", "nearest_m", "support", "confidence", "reason"] {
+        assert_eq!(found[field], answered[field], "{field}");
+    }
+    // Another visitor sees the same.
+    let mut other = view.events();
+    assert_eq!(other.json("boxes").as_array().unwrap().len(), 2);
+    assert_eq!(other.json("objects")["objects"][0]["depth_m"], found["depth_m"]);
+    let (code, said, errors) = view.interrupt();
+    assert_eq!((code, errors), (Some(0), String::new()));
+    assert_eq!(said, "all pairs are shown; the page stays until Ctrl-C\n3 pairs shown, 0 failed\n");
+    assert_eq!(other.of("end"), "\"3 pairs shown, 0 failed\\n\"");
+    assert_eq!(other.next(), None);
+}
+
+#[test]
+fn events_of_a_board_are_the_lines_of_monitor() {
+    let folder = TempDir::new().unwrap();
+    let (bytes, _) = damaged_recording();
+    fs::write(folder.path().join("run.bin"), bytes).unwrap();
+    let monitored = linestereo(folder.path(), &["monitor", "run.bin", "--json"]);
+    let expected = String::from_utf8(monitored.stdout).unwrap();
+    let view = View::start(folder.path(), &["run.bin", "--rate", "0.5", "--focal-px", "300", "--baseline-m", "0.1"]);
+    let mut events = view.events();
+    for line in expected.lines() {
+        assert_eq!(events.of("frame"), line);
+        assert_eq!(events.json("sectors").as_array().unwrap().len(), 72);
+    }
+    let link = loop {
+        let link = events.json("link");
+        if link["incomplete"] == 2 {
+            break link;
+        }
+    };
+    let counted = ["complete", "incomplete", "lost", "missing_segments", "damaged"].map(|name| link[name].clone());
+    assert_eq!(counted, [2, 2, 2, 12, 6].map(Value::from));
+    let (code, said, _) = view.interrupt();
+    assert_eq!(code, Some(0));
+    // The same as of `monitor`.
+    let summary = said.strip_prefix("all frames are shown; the page stays until Ctrl-C\n").unwrap();
+    assert_eq!(summary, String::from_utf8(monitored.stderr).unwrap().split_once('\n').unwrap().1);
+}
+
+/// The next command, which is accepted.
+fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAND>) -> Request {
+    let mut byte = [0];
+    loop {
+        board.read_exact(&mut byte).unwrap();
+        if let Some(Ok(BoardCommand { id, request })) = decoder.push(byte[0]) {
+            board
+                .write_all(&packet(&linestereo_wire::Message::Answer(Answer {
+                    command: id,
+                    outcome: Outcome::Accepted,
+                })))
+                .unwrap();
+            return request;
+        }
+    }
+}
+
+#[test]
+fn boxes_of_the_page_are_asked_of_the_board() {
+    let folder = TempDir::new().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let mut view = View::start(folder.path(), &["--tcp", &address, "--send", "start"]);
+    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
+    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    assert_eq!(command(&mut board, &mut decoder), Request::Describe);
+    assert_eq!(command(&mut board, &mut decoder), Request::Start);
+    board.write_all(&frame(1, 3).concat()).unwrap();
+    let mut events = view.events();
+    assert_eq!(events.json("frame")["sequence"], 1);
+    assert_eq!(view.post("[[10,20,30,40]]"), 200);
+    let Request::SetRegions(Regions { boxes, only: false }) = command(&mut board, &mut decoder) else { panic!() };
+    assert_eq!((boxes.len(), boxes[0].label, boxes[0].left, boxes[0].bottom), (1, 0, 10, 40));
+    let record = |label| ObjectRecord {
+        label,
+        disparity_q6: Ok(64 * 12),
+        sigma_q6: 16,
+        slope_q10: [0; 2],
+        spread_q6: 0,
+        confidence_q16: 65_000,
+        support: 9,
+        depth_q16: Some([163_840, 6554, 160_000]),
+    };
+    let list = [record(0)].into_iter().collect();
+    board.write_all(&packet(&linestereo_wire::Message::Objects(Objects { sequence: 1, list }))).unwrap();
+    let found = events.json("objects");
+    assert_eq!((&found["boxes"], &found["objects"][0]["depth_m"]), (&json!([[10, 20, 30, 40]]), &json!(2.5)));
+    // The board is pulled out: the page is told, and the program says so.
+    drop(board);
+    assert!(events.of("end").contains("was closed"));
+    let (code, _, errors) = view.end();
+    assert!(code == Some(2) && errors.contains("was closed") && errors.lines().count() == 1, "{errors}");
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fs::write(at.join("image.png"), [7; 3000]).unwrap();
+    fs::create_dir(at.join("empty")).unwrap();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    fs::write(at.join("run.bin"), frame(1, 0).concat()).unwrap();
+    all_refused(
+        at,
+        &[
+            (&["view"], "--tcp"),
+            (&["view", "missing"], "missing"),
+            (&["view", "empty"], "empty"),
+            (&["view", "run.bin", "--port", &port], "give another --port, or 0"),
+            (&["view", "run.bin", "--rate", "0"], "give pairs a second"),
+            (&["view", "run.bin", "--send", "start"], "--send"),
+            (&["view", "--tcp", "127.0.0.1:1", "--repeat"], "--repeat"),
+            (&["view", "--tcp", "127.0.0.1:1"], "is something listening there?"),
+        ],
+    );
+    // The page stands by then: what is wrong is said all the same.
+    let output = linestereo(at, &["view", "image.png"]);
+    assert!(output.status.code() == Some(2), "{output:?}");
+    assert!(stderr(&output).contains("image.png holds nothing that a board sent, in 3000 bytes"), "{output:?}");
+}
+
+/// Visits a page in a browser without a window; what it shows after each step, and what it fetched. `None` without browser or Node.
+fn visit(page: &str, steps: &Value) -> Option<(Vec<Value>, Vec<String>)> {
+    let has_node = Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
+    let Some(browser) = Browser::find().filter(|_| has_node) else {
+        // Not by a macro: those are silent in tests that pass.
+        let _ = writeln!(std::io::stderr(), "\nSKIPPED: no browser, or no Node; install chromium and nodejs\n");
+        return None;
+    };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests/web/visit.mjs");
+    let mut node = Command::new("node");
+    let mut node =
+        node.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let task = json!({"browser": browser.path(), "page": page, "flags": [], "steps": steps});
+    node.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
+    let output = node.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut done: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = done["found"].take().as_array().unwrap().clone();
+    Some((found, serde_json::from_value(done["logged"].take()).unwrap()))
+}
+
+#[test]
+fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
+    let folder = with_drawn_pairs();
+    let at = folder.path();
+    // One image twice: an object on the lens, or a camera that is delivered twice.
+    fs::create_dir_all(at.join("same/1")).unwrap();
+    let _ = ["left.png", "right.png"]
+        .map(|name| fs::copy(at.join("rec/1/left.png"), at.join("same/1").join(name)).unwrap());
+    fs::write(at.join("box.csv"), "50,50,150,150\n").unwrap();
+    let answered = succeed(at, &["sequence", "rec", "--objects", "box.csv"]);
+    let answered: Value = serde_json::from_str(answered.lines().nth(2).unwrap()).unwrap();
+    let [d, sigma, z, z_sigma, nearest, p] =
+        ["disparity_px", "sigma_px", "depth_m", "sigma_m", "nearest_m", "confidence"]
+            .map(|name| answered["objects"][0][name].as_f64().unwrap());
+    let (view, same) = (View::start(at, &["rec", "--rate", "100"]), View::start(at, &["same"]));
+    let address = |view: &View| format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
+    let is_answered = "/ m ± /.test(document.getElementById('objects').innerText)";
+    let steps =
+        json!([{"until": "linestereo.line().name === '3'"}, {"box": [50, 50, 150, 150]}, {"until": is_answered}]);
+    let Some((found, logged)) = visit(&address(&view), &steps) else { return };
+    let expected = format!(
+        "{z:.3} m ± {z_sigma:.3} m, nearest {nearest:.3} m; {d:.2} ± {sigma:.2} px, within 1 px with {:.1} %",
+        100.0 * p
+    );
+    assert_eq!(found[2]["objects"], json!([expected]));
+    assert!(found[2]["summary"].as_str().unwrap().starts_with("3: 320x240, "), "{found:?}");
+    assert_eq!((&found[2]["error"], &found[2]["health"], &found[2]["wide"]), (&json!(""), &json!(""), &json!(false)));
+    // The page, its events and the box are all that is fetched, and no script fails.
+    let places: Vec<&str> = logged.iter().map(|url| url.split(['?', 'd']).next().unwrap()).collect();
+    let own = |path: &str| format!("http://127.0.0.1:{}{path}", view.port);
+    assert_eq!(logged.iter().filter(|url| !url.starts_with("data:")).count(), 3, "{logged:?}");
+    assert!(places[0] == own("/") && logged.iter().any(|url| url.starts_with(&own("/boxes"))), "{logged:?}");
+    let (found, _) =
+        visit(&address(&same), &json!([{"until": "linestereo.line().name === '1'"}, {"until": "true"}])).unwrap();
+    let health = found[1]["health"].as_str().unwrap();
+    assert!(health.contains("is one camera delivered twice?"), "{found:?}");
+}
+
+/// Resident memory of a process, KiB.
+fn resident(process: u32) -> u64 {
+    let text = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse().unwrap()
+}
+
+/// So many seconds of a board that sends thirty frames a second, 60 segments each: all of them arrive, in their order, and memory stays.
+fn streamed(seconds: u32) {
+    let folder = TempDir::new().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let frames = 30 * seconds;
+    let view = View::start(folder.path(), &["--tcp", &address, "--focal-px", "300", "--baseline-m", "0.1"]);
+    let mut board = listener.accept().unwrap().0;
+    let mut events = view.events();
+    let sending = thread::spawn(move || {
+        let begin = Instant::now();
+        for sequence in 0..frames {
+            let due = Duration::from_secs(sequence.into()) / 30;
+            thread::sleep(due.saturating_sub(begin.elapsed()));
+            board.write_all(&frame(sequence, 60).concat()).unwrap();
+        }
+        board
+    });
+    let mut early = 0;
+    for sequence in 0..frames {
+        let line = events.json("frame");
+        assert_eq!(
+            (line["sequence"].as_u64(), line["segments"].as_array().unwrap().len()),
+            (Some(sequence.into()), 60)
+        );
+        if sequence == frames / 4 {
+            early = resident(view.child.id());
+        }
+    }
+    let late = resident(view.child.id());
+    println!("{frames} frames in {seconds} s, none lost; {early} KiB after a quarter, {late} KiB at the end");
+    assert!(late <= early + 2048, "memory grew from {early} to {late} KiB");
+    drop(sending.join().unwrap());
+}
+
+#[test]
+fn thirty_frames_a_second_arrive_whole() {
+    streamed(4);
+}
+
+#[test]
+#[ignore = "ten minutes, or LINESTEREO_VIEW_SECONDS"]
+fn thirty_frames_a_second_arrive_whole_for_ten_minutes() {
+    streamed(std::env::var("LINESTEREO_VIEW_SECONDS").map_or(600, |text| text.parse().unwrap()));
+}
