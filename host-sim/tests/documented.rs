@@ -15,10 +15,11 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 29] = [
+const NOT_RUN: [(&str, &str); 30] = [
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
     ("monitor run.bin", "the recording of a board"),
+    ("linestereo view", "stays until Ctrl-C: `view` tests it"),
     ("probe-rs", "a board and a probe"),
     ("dfu-util", "a board"),
     ("--on mps2-an500", "QEMU and the firmware: `on_board` runs it"),

@@ -81,11 +81,16 @@ impl SectorArgs {
 }
 
 impl SectorPlanArgs {
+    /// Where the camera looks, degrees clockwise from ahead.
+    pub(super) fn yaw_deg(&self) -> f32 {
+        self.camera_yaw.unwrap_or(ObstacleParams::DEFAULT.yaw_deg)
+    }
+
     /// The sectors that images of this size and rig see.
     pub(super) fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan> {
         let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
-        wanted.yaw_deg = self.camera_yaw.unwrap_or(wanted.yaw_deg);
+        wanted.yaw_deg = self.yaw_deg();
         if let Some([low, high]) = self.sector_heights.as_deref() {
             wanted.heights_m = [*low, *high];
         }

@@ -102,7 +102,7 @@ export function drawTop(canvas, points, span, sectors = []) {
     const [u, v] = at(x, z);
     context.fillRect(u - 1, v - 1, 2, 2);
   }
-  context.strokeStyle = "#d33";
+  context.strokeStyle = "#d0339a"; // of no point
   context.lineWidth = 3;
   for (const { from, to, distance } of sectors) {
     context.beginPath();

@@ -9,7 +9,7 @@ const SECONDS = 60, MOST_NOTES = 20, SIDE = 2;
 
 let frame = null;         // the last one, with its picture, segments and points
 let picture = null;       // of the frame that comes next
-let above = [], sectors = [];
+let above = [], sectors = [], yaw = 0; // where the camera looks, degrees clockwise from ahead
 let boxes = [];           // as they are asked for, in px of the left image, ends exclusive
 let answers = null;       // the boxes that the last pair was asked for, and their depths
 let dragged = null;
@@ -54,7 +54,8 @@ on("frame", line => {
   const points = (line.points ?? []).map(([x, y, disparity]) => ({ x, y, disparity }));
   frame = { line, name, width: line.size[0], height: line.size[1], segments, points, picture: picture?.canvas ?? null };
 });
-on("above", ({ points, rig }) => {
+on("above", ({ points, rig, yaw_deg }) => {
+  yaw = yaw_deg;
   if ($("hold").checked) return;
   above = points.map(([x, z, disparity]) => ({ x, z, disparity }));
   if (frame) frame.rig = rig;
@@ -62,7 +63,7 @@ on("above", ({ points, rig }) => {
 on("sectors", list => {
   const half = Math.PI / 180 * (list.length > 1 ? 180 / list.length : 2.5);
   sectors = list.filter(one => one.state === "obstacle").map(({ direction_deg, distance_m }) => {
-    const middle = Math.PI / 180 * direction_deg;
+    const middle = Math.PI / 180 * (direction_deg - yaw);
     return { from: middle - half, to: middle + half, distance: distance_m };
   });
 });
@@ -98,7 +99,7 @@ function answerOf({ left, top, right, bottom }) {
 
 function inPageWords({ disparity_px, sigma_px, depth_m, sigma_m, nearest_m, confidence, reason }) {
   const far = metres => metres ?? Infinity;
-  const found = { reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: sigma_m, nearest: far(nearest_m) };
+  const found = { reason: advice.get(reason) ?? reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: sigma_m, nearest: far(nearest_m) };
   return inWords(found, answers.rig);
 }
 

@@ -2,6 +2,7 @@
 
 use super::{DRAWING, SHARED_STYLE};
 use crate::results::health;
+use linestereo::NoDepth;
 use serde_json::json;
 
 const PAGE: &str = include_str!("live.html");
@@ -10,7 +11,10 @@ const SCRIPT: &str = include_str!("live.js");
 /// The page of this source, a name for people. The server's word `nonce` marks its scripts and styles.
 #[must_use]
 pub fn page(source: &str, nonce: &str) -> String {
-    let advice = json!(health::ADVICE).to_string().replace('<', "\\u003c");
+    // Why there is no depth is said in the same way.
+    let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));
+    let advice = health::ADVICE.into_iter().map(|(flag, what)| (flag, what.to_owned())).chain(reasons);
+    let advice = json!(advice.collect::<Vec<_>>()).to_string().replace('<', "\\u003c");
     let source = source.replace('&', "&amp;").replace('<', "&lt;");
     // Behind what it imports it needs no imports.
     let script: String = SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();

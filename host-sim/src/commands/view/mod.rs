@@ -177,7 +177,7 @@ fn in_space(
     let plan = args.sectors.plan(&setup.params, setup.dims())?;
     let directions = Directions::new(plan, matches, points, health.of_pair()).list();
     Ok(vec![
-        ("above", json!({"points": placed, "rig": rig}).to_string()),
+        ("above", json!({"points": placed, "rig": rig, "yaw_deg": args.sectors.yaw_deg()}).to_string()),
         ("sectors", serde_json::to_string(&directions)?),
     ])
 }
