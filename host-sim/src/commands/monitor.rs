@@ -158,7 +158,7 @@ fn cannot_record(path: &Path, error: &io::Error) -> anyhow::Error {
     anyhow!("cannot write {}: {error}; choose a file in a folder that exists and is writable", path.display())
 }
 
-/// What is shown of a link, and how much of it.
+/// A link whose frames are shown.
 struct Monitor {
     link: Link,
     /// Complete frames still to come.

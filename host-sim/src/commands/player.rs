@@ -35,10 +35,10 @@ impl SourceArgs {
     }
 
     /// Those of them that are asked for.
-    pub(super) fn chosen<'a>(&self, found: &'a Dataset) -> Result<Chosen<'a>> {
+    pub(super) fn chosen<'a>(&self, path: &Path, found: &'a Dataset) -> Result<Chosen<'a>> {
         let chosen = Chosen::new(found, self.frames);
         if chosen.count() == Some(0) {
-            bail!("none of the {} pairs has a number in --frames", found.pairs.len());
+            bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), path.display());
         }
         Ok(chosen)
     }

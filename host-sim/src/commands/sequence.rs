@@ -97,8 +97,8 @@ pub fn run(args: &Args) -> Result<()> {
     interruption::watch();
     let folder = args.folder.as_deref();
     let found = args.source.find(folder)?;
-    let frames = args.source.chosen(&found)?;
     let folder = folder.unwrap_or(Path::new(""));
+    let frames = args.source.chosen(folder, &found)?;
     if args.objects.is_given() && (found.of_recording().is_some() || found.of_video().is_some()) {
         bail!("--objects go by the names of images, which a recording has not; give a folder of images");
     }

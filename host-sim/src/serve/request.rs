@@ -14,7 +14,7 @@ const MOST_FIELDS: usize = 64;
 /// A request has to be there within this time.
 const WITHIN: Duration = Duration::from_secs(5);
 
-/// Who may come in.
+/// Conditions of entry: port and token.
 pub(super) struct Door {
     pub(super) port: u16,
     /// Secret of the address that was printed, hexadecimal.

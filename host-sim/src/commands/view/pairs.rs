@@ -37,8 +37,9 @@ struct Show<'a> {
 /// Shows every pair, then the last one until Ctrl-C; the summary.
 pub(super) fn show(args: &Args) -> Result<String> {
     let found = args.source.find(args.path.as_deref())?;
-    let frames = args.source.chosen(&found)?;
-    let player = Player::new(&args.input, args.path.as_deref().unwrap_or(Path::new("")))?;
+    let path = args.path.as_deref().unwrap_or(Path::new(""));
+    let frames = args.source.chosen(path, &found)?;
+    let player = Player::new(&args.input, path)?;
     let server = &args.serve()?;
     let (asked, last) = (Asked::default(), None);
     let mut show = Show { args, server, player, asked, last, shown: 0, failed: 0, first_error: None };
