@@ -12,6 +12,10 @@ mod targets;
 
 /// Time for each function; `LINESTEREO_FUZZ_S` gives another.
 const EACH: Duration = Duration::from_secs(2);
+/// Of the generator.
+const SEED: u64 = 20;
+/// No input may take so long.
+const HANG: Duration = Duration::from_secs(10);
 
 /// Changes bytes, cuts, repeats, or puts a part of another input in.
 fn mutated(inputs: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
@@ -52,14 +56,23 @@ fn mutated_inputs_are_answered_or_refused() {
         files.sort();
         let inputs: Vec<Vec<u8>> = files.iter().map(|path| fs::read(path).unwrap()).collect();
         inputs.iter().for_each(|bytes| target(bytes));
-        let (mut random, begin, mut count) = (Random(20), Instant::now(), 0);
+        let (mut random, begin) = (Random(SEED), Instant::now());
+        let (mut count, mut length, mut slowest) = (0, 0, Duration::ZERO);
         while begin.elapsed() < each {
             let bytes = mutated(&inputs, &mut random);
+            let start = Instant::now();
             // A panic says for which bytes.
             let outcome = std::panic::catch_unwind(|| target(&bytes));
+            slowest = slowest.max(start.elapsed());
             assert!(outcome.is_ok(), "{name}, input {count}: {:?}", String::from_utf8_lossy(&bytes));
             count += 1;
+            length += bytes.len();
         }
-        println!("{name}: {} examples, {count} inputs", inputs.len());
+        println!(
+            "{name}: {} examples, {count} inputs, {length} bytes, the slowest {} ms",
+            inputs.len(),
+            slowest.as_millis()
+        );
+        assert!(slowest < HANG, "{name}: an input takes {slowest:?}");
     }
 }
