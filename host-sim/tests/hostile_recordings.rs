@@ -52,7 +52,11 @@ fn schema(id: u16, name: &str) -> Vec<u8> {
 }
 
 fn channel(id: u16, schema: u16, topic: &str) -> Vec<u8> {
-    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &text(topic), &text("cdr"), &[0; 4]])
+    channel_in("cdr", id, schema, topic)
+}
+
+fn channel_in(encoding: &str, id: u16, schema: u16, topic: &str) -> Vec<u8> {
+    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &text(topic), &text(encoding), &[0; 4]])
 }
 
 fn message(channel: u16, time: u64, data: &[u8]) -> Vec<u8> {
@@ -63,9 +67,27 @@ fn header(stamp_ns: u64) -> Header<'static> {
     Header { stamp_ns, frame_id: "left" }
 }
 
+fn pixels() -> Vec<u8> {
+    (0..64 * 48_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
+}
+
 fn image(time: u64) -> Vec<u8> {
-    let pixels: Vec<u8> = (0..64 * 48_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    sent::image(header(time), [64, 48], &pixels)
+    sent::image(header(time), [64, 48], &pixels())
+}
+
+/// Two pairs in Foxglove's own messages: time, width, height, encoding, step, data, frame.
+fn foxglove() -> Vec<u8> {
+    let mut all = vec![
+        schema(1, "foxglove.RawImage"),
+        channel_in("protobuf", 0, 1, "/left"),
+        channel_in("protobuf", 1, 1, "/right"),
+    ];
+    for second in [1, 2] {
+        let head = [0x0a, 2, 8, second, 0x15, 64, 0, 0, 0, 0x1d, 48, 0, 0, 0, 0x22, 5, b'm', b'o', b'n', b'o', b'8'];
+        let image = [&head[..], &[0x2d, 64, 0, 0, 0, 0x32, 0x80, 0x18], &pixels(), &[0x3a, 1, b'l']].concat();
+        all.extend([0, 1].map(|eye| message(eye, u64::from(second), &image)));
+    }
+    all.concat()
 }
 
 /// Schemas, topics, and two pairs with their calibration.
@@ -83,13 +105,13 @@ fn records() -> Vec<u8> {
     all.concat()
 }
 
-/// The same recording as records, in chunks of each kind, and by our own writer with checksums and indexes.
+/// The same recording as records and in chunks of each kind, one of Foxglove's messages, and one by our own writer with checksums and indexes.
 fn recordings() -> Vec<Vec<u8>> {
     let all = records();
     let size = all.len() as u64;
     let packed = [("", all.clone()), ("lz4", lz4(&all)), ("zstd", zstd(&all))];
     let mut found: Vec<Vec<u8>> = packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
-    found.push(file(&[all]));
+    found.extend([file(&[all]), file(&[foxglove()])]);
     let mut writer = Writer::new(Vec::new(), "test").unwrap();
     let schema = writer.schema("sensor_msgs/msg/Image", "").unwrap();
     let eyes = ["/left/image", "/right/image"].map(|topic| writer.channel(schema, topic).unwrap());
@@ -175,7 +197,7 @@ fn mutated(count: usize, seed: u64) -> [usize; 3] {
 #[test]
 fn every_way_of_packing_is_read() {
     let folder = TempDir::new().unwrap();
-    for (recording, pairs) in recordings().into_iter().zip([2, 2, 2, 2, 1]) {
+    for (recording, pairs) in recordings().into_iter().zip([2, 2, 2, 2, 2, 1]) {
         let path = folder.path().join("x.mcap");
         fs::write(&path, recording).unwrap();
         assert_eq!(read(&path), Ok(pairs));
@@ -246,7 +268,7 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
         (broken, "it ends early"),
         (file(&[]), "it holds no images"),
         (pair("foxglove.RawImage", b""), "it holds images as foxglove.RawImage in cdr; sensor_msgs/msg/Image"),
-        (pair(image_of, b""), "the message ends early, or is no CDR"),
+        (pair(image_of, b""), "the message ends early, or is none of its kind"),
         (file(&[topics(image_of)]), "no topics of a left and a right camera"),
         (pair(image_of, &named("bayer_rggb8", 10, 10)), "bayer_rggb8 is a mosaic of colours; record"),
         (pair(image_of, &named("yuv422", 10, 10)), "the encoding \"yuv422\" is not read; record mono8"),

@@ -1,6 +1,7 @@
 """Recordings by an independent implementation of ROS 2's messages (`pip install rosbags`), for recordings.rs.
 
 write FOLDER JOB.json   images as a bag: {"pairs": [[left, right, left_ns, right_ns]], "encoding", "compression", "rig", "topics", "scramble"}
+foxglove FILE JOB.json  the same as Foxglove's own messages (`pip install foxglove-schemas-protobuf mcap-protobuf-support`)
 read FILE.mcap          every message as a line of JSON, by the official definitions; the file's own definitions have to equal them
 """
 
@@ -88,6 +89,32 @@ def write(folder, job):
             writer.write(connections[topic], ns, STORE.serialize_cdr(message, kind))
 
 
+def foxglove(path, job):
+    """The same job in Foxglove's own schemas, by its own packages."""
+    from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
+    from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+    from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
+    from mcap_protobuf.writer import Writer as Protobuf
+
+    with open(path, 'wb') as file, Protobuf(file) as writer:
+        for left, right, *stamps in job['pairs']:
+            for side, (image_path, ns) in enumerate(zip((left, right), stamps)):
+                topic, frame = job['topics'][side], ['left_optical', 'right_optical'][side]
+                kind, same = image(image_path, ns, frame, job['encoding'])
+                if kind.endswith('CompressedImage'):
+                    message = CompressedImage(format=same.format, frame_id=frame, data=same.data.tobytes())
+                else:
+                    message = RawImage(width=same.width, height=same.height, encoding=same.encoding, step=same.step,
+                                       frame_id=frame, data=same.data.tobytes())
+                message.timestamp.FromNanoseconds(ns)
+                writer.write_message(topic, message, log_time=ns)
+                info = camera_info(job['rig'], ns, frame, side == 1)
+                message = CameraCalibration(width=info.width, height=info.height, distortion_model='plumb_bob', D=info.d,
+                                            K=info.k, R=info.r, P=info.p, frame_id=frame)
+                message.timestamp.FromNanoseconds(ns)
+                writer.write_message(topic.rsplit('/', 1)[0] + '/calibration', message, log_time=ns)
+
+
 def plain(value):
     """A message as JSON."""
     if isinstance(value, np.ndarray):
@@ -142,5 +169,7 @@ def again(path, count):
 
 if sys.argv[1] == 'write':
     write(Path(sys.argv[2]), json.loads(Path(sys.argv[3]).read_text()))
+elif sys.argv[1] == 'foxglove':
+    foxglove(Path(sys.argv[2]), json.loads(Path(sys.argv[3]).read_text()))
 else:
     read(Path(sys.argv[2]))

@@ -11,12 +11,20 @@ use tempfile::TempDir;
 const TOPICS: [&str; 2] = ["/stereo/left/image_rect", "/stereo/right/image_rect"];
 const MS: u64 = 1_000_000;
 
-/// Runs recordings.py; `false` where its packages are missing.
+/// Says so where a package of Python is missing.
+fn has(package: &str) -> bool {
+    let installed = Command::new("python3").args(["-c", &format!("import numpy, {package}")]).output();
+    let is_there = installed.is_ok_and(|output| output.status.success());
+    if !is_there {
+        eprintln!("SKIPPED: no {package} in python3; pip install {}", package.replace('_', "-"));
+    }
+    is_there
+}
+
+/// Runs recordings.py; nothing where its packages are missing.
 #[track_caller]
 fn python(folder: &Path, args: &[&str]) -> Option<String> {
-    let installed = Command::new("python3").args(["-c", "import numpy, rosbags"]).output();
-    if !installed.is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED: no rosbags in python3; pip install rosbags");
+    if !has("rosbags") {
         return None;
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings.py");
@@ -104,6 +112,37 @@ fn a_bag_gives_what_its_files_give() {
         assert_eq!(found.len(), 3);
         assert!(found == expected, "{encoding} {compression}");
     }
+}
+
+#[test]
+fn a_recording_of_foxglove_gives_what_its_files_give() {
+    if !has("foxglove_schemas_protobuf") || !has("mcap_protobuf") {
+        return;
+    }
+    let folder = drawn();
+    let at = folder.path();
+    let known = ["--max-disparity", "48"];
+    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12"];
+    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    for encoding in ["mono8", "mono16", "bgr8", "file"] {
+        let file = if encoding == "file" { "png" } else { "pgm.raw" };
+        let job = json!({"pairs": pairs(&DRAWN, file), "encoding": encoding, "rig": rig(), "topics": TOPICS});
+        fs::write(at.join("job.json"), job.to_string()).unwrap();
+        if python(at, &["foxglove", "fox.mcap", "job.json"]).is_none() {
+            return;
+        }
+        let found = records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat()));
+        assert!(found.len() == 3 && found == expected, "{encoding}");
+    }
+    // Raw, with a lens: rectified by the calibration as by that of ROS 2.
+    let mut raw = rig();
+    raw["lens"] = json!([-0.1, 0.02, 0.001, -0.001, 0.0]);
+    let topics = TOPICS.map(|topic| topic.replace("image_rect", "image_raw"));
+    let job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "rig": raw, "topics": topics, "compression": "none"});
+    let Some(bag) = bag(at, &job) else { return };
+    python(at, &["foxglove", "fox.mcap", "job.json"]).unwrap();
+    let expected = records(&succeed(at, &[&["sequence", &bag], &known[..]].concat()));
+    assert!(records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat())) == expected, "raw");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::error::{FrameError, RecordingFault};
 use crate::mcap::{Place, Reader};
+use crate::ros::received::Kind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use tempfile::TempDir;
@@ -11,7 +12,7 @@ use tempfile::TempDir;
 pub(super) struct Stored {
     pub(super) place: Place,
     pub(super) stamp_ns: i64,
-    pub(super) is_compressed: bool,
+    pub(super) kind: Kind,
 }
 
 /// A recording that was scanned.
@@ -63,7 +64,7 @@ impl RecordedPair {
     }
 
     /// The messages of both images, the left one first, as `read` makes values of them.
-    pub(super) fn images<T>(&self, read: impl Fn(&[u8], bool) -> Result<T, String>) -> Result<[T; 2], FrameError> {
+    pub(super) fn images<T>(&self, read: impl Fn(&[u8], Kind) -> Result<T, String>) -> Result<[T; 2], FrameError> {
         let recording = &self.recording;
         let one = |eye: usize| {
             let fault = |fault| FrameError::Recording(recording.path.clone(), fault);
@@ -72,7 +73,7 @@ impl RecordedPair {
             let message = reader.message(stored.place).map_err(|error| fault(error.into()))?;
             drop(reader);
             let topic = &recording.topics[eye];
-            read(&message, stored.is_compressed).map_err(|what| fault(RecordingFault::Image(topic.clone(), what)))
+            read(&message, stored.kind).map_err(|what| fault(RecordingFault::Image(topic.clone(), what)))
         };
         Ok([one(0)?, one(1)?])
     }

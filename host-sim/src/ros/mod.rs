@@ -1,7 +1,8 @@
-//! Messages of ROS 2: their definitions, and the bytes that stand for them.
+//! Messages of ROS 2 and of Foxglove: their definitions, and the bytes that stand for them.
 //!
 //! ```text
 //! cdr       numbers, texts and lists as bytes, and back
+//! foxglove  the same in Foxglove's own schemas, as protobuf
 //! received  images and calibrations of recordings
 //! sent      point clouds, markers, disparities, diagnostics, images and calibrations
 //! schema    the definitions of what is sent, with all that they refer to
@@ -10,6 +11,7 @@
 //! The packages `cdr` and `cdr-encoding` take the bytes of an image one by one through `serde`, into a copy; here they are borrowed.
 
 pub mod cdr;
+mod foxglove;
 pub mod received;
 pub mod schema;
 pub mod sent;

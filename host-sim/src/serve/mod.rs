@@ -12,6 +12,7 @@
 //!
 //! # Source
 //! HTTP/1.1 (RFC 9112) by the crate `httparse`, one request a connection; server-sent events (HTML Living Standard, 9.2).
+//! Not `tiny_http`: it reads a head of any length. Not `hyper`: it needs a runtime, for one page and eight visitors.
 
 mod request;
 mod server;

@@ -1,10 +1,10 @@
 //! Pairs of a folder, a recording, a video or a camera, shown as they are matched.
 
-use super::super::objects::ObjectArgs;
-use super::super::pairs::{has_ended, video_note};
-use super::super::player::{Player, line};
-use super::super::recording::Played;
 use super::{Args, Asked, LOOK, Pace, end, in_space};
+use crate::commands::objects::ObjectArgs;
+use crate::commands::pairs::{has_ended, video_note};
+use crate::commands::player::{Player, line};
+use crate::commands::recording::Played;
 use crate::engine::FrameResult;
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::interruption;

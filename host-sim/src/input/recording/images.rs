@@ -4,7 +4,7 @@ use super::RecordedPair;
 use crate::input::decode::Bytes;
 use crate::input::error::FrameError;
 use crate::input::grey::StoredGray;
-use crate::ros::received::{CompressedImage, Image};
+use crate::ros::received::{Content, Kind};
 use crate::untrusted::PIXELS;
 
 /// Why nothing is made of a message that ends before its fields do.
@@ -13,16 +13,19 @@ const EARLY: &str = "the message ends early; record it again";
 impl RecordedPair {
     /// Both images.
     pub(in crate::input) fn grey(&self) -> Result<[StoredGray; 2], FrameError> {
-        self.images(|message, is_compressed| if is_compressed { compressed(message) } else { plain(message) })
+        self.images(|message, kind| match kind.content {
+            Content::CompressedImage => compressed(message, kind),
+            Content::Image | Content::Calibration => plain(message, kind),
+        })
     }
 }
 
-fn compressed(message: &[u8]) -> Result<StoredGray, String> {
-    StoredGray::of_file(CompressedImage::read(message).ok_or(EARLY)?.data)
+fn compressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
+    StoredGray::of_file(kind.compressed(message).ok_or(EARLY)?.data)
 }
 
-fn plain(message: &[u8]) -> Result<StoredGray, String> {
-    let image = Image::read(message).ok_or(EARLY)?;
+fn plain(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
+    let image = kind.image(message).ok_or(EARLY)?;
     let layout = match image.encoding {
         "mono8" | "8UC1" => Bytes::Grey,
         "mono16" | "16UC1" if image.is_big_endian => Bytes::Grey16(u16::from_be_bytes),

@@ -1,4 +1,4 @@
-//! A recording of ROS 2 (`.mcap`): which of its images are pairs, what their calibration says, and the images themselves.
+//! A recording of ROS 2 or Foxglove (`.mcap`): which of its images are pairs, what their calibration says, and the images themselves.
 //!
 //! ```text
 //! topics    every topic with images or a calibration -> the left and the right one
@@ -22,7 +22,7 @@ use super::recorded::{RecordedPair, Stored};
 use super::sequence::PairFiles;
 use super::stored::{StoredPair, StoredRig};
 use crate::mcap::{Item, Place, Reader};
-use crate::ros::received::{self, CameraInfo};
+use crate::ros::received::{CameraInfo, Content, Kind};
 use crate::untrusted::printable;
 use core::fmt;
 use std::collections::HashMap;
@@ -112,15 +112,14 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
                 _ = schemas.insert(id, name.chars().take(MOST_NAME_BYTES).collect::<String>());
             }
             Item::Channel { id, schema, topic, encoding } => {
-                let kind = schemas.get(&schema).map_or("", String::as_str);
-                let [has_images, is_compressed, has_info] = kinds(kind);
-                if !(has_images || is_compressed || has_info) || encoding != "cdr" {
-                    if kind.ends_with("Image") && foreign.is_none() {
-                        foreign = Some(format!("{kind} in {encoding}"));
+                let schema = schemas.get(&schema).map_or("", String::as_str);
+                let Some(kind) = Kind::of(schema, encoding) else {
+                    if schema.ends_with("Image") && foreign.is_none() {
+                        foreign = Some(format!("{schema} in {encoding}"));
                     }
                     channels.remove(&id);
                     return Ok(());
-                }
+                };
                 if topic.len() > MOST_NAME_BYTES {
                     return Err(RecordingFault::TooMany("bytes in the name of a topic"));
                 }
@@ -129,25 +128,26 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
                     return Err(RecordingFault::TooMany("topics"));
                 }
                 if at == topics.len() {
-                    let has_images = has_images || is_compressed;
                     let name = topic.to_owned();
                     names.insert(name.clone(), at);
-                    topics.push(Topic { name, has_images, is_compressed, has_info, ..Topic::default() });
+                    let (has_info, is_compressed) =
+                        (kind.content == Content::Calibration, kind.content == Content::CompressedImage);
+                    topics.push(Topic { name, has_images: !has_info, is_compressed, has_info, ..Topic::default() });
                 }
-                channels.insert(id, (at, has_info, is_compressed));
+                channels.insert(id, (at, kind));
             }
             Item::Message { channel, log_time, place, data } => {
-                let Some(&(at, is_info, is_compressed)) = channels.get(&channel) else { return Ok(()) };
+                let Some(&(at, kind)) = channels.get(&channel) else { return Ok(()) };
                 let topic = &mut topics[at];
-                if is_info {
-                    topic.calibrated(data)?;
+                if kind.content == Content::Calibration {
+                    topic.calibrated(data, kind)?;
                     return Ok(());
                 }
                 images += 1;
                 if images > MOST_IMAGES {
                     return Err(RecordingFault::TooMany("images"));
                 }
-                topic.take(data, log_time, place, is_compressed)?;
+                topic.take(data, log_time, place, kind)?;
             }
         }
         Ok(())
@@ -155,36 +155,34 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
     if !topics.iter().any(|topic| topic.has_images) {
         let found = foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
         return Err(RecordingFault::Topics(format!(
-            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them"
+            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
         )));
     }
     Ok(topics)
 }
 
-/// Images, compressed images, a calibration?
-fn kinds(schema: &str) -> [bool; 3] {
-    ["Image", "CompressedImage", "CameraInfo"].map(|name| schema.strip_prefix("sensor_msgs/msg/") == Some(name))
-}
-
 impl Topic {
     fn broken(&self) -> RecordingFault {
-        RecordingFault::Image(self.name.clone(), "the message ends early, or is no CDR; record it again".to_owned())
+        RecordingFault::Image(
+            self.name.clone(),
+            "the message ends early, or is none of its kind; record it again".to_owned(),
+        )
     }
 
-    fn take(&mut self, data: &[u8], log_time: u64, place: Place, is_compressed: bool) -> Result<(), RecordingFault> {
-        let (header, _) = received::header(data).ok_or_else(|| self.broken())?;
+    fn take(&mut self, data: &[u8], log_time: u64, place: Place, kind: Kind) -> Result<(), RecordingFault> {
+        let header = kind.header(data).ok_or_else(|| self.broken())?;
         if self.images.is_empty() {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
         }
         // Nobody set it: the time of the recorder.
         let unset = header.stamp_ns == 0;
         let stamp_ns = if unset { i64::try_from(log_time).unwrap_or(i64::MAX) } else { header.stamp_ns };
-        self.images.push(Stored { place, stamp_ns, is_compressed });
+        self.images.push(Stored { place, stamp_ns, kind });
         Ok(())
     }
 
-    fn calibrated(&mut self, data: &[u8]) -> Result<(), RecordingFault> {
-        let info = CameraInfo::read(data).ok_or_else(|| self.broken())?;
+    fn calibrated(&mut self, data: &[u8], kind: Kind) -> Result<(), RecordingFault> {
+        let info = kind.calibration(data).ok_or_else(|| self.broken())?;
         match &self.info {
             None => self.info = Some(info),
             Some(first) => self.info_changes |= *first != info,

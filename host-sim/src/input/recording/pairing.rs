@@ -33,9 +33,12 @@ pub(super) fn pairs([mut left, mut right]: [Vec<Stored>; 2], window_ns: u64) -> 
 mod tests {
     use super::*;
     use crate::mcap::Place;
+    use crate::ros::received::{Content, Kind};
+
+    const IMAGE: Kind = Kind { content: Content::Image, is_foxglove: false };
 
     fn at(times: &[i64]) -> Vec<Stored> {
-        times.iter().map(|&stamp_ns| Stored { place: Place::default(), stamp_ns, is_compressed: false }).collect()
+        times.iter().map(|&stamp_ns| Stored { place: Place::default(), stamp_ns, kind: IMAGE }).collect()
     }
 
     fn paired(left: &[i64], right: &[i64], window: u64) -> (Vec<[i64; 2]>, usize) {

@@ -125,9 +125,11 @@ mod tests {
     use super::*;
     use crate::input::recording::Stored;
     use crate::mcap::Place;
+    use crate::ros::received::{Content, Kind};
 
     fn topics(names: &[&str]) -> Vec<Topic> {
-        let image = Stored { place: Place::default(), stamp_ns: 0, is_compressed: false };
+        let image =
+            Stored { place: Place::default(), stamp_ns: 0, kind: Kind { content: Content::Image, is_foxglove: false } };
         let topic = |name: &&str| Topic {
             name: (*name).to_owned(),
             has_images: !name.ends_with("info"),
