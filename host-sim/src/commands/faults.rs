@@ -1,10 +1,11 @@
 //! `linestereo faults`: damaged pairs, and what is answered of them.
 
-use super::asked_for;
 use super::batch::collect;
 use super::engine_with;
 use super::method::MethodArgs;
 use super::pairs::for_each_pair;
+use super::{asked_for, written};
+use crate::draw;
 use crate::evaluate::object_cases;
 use crate::faults::{Damage, Family, FaultReport, Source, Tally, is_asked, score};
 use crate::input::{Scene, StoredPair};
@@ -19,7 +20,7 @@ const EXAMPLES: &str = "\
 Examples:
   linestereo faults frames/qvga
       every damage on every pair with ground truth
-  linestereo faults frames/qvga --only 'column noise' --json faults.json
+  linestereo faults frames/qvga --only 'column noise' --json faults.json --picture faults.png
       damages whose name or family contains these words
 
 Columns:
@@ -52,6 +53,9 @@ pub struct Args {
     /// Write the table as JSON to FILE, or to stdout in place of it with "-".
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
+    /// Draw it: of each damage the objects that are answered rightly, wrongly, or not at all.
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<OutputPath>,
     /// Use so many threads [default: all cores].
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -65,7 +69,7 @@ type Outcome = (Family, Damage, HealthFlags, Tally);
 pub fn run(args: &Args) -> Result<()> {
     let damages = damages(args)?;
     let found = collect(&args.folders, true)?;
-    spare(asked_for([&args.json]), found.pairs.iter().flat_map(StoredPair::files))?;
+    spare(asked_for([&args.json, &args.picture]), found.pairs.iter().flat_map(StoredPair::files))?;
     let places: Vec<usize> = (0..found.pairs.len()).collect();
     let threads = args.threads.map(NonZeroUsize::get);
     let name = |&place: &usize| found.pairs[place].name.clone();
@@ -77,7 +81,11 @@ pub fn run(args: &Args) -> Result<()> {
     let report = FaultReport::new(&outcomes.concat());
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &report)?;
-    output.commit_and_say(&format!("{}\n{}\n", report.table(), found.notes.join("\n")))
+    if let Some(path) = &args.picture {
+        output.add(path, &draw::png(&draw::faults(&report))?)?;
+    }
+    let files = written([&args.json, &args.picture]);
+    output.commit_and_say(&format!("{}\n{}\n{files}", report.table(), found.notes.join("\n")))
 }
 
 fn damages(args: &Args) -> Result<Vec<(Family, Damage)>> {
