@@ -50,8 +50,8 @@ impl Part {
     fn median(self) -> f64 {
         match self {
             Self::Whole => 11_621.0,
-            Self::ThreeBoxes => 4063.0,
-            Self::OneBox => 2727.0,
+            Self::ThreeBoxes => 4915.0,
+            Self::OneBox => 3107.0,
         }
     }
 }
@@ -210,15 +210,22 @@ fn worst() -> Vec<Texture> {
         Texture { waves: [[7.0, 0.2, 60.0], [7.0, 1.77, 60.0]], shift: 5.0, ..PLAIN },
         Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], checker: [2.0, 127.0], ..PLAIN },
         Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], bricks: [7.0, 127.0], shift: 8.0, ..PLAIN },
-        // Where a climb ended.
+        // Where climbs ended, the second one around one box after two hours.
         Texture { waves: [[4.0, 0.136, 60.2], [3.78, 1.593, 58.1]], shift: 4.0, ..PLAIN },
+        Texture {
+            waves: [[15.705, 0.026, 90.42], [20.492, -1.5982, 127.0]],
+            checker: [4.44, 0.0],
+            bricks: [12.055, 0.487],
+            noise: 2.804,
+            shift: 48.494,
+        },
     ]
 }
 
 /// Largest cost of a picture over the median of captured pairs.
 const LIMIT: f64 = 1.35;
-/// The most that the weights say of what is counted, where a climb ends around boxes: a climb goes where they say too much.
-const SAID_TOO_MUCH: f64 = 1.09;
+/// The most that the weights say of what is counted, where a climb ends: a climb goes where they say too much.
+const SAID_TOO_MUCH: f64 = 1.02;
 
 #[test]
 fn gratings_cost_no_more_than_scenes() {
