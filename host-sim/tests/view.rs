@@ -88,6 +88,14 @@ impl View {
     }
 }
 
+impl Drop for View {
+    /// A test that fails leaves no program behind.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
 /// Events as they come.
 struct Events(BufReader<TcpStream>);
 

@@ -2,7 +2,7 @@ import { dimmed, drawPair, drawTop, inMetres, inWords, item, onBoxes, range, sho
 // The live page: events of the program -> a pair with what was matched, its points from above, depths of boxes, health, and what came each second.
 
 const $ = id => document.getElementById(id);
-const advice = new Map(JSON.parse($("advice").textContent));
+const words = JSON.parse($("words").textContent), advice = new Map(words.flags), reasons = new Map(words.reasons);
 const query = `?token=${new URLSearchParams(location.search).get("token")}`;
 /// Seconds that are charted, notes that are kept, side of the square of a point, px.
 const SECONDS = 60, MOST_NOTES = 20, SIDE = 2;
@@ -99,7 +99,7 @@ function answerOf({ left, top, right, bottom }) {
 
 function inPageWords({ disparity_px, sigma_px, depth_m, sigma_m, nearest_m, confidence, reason }) {
   const far = metres => metres ?? Infinity;
-  const found = { reason: advice.get(reason) ?? reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: sigma_m, nearest: far(nearest_m) };
+  const found = { reason: reasons.get(reason) ?? reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: sigma_m, nearest: far(nearest_m) };
   return inWords(found, answers.rig);
 }
 

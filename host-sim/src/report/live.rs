@@ -11,17 +11,16 @@ const SCRIPT: &str = include_str!("live.js");
 /// The page of this source, a name for people. The server's word `nonce` marks its scripts and styles.
 #[must_use]
 pub fn page(source: &str, nonce: &str) -> String {
-    // Why there is no depth is said in the same way.
+    // Flags and reasons share names.
     let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));
-    let advice = health::ADVICE.into_iter().map(|(flag, what)| (flag, what.to_owned())).chain(reasons);
-    let advice = json!(advice.collect::<Vec<_>>()).to_string().replace('<', "\\u003c");
+    let words = json!({"flags": health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
     let source = source.replace('&', "&amp;").replace('<', "&lt;");
     // Behind what it imports it needs no imports.
     let script: String = SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
         ("/*NONCE*/", nonce),
         ("/*STYLE*/", SHARED_STYLE),
-        ("/*ADVICE*/", &advice),
+        ("/*WORDS*/", &words),
         ("/*SCRIPT*/", &[DRAWING, &script].concat()),
         ("/*SOURCE*/", &source),
     ];
