@@ -2,7 +2,7 @@
 
 use super::error::{FrameError, RecordingFault};
 use crate::mcap::{Place, Reader};
-use crate::ros::received::Kind;
+use crate::ros::kind::Kind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use tempfile::TempDir;

@@ -4,6 +4,7 @@
 //! cdr       numbers, texts and lists as bytes, and back
 //! foxglove  the same in Foxglove's own schemas, as protobuf
 //! received  images and calibrations of recordings
+//! kind      which of both a message is
 //! sent      point clouds, markers, disparities, diagnostics, images and calibrations
 //! schema    the definitions of what is sent, with all that they refer to
 //! ```
@@ -12,6 +13,7 @@
 
 pub mod cdr;
 mod foxglove;
+pub mod kind;
 pub mod received;
 pub mod schema;
 pub mod sent;

@@ -4,7 +4,7 @@ use super::RecordedPair;
 use crate::input::decode::Bytes;
 use crate::input::error::FrameError;
 use crate::input::grey::StoredGray;
-use crate::ros::received::{Content, Kind};
+use crate::ros::kind::{Content, Kind};
 use crate::untrusted::PIXELS;
 
 /// Why nothing is made of a message that ends before its fields do.

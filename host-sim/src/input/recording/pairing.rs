@@ -33,7 +33,7 @@ pub(super) fn pairs([mut left, mut right]: [Vec<Stored>; 2], window_ns: u64) -> 
 mod tests {
     use super::*;
     use crate::mcap::Place;
-    use crate::ros::received::{Content, Kind};
+    use crate::ros::kind::{Content, Kind};
 
     const IMAGE: Kind = Kind { content: Content::Image, is_foxglove: false };
 

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::input::recording::Stored;
     use crate::mcap::Place;
-    use crate::ros::received::{Content, Kind};
+    use crate::ros::kind::{Content, Kind};
 
     fn topics(names: &[&str]) -> Vec<Topic> {
         let image =
