@@ -1,4 +1,4 @@
-// What the page for browsers (bindings/web) and the live page share: a pair with what was matched in it, its points from above, boxes that are drawn.
+// Drawing that the page for browsers (bindings/web) and the live page share: a pair with what was matched in it, its points from above, boxes that are drawn.
 
 const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
 const FONT = "system-ui, sans-serif";
