@@ -77,6 +77,12 @@ impl<'a> Matched<'a> {
         self.plan.dims
     }
 
+    /// The memory of the run, for the next one: for callers that keep the pair and no borrow of its memory, such as another language.
+    #[must_use]
+    pub fn into_scratch(self) -> ScratchView<'a> {
+        self.scratch
+    }
+
     /// Counts, row offset and health of the run.
     #[must_use]
     pub fn summary(&self) -> &Summary {

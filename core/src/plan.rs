@@ -4,6 +4,7 @@ use crate::confidence::{FITTED, Model, Models};
 use crate::image::Dims;
 use crate::params::{ParamError, Params};
 use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
+use crate::rig::Rig;
 use crate::support::FITTED_SUPPORT;
 use crate::support::evidence::SUPPORT_EVIDENCE;
 
@@ -30,6 +31,12 @@ impl Plan {
     #[must_use]
     pub fn dims(&self) -> Dims {
         self.dims
+    }
+
+    /// The rig that depths are measured with.
+    #[must_use]
+    pub fn rig(&self) -> Option<Rig> {
+        self.params.rig
     }
 
     /// The same plan with other confidence models.

@@ -2,11 +2,12 @@
 
 use crate::status::Status;
 use crate::types::{Camera, Config, Depth, Health, Owner, Point, Segment};
+use linestereo::health::CameraHealth;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::scratch::{Capacity, Word};
+use linestereo::scratch::Capacity;
 use linestereo::{
-    Area, Confidence, Dims, Disparity, Gray, HealthLimits, ImagePosition, Margin, Match, Matched, Matcher, Pair,
-    Params, Parts, Position, Region, Rig, ScratchView, Source, Summary,
+    Area, Confidence, Dims, Disparity, HealthLimits, ImagePosition, Margin, Match, Matched, Matcher, ObjectDepth, Pair,
+    Params, Parts, Plan, Position, Region, Rig, ScratchView, Source,
 };
 
 impl Config {
@@ -45,7 +46,7 @@ impl Config {
         Dims { width: self.width, height: self.height }
     }
 
-    const fn capacity(&self) -> Capacity {
+    pub const fn capacity(&self) -> Capacity {
         Capacity { dims: self.dims(), segments: self.segments, cell: self.cell }
     }
 
@@ -54,11 +55,11 @@ impl Config {
             return Ok(None);
         }
         let rig = Rig::new(self.focal_px, self.baseline_m, self.disparity_offset_px)?;
-        let rig = if self.has_principal_point == 0 { rig } else { rig.with_principal_point(self.principal_point_px)? };
-        Ok(Some(rig.centred(self.dims())))
+        Ok(Some(if self.has_principal_point == 0 { rig } else { rig.with_principal_point(self.principal_point_px)? }))
     }
 
-    fn matcher(&self) -> Result<Matcher, Status> {
+    /// Checks all parameters.
+    pub fn plan(&self) -> Result<Plan, Status> {
         if !(MIN_SIDE..=MAX_WIDTH).contains(&self.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&self.height) {
             return Err(Status::ImageSize);
         }
@@ -78,74 +79,58 @@ impl Config {
             reach: self.reach,
             parts: if self.support_only == 0 { Parts::Both } else { Parts::Support },
         };
-        let mut matcher = params.matcher(self.dims())?;
-        matcher.limits.skew_us = self.skew_limit_us;
-        Ok(matcher)
+        Ok(params.plan(self.dims())?)
     }
 
     /// Words of memory behind the matcher itself.
     pub fn words(&self) -> Result<usize, Status> {
-        self.matcher().map(|_| self.capacity().words())
+        self.plan().map(|_| self.capacity().words())
     }
 }
 
-/// A matcher, its memory, and its last pair.
+/// A matcher with its memory, in which the last pair is.
 pub struct Engine {
     matcher: Matcher,
-    dims: Dims,
-    rig: Option<Rig>,
-    scratch: ScratchView<'static>,
-    last: Option<(Summary, [Gray<'static>; 2])>,
+    /// Unless a pair has it.
+    scratch: Option<ScratchView<'static>>,
+    /// The last pair, or why there is none.
+    matched: Result<Matched<'static>, Status>,
 }
 
 impl Engine {
-    pub fn new(config: &Config, memory: &'static mut [Word]) -> Result<Self, Status> {
-        let matcher = config.matcher()?;
-        let scratch = ScratchView::carve(memory, &config.capacity())?;
-        Ok(Self { matcher, dims: config.dims(), rig: config.rig()?, scratch, last: None })
+    pub fn new(plan: Plan, scratch: ScratchView<'static>, skew_limit_us: u32) -> Self {
+        let mut matcher = Matcher::new(plan);
+        matcher.limits.skew_us = skew_limit_us;
+        Self { matcher, scratch: Some(scratch), matched: Err(Status::NoPair) }
     }
 
     pub fn dims(&self) -> Dims {
-        self.dims
+        self.matcher.plan().dims()
     }
 
-    pub fn run(
-        &mut self,
-        [left, right]: [Gray<'static>; 2],
-        times_us: Option<[u64; 2]>,
-        areas: Option<&[Area]>,
-    ) -> Result<(), Status> {
-        self.last = None;
-        let pair = Pair { left, right, times_us };
-        let summary = *self.matcher.run(pair, areas, self.scratch.reborrow(), &mut ())?.summary();
-        self.last = Some((summary, [left, right]));
-        Ok(())
+    pub fn run(&mut self, pair: Pair<'static>, areas: Option<&[Area]>) -> Result<(), Status> {
+        let last = core::mem::replace(&mut self.matched, Err(Status::NoPair));
+        let scratch = last.ok().map(Matched::into_scratch).or_else(|| self.scratch.take());
+        // A run that fails would lose the memory, but images of another size than the memory's do not come here.
+        let scratch = scratch.ok_or(Status::NotInitialised)?;
+        self.matched = self.matcher.run(pair, areas, scratch, &mut ()).map_err(Status::from);
+        self.matched().map(|_| ())
     }
 
-    fn matched(&mut self) -> Result<Matched<'_>, Status> {
-        let (summary, images) = self.last.as_ref().ok_or(Status::NoPair)?;
-        Ok(self.matcher.plan().resume(summary, *images, self.scratch.reborrow())?)
+    fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {
+        self.matched.as_mut().map_err(|status| *status)
     }
 
-    pub fn health(&self) -> Result<Health, Status> {
-        let (summary, _) = self.last.as_ref().ok_or(Status::NoPair)?;
-        let (health, counts) = (summary.health(), summary.counts());
-        let camera = |camera: usize| {
-            let of = health.cameras.get(camera).copied().unwrap_or_default();
-            Camera {
-                level: of.level.into(),
-                detail_q4: of.detail_q4,
-                black_permille: of.black_permille,
-                white_permille: of.white_permille,
-                view_permille: of.view_permille,
-            }
-        };
+    pub fn health(&mut self) -> Result<Health, Status> {
+        let matched = self.matched()?;
+        let (health, counts) = (matched.health(), matched.counts());
+        let [left, right] = &health.cameras;
         Ok(Health {
             faults: health.flags.bits(),
             faults_now: health.now.bits(),
             is_fit: health.flags.is_fit().into(),
             is_refused: health.is_refused().into(),
-            cameras: [camera(0), camera(1)],
+            cameras: [Camera::new(left), Camera::new(right)],
             rows_q8: health.rows.map_or(0, |rows| rows.offset_q8),
             rows_samples: health.rows.map_or(0, |rows| rows.samples.into()),
             segments_found: counts.segments_left,
@@ -163,23 +148,16 @@ impl Engine {
         Ok(())
     }
 
-    /// The depth of one region. Its numbers are there in either case.
-    pub fn object(&mut self, region: &Region<'_>) -> Result<(Depth, Status), Status> {
-        let mut answer = (Depth::default(), Status::NoPair);
+    /// Tells the depth of one region, and why there is none. Its numbers are there in either case.
+    pub fn object(&mut self, region: &Region<'_>, tell: impl FnOnce(Depth)) -> Result<(), Status> {
+        let (mut tell, mut answer) = (Some(tell), Err(Status::NoPair));
         self.matched()?.objects(core::slice::from_ref(region), |found| {
-            let metres = |depth: Option<linestereo::Depth>| depth.map_or(0, linestereo::Depth::to_bits);
-            let depth = Depth {
-                disparity_q6: found.disparity.map_or(0, Disparity::to_bits),
-                sigma_q6: found.sigma.to_bits(),
-                confidence_q16: found.confidence.to_bits(),
-                support: found.support,
-                depth_q16: metres(found.depth),
-                depth_sigma_q16: metres(found.depth_sigma),
-                nearest_q16: metres(found.nearest),
-            };
-            answer = (depth, found.disparity.err().map_or(Status::Ok, Status::from));
+            if let Some(tell) = tell.take() {
+                tell(Depth::of_object(&found));
+            }
+            answer = found.disparity.map(|_| ()).map_err(Status::from);
         });
-        Ok(answer)
+        answer
     }
 
     pub fn pixel(&mut self, pixel: (u16, u16)) -> Result<Depth, Status> {
@@ -189,8 +167,8 @@ impl Engine {
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
             support: 0,
-            depth_q16: found.depth.map_or(0, linestereo::Depth::to_bits),
-            depth_sigma_q16: found.depth_sigma.map_or(0, linestereo::Depth::to_bits),
+            depth_q16: metres(found.depth),
+            depth_sigma_q16: metres(found.depth_sigma),
             nearest_q16: 0,
         })
     }
@@ -198,19 +176,52 @@ impl Engine {
     /// Position in space, 1/65536 m.
     pub fn position(&self, x_q5: u16, y_q5: u16, disparity_q6: i16) -> Result<[i32; 3], Status> {
         let at = ImagePosition { x: Position::from_bits(x_q5), y: Position::from_bits(y_q5) };
-        let rig = self.rig.as_ref().ok_or(Status::NoRig)?;
+        let rig = self.matcher.plan().rig().ok_or(Status::NoRig)?.centred(self.dims());
         let position = rig.xyz(at, Disparity::from_bits(disparity_q6)).ok_or(Status::Infinite)?;
         Ok(position.map(linestereo::Depth::to_bits))
     }
 }
 
+fn metres(depth: Option<linestereo::Depth>) -> i32 {
+    depth.map_or(0, linestereo::Depth::to_bits)
+}
+
+impl Depth {
+    fn of_object(found: &ObjectDepth) -> Self {
+        Self {
+            disparity_q6: found.disparity.map_or(0, Disparity::to_bits),
+            sigma_q6: found.sigma.to_bits(),
+            confidence_q16: found.confidence.to_bits(),
+            support: found.support,
+            depth_q16: metres(found.depth),
+            depth_sigma_q16: metres(found.depth_sigma),
+            nearest_q16: metres(found.nearest),
+        }
+    }
+}
+
+impl Camera {
+    fn new(of: &CameraHealth) -> Self {
+        Self {
+            level: of.level.into(),
+            detail_q4: of.detail_q4,
+            black_permille: of.black_permille,
+            white_permille: of.white_permille,
+            view_permille: of.view_permille,
+        }
+    }
+}
+
 impl Segment {
     fn new(found: &Match) -> Self {
-        let metres = |ends: Option<[linestereo::Depth; 2]>| ends.map_or([0; 2], |ends| ends.map(|end| end.to_bits()));
+        // Not by `map` of arrays, which is a loop and a copy each.
+        let metres =
+            |ends: Option<[linestereo::Depth; 2]>| ends.map_or([0; 2], |[start, end]| [start.to_bits(), end.to_bits()]);
+        let ([start, end], [disparity_start, disparity_end]) = (found.ends, found.disparity);
         Self {
-            x_q5: found.ends.map(|end| end.x.to_bits()),
-            y_q5: found.ends.map(|end| end.y.to_bits()),
-            disparity_q6: found.disparity.map(Disparity::to_bits),
+            x_q5: [start.x.to_bits(), end.x.to_bits()],
+            y_q5: [start.y.to_bits(), end.y.to_bits()],
+            disparity_q6: [disparity_start.to_bits(), disparity_end.to_bits()],
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
             owner: match found.owner {

@@ -10,7 +10,7 @@ use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
 use linestereo::scratch::Word;
-use linestereo::{Area as CoreArea, Gray, Region, Span as CoreSpan, objects::Run as CoreRun};
+use linestereo::{Area as CoreArea, Gray, Pair, Region, ScratchView, Span as CoreSpan, objects::Run as CoreRun};
 
 /// A matcher, in memory of the caller.
 pub struct Matcher {
@@ -28,17 +28,21 @@ const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
 /// Called with every point; `context` is what the caller gave.
 pub type PointCallback = Option<unsafe extern "C" fn(context: *mut c_void, point: *const Point)>;
 
+/// Refuses what is null or not aligned to `align`, a power of two. Not inlined: that would be a third of the library's own code.
+#[inline(never)]
+fn check(address: usize, align: usize) -> Result<(), Status> {
+    if address == 0 {
+        return Err(Status::Null);
+    }
+    if address & align.wrapping_sub(1) != 0 { Err(Status::Misaligned) } else { Ok(()) }
+}
+
 /// The object at a pointer.
 ///
 /// # Safety
 /// It points to a `T` that nobody changes during `'a`, if it is neither null nor misaligned.
 unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, Status> {
-    if pointer.is_null() {
-        return Err(Status::Null);
-    }
-    if !pointer.is_aligned() {
-        return Err(Status::Misaligned);
-    }
+    check(pointer.addr(), align_of::<T>())?;
     // SAFETY: checked above; the rest is the caller's.
     Ok(unsafe { &*pointer })
 }
@@ -51,8 +55,7 @@ unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Status
     if count == 0 {
         return Ok(&[]);
     }
-    // SAFETY: as this function's.
-    unsafe { read(pointer)? };
+    check(pointer.addr(), align_of::<T>())?;
     if count > isize::MAX as usize / size_of::<T>() {
         return Err(Status::TooMany);
     }
@@ -60,30 +63,26 @@ unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Status
     Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
-/// Writes a result.
+/// Room for a result.
 ///
 /// # Safety
-/// There is room for a `T`, if the pointer is neither null nor misaligned.
-unsafe fn write<T>(pointer: *mut T, value: Result<T, Status>) -> Status {
-    if pointer.is_null() {
-        return Status::Null;
-    }
-    if !pointer.is_aligned() {
-        return Status::Misaligned;
-    }
-    match value {
-        // SAFETY: checked above; the rest is the caller's.
-        Ok(value) => unsafe { pointer.write(value) },
-        Err(status) => return status,
-    }
-    Status::Ok
+/// There is room for a `T`, which nobody else uses during `'a`, if the pointer is neither null nor misaligned.
+unsafe fn room<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, Status> {
+    check(pointer.addr(), align_of::<T>())?;
+    // SAFETY: checked above; the rest is the caller's.
+    Ok(unsafe { &mut *pointer.cast() })
 }
 
-/// Works with the engine of a matcher, which nobody else does meanwhile: calls of the same matcher from a callback are refused.
+fn status(result: Result<(), Status>) -> Status {
+    result.err().unwrap_or(Status::Ok)
+}
+
+/// The matcher at a pointer, which is busy from here on.
 ///
 /// # Safety
-/// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
-unsafe fn with<T>(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<T, Status>) -> Result<T, Status> {
+/// As [`with`].
+#[inline(never)]
+unsafe fn enter<'a>(matcher: *mut Matcher) -> Result<&'a Matcher, Status> {
     if matcher.is_null() {
         return Err(Status::Null);
     }
@@ -94,13 +93,40 @@ unsafe fn with<T>(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Resul
     }
     // SAFETY: it was written by `linestereo_init`.
     let found = unsafe { &*matcher };
-    if found.is_busy.replace(true) {
-        return Err(Status::Busy);
-    }
+    if found.is_busy.replace(true) { Err(Status::Busy) } else { Ok(found) }
+}
+
+/// Works with the engine of a matcher, which nobody else does meanwhile: calls of the same matcher from a callback are refused.
+///
+/// # Safety
+/// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
+unsafe fn with(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<(), Status>) -> Status {
+    // SAFETY: as this function's.
+    let found = match unsafe { enter(matcher) } {
+        Ok(found) => found,
+        Err(status) => return status,
+    };
     // SAFETY: whoever else comes here finds it busy.
     let result = work(unsafe { &mut *found.engine.get() });
     found.is_busy.set(false);
-    result
+    status(result)
+}
+
+/// The same, for a result.
+///
+/// # Safety
+/// As [`with`] and [`room`].
+unsafe fn with_room<T>(
+    matcher: *mut Matcher,
+    pointer: *mut T,
+    work: impl FnOnce(&mut Engine, &mut MaybeUninit<T>) -> Result<(), Status>,
+) -> Status {
+    // SAFETY: as this function's.
+    match unsafe { room(pointer) } {
+        // SAFETY: as this function's.
+        Ok(room) => unsafe { with(matcher, |engine| work(engine, room)) },
+        Err(status) => status,
+    }
 }
 
 /// A view of an image.
@@ -142,24 +168,24 @@ pub unsafe extern "C" fn linestereo_init(
 ) -> Status {
     let make = || {
         // SAFETY: as this function's.
-        let config = unsafe { read(config)? };
-        let words = HEAD + config.words()?;
+        let (config, room) = unsafe { (read(config)?, room(matcher)?) };
+        // First: linestereo_scratch_size is 0 of what is refused here, and the memory too small for anything.
+        let plan = config.plan()?;
         let memory: *mut Word = memory.cast();
-        // SAFETY: as this function's; words may have any content.
-        unsafe { read(memory)? };
-        if size / size_of::<Word>() < words {
-            return Err(Status::MemoryTooSmall);
-        }
-        // SAFETY: there are so many words, aligned, behind the matcher; they are its own from here on.
-        let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), words - HEAD) };
-        let engine = UnsafeCell::new(Engine::new(config, rest)?);
+        check(memory.addr(), align_of::<Word>())?;
+        let words = size.min(isize::MAX as usize) / size_of::<Word>();
+        let rest = words.checked_sub(HEAD).ok_or(Status::MemoryTooSmall)?;
+        // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its own from here on.
+        let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), rest) };
+        let scratch = ScratchView::carve(rest, &config.capacity())?;
+        let engine = UnsafeCell::new(Engine::new(plan, scratch, config.skew_limit_us));
         let made: *mut Matcher = memory.cast();
         // SAFETY: the first `HEAD` words have room for it, and are aligned.
         unsafe { made.write(Matcher { address: made.addr(), is_busy: Cell::new(false), engine }) };
-        Ok(made)
+        room.write(made);
+        Ok(())
     };
-    // SAFETY: as this function's.
-    unsafe { write(matcher, make()) }
+    status(make())
 }
 
 /// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null.
@@ -171,7 +197,7 @@ pub unsafe extern "C" fn linestereo_run(
     times_us: *const u64,
 ) -> Status {
     // SAFETY: as this function's.
-    unsafe { run(matcher, [left, right], times_us, None) }
+    unsafe { run(matcher, left, right, times_us, None) }
 }
 
 /// The same in and just around these areas of the left image alone: less work.
@@ -184,53 +210,50 @@ pub unsafe extern "C" fn linestereo_run_areas(
     areas: *const Area,
     count: usize,
 ) -> Status {
-    // SAFETY: as this function's.
-    unsafe { run(matcher, [left, right], times_us, Some((areas, count))) }
+    // SAFETY: as this function's; both structures have the same fields in the layout of C.
+    match unsafe { list(areas.cast::<CoreArea>(), count) } {
+        // SAFETY: as this function's.
+        Ok(areas) => unsafe { run(matcher, left, right, times_us, Some(areas)) },
+        Err(status) => status,
+    }
 }
 
 /// # Safety
 /// As [`linestereo_run_areas`].
 unsafe fn run(
     matcher: *mut Matcher,
-    [left, right]: [*const Image; 2],
+    left: *const Image,
+    right: *const Image,
     times_us: *const u64,
-    areas: Option<(*const Area, usize)>,
+    areas: Option<&[CoreArea]>,
 ) -> Status {
     let work = |engine: &mut Engine| {
-        // SAFETY: as this function's.
-        let images = unsafe { [view(left, engine)?, view(right, engine)?] };
         let times_us = if times_us.is_null() {
             None
         } else {
             // SAFETY: as this function's.
             Some(*unsafe { read(times_us.cast::<[u64; 2]>())? })
         };
-        let areas = match areas {
-            // SAFETY: as this function's; both structures have the same fields in the layout of C.
-            Some((areas, count)) => Some(unsafe { list(areas.cast::<CoreArea>(), count)? }),
-            None => None,
-        };
-        engine.run(images, times_us, areas)
+        // SAFETY: as this function's.
+        let pair = unsafe { Pair { left: view(left, engine)?, right: view(right, engine)?, times_us } };
+        engine.run(pair, areas)
     };
     // SAFETY: as this function's.
-    match unsafe { with(matcher, work) } {
-        Ok(()) => Status::Ok,
-        Err(status) => status,
-    }
+    unsafe { with(matcher, work) }
 }
 
 /// Faults of the last pair, and its counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut Health) -> Status {
     // SAFETY: as this function's.
-    unsafe { write(health, with(matcher, |engine| engine.health())) }
+    unsafe { with_room(matcher, health, |engine, room| engine.health().map(|health| _ = room.write(health))) }
 }
 
 /// Segment `index` of the last pair, from 0, most confident first. `LinestereoHealth.segments_matched` says how many there are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize, segment: *mut Segment) -> Status {
     // SAFETY: as this function's.
-    unsafe { write(segment, with(matcher, |engine| engine.segment(index))) }
+    unsafe { with_room(matcher, segment, |engine, room| engine.segment(index).map(|found| _ = room.write(found))) }
 }
 
 /// Calls `each` with every point of the last pair: those of segments, most probable first, then support points; at most one per pixel.
@@ -241,10 +264,7 @@ pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCal
     // SAFETY: the callback is one of C's with these arguments.
     let tell = |point: Point| unsafe { each(context, &raw const point) };
     // SAFETY: as this function's.
-    match unsafe { with(matcher, |engine| engine.points(tell)) } {
-        Ok(()) => Status::Ok,
-        Err(status) => status,
-    }
+    unsafe { with(matcher, |engine| engine.points(tell)) }
 }
 
 /// The same points as a list, for languages that have no callbacks: the first `capacity` of them, which `points` has room for. `count` becomes the
@@ -256,7 +276,7 @@ pub unsafe extern "C" fn linestereo_point_list(
     capacity: usize,
     count: *mut usize,
 ) -> Status {
-    let work = |engine: &mut Engine| {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<usize>| {
         // SAFETY: as this function's; they may have any content.
         unsafe { list(points.cast::<MaybeUninit<Point>>(), capacity)? };
         let mut found = 0;
@@ -267,22 +287,23 @@ pub unsafe extern "C" fn linestereo_point_list(
             }
             found = found.saturating_add(1);
         })?;
-        Ok(found)
+        room.write(found);
+        Ok(())
     };
     // SAFETY: as this function's.
-    unsafe { write(count, with(matcher, work)) }
+    unsafe { with_room(matcher, count, work) }
 }
 
 /// The depth of what lies in a box of the left image, or from 100 on why there is none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_box(matcher: *mut Matcher, area: *const Area, depth: *mut Depth) -> Status {
-    let work = |engine: &mut Engine| {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let area = *unsafe { read(area.cast::<CoreArea>())? };
-        engine.object(&Region::boxed(0, area, engine.dims())?)
+        engine.object(&Region::boxed(0, area, engine.dims())?, |depth| _ = room.write(depth))
     };
     // SAFETY: as this function's.
-    unsafe { object(depth, with(matcher, work)) }
+    unsafe { with_room(matcher, depth, work) }
 }
 
 /// The same of the runs with this label, sorted by row and column.
@@ -294,33 +315,20 @@ pub unsafe extern "C" fn linestereo_mask(
     count: usize,
     depth: *mut Depth,
 ) -> Status {
-    let work = |engine: &mut Engine| {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let runs = unsafe { list(runs.cast::<CoreRun>(), count)? };
-        engine.object(&Region::masked(label, runs, engine.dims())?)
+        engine.object(&Region::masked(label, runs, engine.dims())?, |depth| _ = room.write(depth))
     };
     // SAFETY: as this function's.
-    unsafe { object(depth, with(matcher, work)) }
-}
-
-/// Writes the depth of an object, and says why there is none.
-///
-/// # Safety
-/// As [`write`].
-unsafe fn object(pointer: *mut Depth, answer: Result<(Depth, Status), Status>) -> Status {
-    let (depth, status) = answer.map_or_else(|error| (Err(error), error), |(depth, status)| (Ok(depth), status));
-    // SAFETY: as this function's.
-    match unsafe { write(pointer, depth) } {
-        Status::Ok => status,
-        error => error,
-    }
+    unsafe { with_room(matcher, depth, work) }
 }
 
 /// The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Matcher, x: u16, y: u16, depth: *mut Depth) -> Status {
     // SAFETY: as this function's.
-    unsafe { write(depth, with(matcher, |engine| engine.pixel((x, y)))) }
+    unsafe { with_room(matcher, depth, |engine, room| engine.pixel((x, y)).map(|found| _ = room.write(found))) }
 }
 
 /// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this disparity (1/64 px): x right, y down, z forward of
@@ -333,8 +341,12 @@ pub unsafe extern "C" fn linestereo_position(
     disparity_q6: i16,
     xyz_q16: *mut i32,
 ) -> Status {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<[i32; 3]>| {
+        room.write(engine.position(x_q5, y_q5, disparity_q6)?);
+        Ok(())
+    };
     // SAFETY: as this function's.
-    unsafe { write(xyz_q16.cast::<[i32; 3]>(), with(matcher, |engine| engine.position(x_q5, y_q5, disparity_q6))) }
+    unsafe { with_room(matcher, xyz_q16.cast(), work) }
 }
 
 /// A status in words; never null.
