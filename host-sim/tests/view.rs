@@ -2,10 +2,12 @@
 
 use crate::monitor::{damaged_recording, frame, packet};
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
 use linestereo_sim::report::browser::Browser;
 use linestereo_wire::{
-    Answer, Command as BoardCommand, Decoder, MAX_COMMAND, ObjectRecord, Objects, Outcome, Regions, Request,
+    Answer, Command as BoardCommand, Decoder, MAX_COMMAND, Message, ObjectRecord, Objects, Outcome, PairHead, Pixels,
+    Regions, Request,
 };
 use serde_json::{Value, json};
 use std::fs;
@@ -269,12 +271,7 @@ fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAN
     loop {
         board.read_exact(&mut byte).unwrap();
         if let Some(Ok(BoardCommand { id, request })) = decoder.push(byte[0]) {
-            board
-                .write_all(&packet(&linestereo_wire::Message::Answer(Answer {
-                    command: id,
-                    outcome: Outcome::Accepted,
-                })))
-                .unwrap();
+            board.write_all(&packet(&Message::Answer(Answer { command: id, outcome: Outcome::Accepted }))).unwrap();
             return request;
         }
     }
@@ -307,7 +304,7 @@ fn boxes_of_the_page_are_asked_of_the_board() {
         depth_q16: Some([163_840, 6554, 160_000]),
     };
     let list = [record(0)].into_iter().collect();
-    board.write_all(&packet(&linestereo_wire::Message::Objects(Objects { sequence: 1, list }))).unwrap();
+    board.write_all(&packet(&Message::Objects(Objects { sequence: 1, list }))).unwrap();
     let found = events.json("objects");
     assert_eq!((&found["boxes"], &found["objects"][0]["depth_m"]), (&json!([[10, 20, 30, 40]]), &json!(2.5)));
     // The board is pulled out: the page is told, and the program says so.
@@ -315,6 +312,36 @@ fn boxes_of_the_page_are_asked_of_the_board() {
     assert!(events.of("end").contains("was closed"));
     let (code, _, errors) = view.end();
     assert!(code == Some(2) && errors.contains("was closed") && errors.lines().count() == 1, "{errors}");
+}
+
+#[test]
+fn photographs_of_a_board_lie_under_its_segments() {
+    let folder = TempDir::new().unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let view = View::start(folder.path(), &["--tcp", &address, "--photograph", "1"]);
+    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
+    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let mut events = view.events();
+    let photo = |board: &mut TcpStream, grey: u8, first: u32| {
+        let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
+        board.write_all(&packet(&Message::Photo(head))).unwrap();
+        for (is_right, grey) in [(false, grey), (true, 0)] {
+            let list = [grey; 128].into_iter().collect();
+            board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
+        }
+    };
+    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    photo(&mut board, 77, 0);
+    let expected = json!({"size": [64, 2], "grey": BASE64_STANDARD.encode([77; 128])});
+    assert_eq!(events.json("picture"), expected);
+    // Another one is asked for a second later. One that lacks pixels is said, and not shown.
+    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    photo(&mut board, 78, 5);
+    assert!(events.of("note").contains("accepted: photograph"));
+    assert!(events.of("note").contains("pixels were lost"));
+    let (code, _, _) = view.interrupt();
+    assert_eq!(code, Some(0));
 }
 
 #[test]

@@ -250,7 +250,20 @@ impl InputArgs {
 
     /// The set-up of rectified images of this size that are matched elsewhere: by the options alone.
     pub(super) fn setup_of(&self, dims: Dims) -> Result<Setup<'_>> {
-        self.rectified(dims, dims, None)
+        if self.rig.is_empty() {
+            return self.rectified(dims, dims, None);
+        }
+        let setup = self.raw(dims, &self.rig)?;
+        if setup.dims() != dims {
+            bail!("the board matches {dims}, with --rig it would be {}; give --size {dims}", setup.dims());
+        }
+        Ok(setup)
+    }
+
+    /// Rectifies raw images of this size; `None` without --rig.
+    pub(super) fn rectifier_of(&self, raw: Dims) -> Result<Option<PairRectifier>> {
+        let rig = if self.rig.is_empty() { None } else { self.raw(raw, &self.rig)?.rig };
+        Ok(rig.map(|rig| PairRectifier::new(rig.remap())).transpose()?)
     }
 
     fn option_behind(&self, error: &RigError) -> &'static str {

@@ -85,7 +85,7 @@ pub struct Args {
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
+    /// Send start, stop, describe, photograph, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
     /// several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
@@ -230,6 +230,11 @@ impl Monitor {
             Event::Frame(frame) => self.show_frame(&frame),
             Event::Objects(list) => {
                 list.iter().try_for_each(|object| self.screen.note(&text::object(object))).map_err(Stop::from)
+            }
+            Event::Photo([left, _]) => {
+                let note =
+                    format!("photograph: {}; linestereo photograph saves them, linestereo view shows them", left.dims);
+                Ok(self.screen.note(&note)?)
             }
             Event::Note(note) => Ok(self.screen.note(&note)?),
         }

@@ -1,15 +1,15 @@
 //! `linestereo photograph`: what a board's cameras see, as files.
 
 use crate::draw;
+use crate::monitor::photo::PhotoAssembler;
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::Dims;
 use linestereo_baselines::GrayImage;
 use linestereo_wire::{
-    Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, Pixels, Request, encode,
+    Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -103,12 +103,6 @@ struct Camera {
     next_id: u16,
 }
 
-/// A pair of which pixels come.
-struct Coming {
-    dims: Dims,
-    images: [Vec<u8>; 2],
-}
-
 impl Camera {
     /// One pair. A packet that is lost on the way costs the photo: a calibration wants whole ones.
     fn photograph(&mut self, bar: &ProgressBar) -> Result<[GrayImage; 2]> {
@@ -117,7 +111,7 @@ impl Camera {
         let mut packet = [DELIMITER; 1 + MAX_COMMAND];
         let length = encode(&command, &mut packet[1..])?.len();
         self.port.write(&packet[..=length])?;
-        let (mut buffer, mut coming, mut last) = ([0; 4096], None, Instant::now());
+        let (mut buffer, mut photos, mut last) = ([0; 4096], PhotoAssembler::default(), Instant::now());
         loop {
             let count = match self.port.read(&mut buffer)? {
                 Received::Bytes(count) => count,
@@ -130,7 +124,7 @@ impl Camera {
             last = Instant::now();
             for &byte in &buffer[..count] {
                 let Some(Ok(message)) = self.decoder.push(byte) else { continue };
-                if let Some(pair) = take(message, command.id, &mut coming, bar)? {
+                if let Some(pair) = take(message, command.id, &mut photos, bar)? {
                     return Ok(pair);
                 }
             }
@@ -139,31 +133,20 @@ impl Camera {
 }
 
 /// Takes a message; gives the pair when it is whole.
-fn take(message: Message, id: u16, coming: &mut Option<Coming>, bar: &ProgressBar) -> Result<Option<[GrayImage; 2]>> {
-    match (message, &mut *coming) {
-        (Message::Answer(Answer { command, outcome: Outcome::Refused(why) }), _) if command == id => {
+fn take(message: Message, id: u16, photos: &mut PhotoAssembler, bar: &ProgressBar) -> Result<Option<[GrayImage; 2]>> {
+    let whole = match message {
+        Message::Answer(Answer { command, outcome: Outcome::Refused(why) }) if command == id => {
             bail!("the board refused: {why}")
         }
-        (Message::Photo(PairHead { width, height, .. }), _) => {
-            let dims = Dims { width, height };
-            bar.set_length(2 * pixels(dims) as u64);
-            *coming = Some(Coming { dims, images: [Vec::new(), Vec::new()] });
+        Message::Photo(head) => {
+            photos.begin(&head)?;
+            None
         }
-        (Message::Pixels(Pixels { is_right, first, list }), Some(coming)) => {
-            let image = &mut coming.images[usize::from(is_right)];
-            if image.len() != first as usize {
-                bail!("pixels were lost on the way; take the photo again, or use a better cable or a lower speed");
-            }
-            image.extend_from_slice(&list);
-            bar.inc(list.len() as u64);
-        }
-        _ => {} // results, if the board sends them
-    }
-    let is_whole = |coming: &mut Coming| coming.images.iter().all(|image| image.len() == pixels(coming.dims));
-    let whole = coming.take_if(is_whole).filter(|coming| pixels(coming.dims) > 0);
-    Ok(whole.map(|Coming { dims, images }| images.map(|pixels| GrayImage { dims, pixels })))
-}
-
-fn pixels(dims: Dims) -> usize {
-    usize::from(dims.width) * usize::from(dims.height)
+        Message::Pixels(pixels) => photos.add(&pixels)?,
+        _ => None, // results, if the board sends them
+    };
+    let (arrived, all) = photos.progress();
+    bar.set_length(all);
+    bar.set_position(arrived);
+    Ok(whole)
 }

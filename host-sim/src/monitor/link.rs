@@ -1,14 +1,16 @@
 //! A board behind a port: bytes to what they say, and commands with their answers.
 //!
-//! In: bytes, and requests. Out: frames, depths of objects, notes; a command is sent again until it is answered.
+//! In: bytes, and requests. Out: frames, photographs, depths of objects, notes; a command is sent again until it is answered.
 
 use super::frames::{Assembler, Frame, FrameCounts};
+use super::photo::PhotoAssembler;
 use super::port::Port;
 use super::requests::{self, Wanted};
 use super::text;
 use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::ObjectDepth;
+use linestereo_baselines::GrayImage;
 use linestereo_wire::{
     Answer, Command, Counters, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome,
     Request, SettingValue, encode,
@@ -31,6 +33,8 @@ pub enum Event {
     Frame(Frame),
     /// Depths of the boxes that the board was asked for.
     Objects(Vec<ObjectDepth>),
+    /// Both images as the cameras delivered them, before they were rectified.
+    Photo([GrayImage; 2]),
     /// A line for people.
     Note(String),
 }
@@ -47,6 +51,7 @@ struct Waiting {
 pub struct Link {
     decoder: Decoder<Message, MAX_PACKET>,
     frames: Assembler,
+    photos: PhotoAssembler,
     bytes: u64,
     other_version: Option<u8>,
     wanted: VecDeque<Wanted>,
@@ -66,6 +71,7 @@ impl Link {
         Self {
             decoder: Decoder::new(),
             frames: Assembler::default(),
+            photos: PhotoAssembler::default(),
             bytes: 0,
             other_version: None,
             wanted: described(wanted).into(),
@@ -126,10 +132,13 @@ impl Link {
             Some(Ok(Message::Frame(head))) => return Ok(self.frames.begin(head).map(Event::Frame).collect()),
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
             Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.iter().map(Into::into).collect())),
-            // Points come only from programs that are fed by a file; the others are for `photograph` and `bench-board`.
-            Some(Ok(
-                Message::Points(_) | Message::Photo(_) | Message::Pixels(_) | Message::Machine(_) | Message::Case(_),
-            )) => None,
+            Some(Ok(Message::Photo(head))) => self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string())),
+            Some(Ok(Message::Pixels(pixels))) => match self.photos.add(&pixels) {
+                Ok(pair) => pair.map(Event::Photo),
+                Err(lost) => Some(Event::Note(lost.to_string())),
+            },
+            // Points come only from programs that are fed by a file; the others are for `bench-board`.
+            Some(Ok(Message::Points(_) | Message::Machine(_) | Message::Case(_))) => None,
             Some(Ok(Message::Setting(value))) => {
                 self.settings.push(value);
                 None

@@ -1,6 +1,6 @@
 //! Words of the command line to requests.
 //!
-//! In: `start`, `stop`, `describe`, `sync`, `settings`, `keep`, `defaults`, `bootloader`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
+//! In: `start`, `stop`, `describe`, `photograph`, `sync`, `settings`, `keep`, `defaults`, `bootloader`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
 //! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
 //! only has to be one that can be sent.
 
@@ -55,13 +55,14 @@ pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
                 "start" => Request::Start,
                 "stop" => Request::Stop,
                 "describe" => Request::Describe,
+                "photograph" => Request::Photograph,
                 "settings" => Request::Settings,
                 "sync" => Request::ReadClock,
                 "bootloader" => Request::Bootloader,
                 "keep" => Request::KeepSettings,
                 "defaults" => Request::ResetSettings,
                 _ => bail!(
-                    "--send {word} is unknown; give start, stop, describe, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
+                    "--send {word} is unknown; give start, stop, describe, photograph, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
                 ),
             },
             [word] if Kind::of(word) == Kind::Vehicle => vehicle(word)?,

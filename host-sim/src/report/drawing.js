@@ -56,7 +56,7 @@ export function drawPair(canvas, { width, height, picture }, { points, side, seg
   Object.assign(canvas, { width: width * scale, height: height * scale });
   context.imageSmoothingEnabled = false;
   context.scale(scale, scale);
-  if (picture) context.drawImage(picture, 0, 0);
+  if (picture) context.drawImage(picture, 0, 0, width, height);
   for (const { x, y, disparity } of points) {
     context.fillStyle = colour(disparity, span, side > 2 ? 0.3 : 0.8);
     context.fillRect(x - side / 2, y - side / 2, Math.max(side - 0.5, 1), Math.max(side - 0.5, 1));

@@ -1,6 +1,9 @@
 //! A board's results, shown as they arrive, or at the times of their recording.
 
-use super::{Args, Asked, LOOK, Pace, end, in_space};
+use super::space::Space;
+use super::{Args, Asked, LOOK, Pace, end, picture};
+use crate::commands::input::Setup;
+use crate::input::rectify::PairRectifier;
 use crate::interruption;
 use crate::monitor::frames::Frame;
 use crate::monitor::link::{Event, Link};
@@ -13,6 +16,8 @@ use crate::serve::Server;
 use anyhow::{Result, bail};
 use core::time::Duration;
 use linestereo::{Dims, ObjectDepth};
+use linestereo_baselines::GrayImage;
+use linestereo_rig::CameraSide;
 use linestereo_wire::{RegionBox, Regions, Request};
 use serde_json::json;
 use std::path::Path;
@@ -32,6 +37,13 @@ struct Show<'a> {
     /// A port that a board listens at.
     is_live: bool,
     told: Instant,
+    /// When the last photograph was asked for.
+    photographed: Option<Instant>,
+    /// What the options say of its frames, as soon as their size is known.
+    setup: Option<Setup<'a>>,
+    space: Option<Space>,
+    /// With --rig.
+    rectifier: Option<PairRectifier>,
 }
 
 /// Shows what the board sends until its end, or Ctrl-C; the summary.
@@ -40,7 +52,19 @@ pub(super) fn show(args: &Args) -> Result<String> {
     let mut port = open(args)?;
     let server = &args.serve()?;
     let (is_live, told) = (args.path.is_none(), Instant::now());
-    let mut show = Show { args, server, link, asked: Asked::default(), pace: Pace::new(args), is_live, told };
+    let mut show = Show {
+        args,
+        server,
+        link,
+        asked: Asked::default(),
+        pace: Pace::new(args),
+        is_live,
+        told,
+        photographed: None,
+        setup: None,
+        space: None,
+        rectifier: None,
+    };
     let outcome = loop {
         let outcome = show.follow(&mut port);
         if outcome.is_err() || is_live || !args.repeat || interruption::requested() || show.link.has_nothing() {
@@ -99,8 +123,15 @@ impl Show<'_> {
         Ok(())
     }
 
-    /// Asks the board for the visitors' boxes, where they are others than before.
+    /// Asks the board for a photograph, where one is due, and for the visitors' boxes, where they are others than before.
     fn ask(&mut self) {
+        let every = self.args.photograph.map(|seconds| Duration::from_secs(seconds.into()));
+        if every.is_some_and(|every| self.photographed.is_none_or(|last| last.elapsed() >= every))
+            && self.link.is_answered()
+        {
+            self.photographed = Some(Instant::now());
+            self.link.ask(Wanted { request: Request::Photograph, words: "photograph".to_owned() });
+        }
         if !self.asked.changed(self.server) {
             return;
         }
@@ -117,6 +148,7 @@ impl Show<'_> {
                 self.objects(&list);
                 Ok(())
             }
+            Event::Photo(photo) => self.photo(&photo),
             Event::Note(note) => {
                 self.server.send("note", &[("note", json!(note).to_string())]);
                 Ok(())
@@ -135,9 +167,28 @@ impl Show<'_> {
         }
         let mut events = vec![("frame", text::json(frame)?)];
         let dims = Dims { width: frame.head.width, height: frame.head.height };
-        let setup = self.args.input.setup_of(dims)?;
-        events.extend(in_space(self.args, &setup, (&frame.matches, &[]), frame.head.health)?);
+        let setup = match self.setup.take().filter(|setup| setup.dims() == dims) {
+            Some(setup) => setup,
+            None => self.args.input.setup_of(dims)?,
+        };
+        let setup = self.setup.insert(setup);
+        if let Some(space) = Space::of(&mut self.space, self.args, setup)? {
+            events.extend(space.events(&frame.matches, &[], frame.head.health)?);
+        }
         self.server.send("pair", &events);
+        Ok(())
+    }
+
+    /// Shows the left image under the segments of the frames that come: with --rig as the board rectifies it.
+    fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
+        if self.rectifier.is_none() {
+            self.rectifier = self.args.input.rectifier_of(left.dims)?;
+        }
+        let shown = match &mut self.rectifier {
+            Some(rectifier) => rectifier.image(CameraSide::Left, left)?,
+            None => left.clone(),
+        };
+        self.server.send("picture", &[picture(&shown)]);
         Ok(())
     }
 

@@ -2,8 +2,9 @@
 
 mod boards;
 mod pairs;
+mod space;
 
-use super::input::{InputArgs, Setup};
+use super::input::InputArgs;
 use super::player::SourceArgs;
 use super::sector_options::SectorPlanArgs;
 use crate::input::recording::is_recording;
@@ -12,13 +13,12 @@ use crate::interruption;
 use crate::monitor::port::PortArgs;
 use crate::output::{print, say};
 use crate::report::live;
-use crate::results::directions::Directions;
 use crate::serve::{AskedBox, Event, Server};
 use anyhow::Result;
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
-use linestereo::{Disparity, ImagePosition, Match, Point};
-use linestereo_wire::Health;
-use serde_json::{Value, json};
+use linestereo_baselines::GrayImage;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -30,15 +30,16 @@ Examples:
       a recording of ROS 2 with the times between its pairs, again and again
   linestereo view --camera /dev/video0 --rig rig.toml
       a stereo camera at this PC
-  linestereo view --serial /dev/ttyACM0 --send start --focal-px 300 --baseline-m 0.1
-      a board; with its focal length and baseline also from above, and in sectors
+  linestereo view --serial /dev/ttyACM0 --send start --rig rig.toml --size 320x240 --photograph 10
+      a board, a photograph of its left camera every ten seconds; with its rig also from above, and in sectors
   linestereo view run.bin
       what linestereo monitor --record wrote, at its own speed
 
 On the page: the left image with segments and points, all from above with the nearest obstacle of each sector, health
 with what to do, pairs and losses of each second. A box that is drawn there is answered in every pair: of pairs by this
 program, of a board by the board (which is asked with box=, as linestereo monitor --send does); a recording of a board
-answers no new ones. A board sends no pictures: its segments are on black.
+answers no new ones. A board's segments are on black, or on its last photograph: raw, as the camera delivers it, without
+--rig; rectified with the rig that the board has. While one is sent, over USB a second, no pair is matched.
 
 The page stays after the last pair, until Ctrl-C; then a summary is printed.
 Only this computer can open it, and only with the token in the address, new each time. From another computer: ssh -L
@@ -71,6 +72,9 @@ pub struct Args {
     /// Send a command to the board, as linestereo monitor --send does; may be given several times.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["path", "camera"])]
     send: Vec<String>,
+    /// Ask the board for a photograph every so many seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600), conflicts_with_all = ["path", "camera"])]
+    photograph: Option<u32>,
     #[command(flatten)]
     sectors: SectorPlanArgs,
     #[command(flatten)]
@@ -157,29 +161,10 @@ impl Pace {
     }
 }
 
-/// Events of what has a place in space: points from above, and sectors.
-fn in_space(
-    args: &Args,
-    setup: &Setup<'_>,
-    (matches, points): (&[Match], &[Point]),
-    health: Health,
-) -> Result<Vec<Event>> {
-    let Some(rig) = setup.geometry() else { return Ok(Vec::new()) };
-    let above = |at: ImagePosition, disparity: Disparity| {
-        let [x, _, z] = rig.xyz(at, disparity)?.map(|metres| (metres.to_num::<f64>() * 1e3).round() / 1e3);
-        Some(json!([x, z, disparity.to_num::<f64>()]))
-    };
-    let of_points = points.iter().filter_map(|point| above(point.position(), point.disparity));
-    let ends = matches.iter().flat_map(|found| found.ends.into_iter().zip(found.disparity));
-    let placed: Vec<Value> = of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
-    let product = rig.focal_baseline_q16() as f64 / 65536.0;
-    let rig = json!({"product": product, "offset": rig.offset_q6() as f64 / 64.0});
-    let plan = args.sectors.plan(&setup.params, setup.dims())?;
-    let directions = Directions::new(plan, matches, points, health.of_pair()).list();
-    Ok(vec![
-        ("above", json!({"points": placed, "rig": rig, "yaw_deg": args.sectors.yaw_deg()}).to_string()),
-        ("sectors", serde_json::to_string(&directions)?),
-    ])
+/// The picture under the segments.
+fn picture(image: &GrayImage) -> Event {
+    let size = [image.dims.width, image.dims.height];
+    ("picture", json!({"size": size, "grey": BASE64_STANDARD.encode(&image.pixels)}).to_string())
 }
 
 /// Tells the visitors how it ended.

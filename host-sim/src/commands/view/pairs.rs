@@ -1,6 +1,7 @@
 //! Pairs of a folder, a recording, a video or a camera, shown as they are matched.
 
-use super::{Args, Asked, LOOK, Pace, end, in_space};
+use super::space::Space;
+use super::{Args, Asked, LOOK, Pace, end, picture};
 use crate::commands::objects::ObjectArgs;
 use crate::commands::pairs::{has_ended, video_note};
 use crate::commands::player::{Player, line};
@@ -11,11 +12,9 @@ use crate::interruption;
 use crate::output::say;
 use crate::results::health;
 use crate::results::listing;
-use crate::serve::{AskedBox, Event, Server};
+use crate::serve::{AskedBox, Server};
 use anyhow::{Result, bail};
-use base64::{Engine as _, prelude::BASE64_STANDARD};
 use linestereo::{Area, Region};
-use linestereo_baselines::GrayImage;
 use serde_json::json;
 use std::path::Path;
 use std::thread;
@@ -26,6 +25,7 @@ struct Show<'a> {
     args: &'a Args,
     server: &'a Server,
     player: Player<'a>,
+    space: Option<Space>,
     asked: Asked,
     /// Result of the last pair.
     last: Option<FrameResult>,
@@ -41,8 +41,8 @@ pub(super) fn show(args: &Args) -> Result<String> {
     let frames = args.source.chosen(path, &found)?;
     let player = Player::new(&args.input, path)?;
     let server = &args.serve()?;
-    let (asked, last) = (Asked::default(), None);
-    let mut show = Show { args, server, player, asked, last, shown: 0, failed: 0, first_error: None };
+    let (asked, last, space) = (Asked::default(), None, None);
+    let mut show = Show { args, server, player, space, asked, last, shown: 0, failed: 0, first_error: None };
     let is_live = frames.count().is_none();
     loop {
         let mut pace = Pace::new(args);
@@ -95,8 +95,10 @@ impl Show<'_> {
         match played {
             Ok(Played { result, .. }) => {
                 self.shown += 1;
-                if let Some(setup) = self.player.setup() {
-                    events.extend(in_space(self.args, setup, (&result.matches, &result.points), result.health)?);
+                if let Some(setup) = self.player.setup()
+                    && let Some(space) = Space::of(&mut self.space, self.args, setup)?
+                {
+                    events.extend(space.events(&result.matches, &result.points, result.health)?);
                 }
                 self.last = Some(result);
             }
@@ -151,9 +153,4 @@ impl Show<'_> {
         }
         text + &video_note(found)
     }
-}
-
-fn picture(image: &GrayImage) -> Event {
-    let size = [image.dims.width, image.dims.height];
-    ("picture", json!({"size": size, "grey": BASE64_STANDARD.encode(&image.pixels)}).to_string())
 }
