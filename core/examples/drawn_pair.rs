@@ -1,0 +1,37 @@
+//! Depth in a drawn pair: a wall 1 m away, a detected object, a pixel. `cargo run --release -p linestereo --example drawn_pair`
+use linestereo::{Area, Depth, Dims, Gray, Pair, Params, Region, Rig, scratch};
+
+const DIMS: Dims = Dims { width: 160, height: 120 };
+type Memory = scratch!(DIMS, 256);
+
+fn main() -> Result<(), Box<dyn core::error::Error>> {
+    let mut scratch = Memory::new(); // in a static on a board
+    // 200 px * 0.06 m / 12 px = 1 m.
+    let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
+    let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
+
+    // A wall with bars of many widths, as seen by two cameras.
+    let grey = |x: usize, y: usize| if (x * x / 400 + y / 30) % 2 == 0 { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
+    let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
+    let (left, right) = (image(0), image(12));
+    let pair = Pair { left: Gray::new(&left, DIMS, 160)?, right: Gray::new(&right, DIMS, 160)?, times_us: None };
+
+    let mut matched = matcher.run(pair, None, scratch.view(), &mut ())?;
+    assert!(matched.health().flags.is_fit());
+    let is_near_a_metre = |depth: Depth| (depth.to_num::<f64>() - 1.0).abs() < 0.03;
+    assert!(matched.segments().len() > 10);
+    assert!(matched.segments().iter().flat_map(|segment| segment.depth.unwrap()).all(is_near_a_metre));
+
+    // A detected object, and a pixel.
+    let region = Region::boxed(1, Area { left: 60, top: 30, right: 120, bottom: 90 }, DIMS)?;
+    matched.objects(&[region], |object| assert!(object.depth.is_some_and(is_near_a_metre)));
+    let pixel = matched.pixel((97, 61), None)?.depth;
+    assert!(pixel.is_some_and(is_near_a_metre));
+
+    // Every pixel with a depth, the most credible first.
+    let mut points = Vec::new();
+    matched.points(|point| points.push((point.x, point.y, point.disparity)));
+    assert!(points.len() > 1000);
+    println!("{} points; the pixel at 97,61 is {pixel:?} m away", points.len());
+    Ok(())
+}
