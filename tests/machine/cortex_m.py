@@ -76,6 +76,7 @@ class Core:
         """An image, its flash (address, bytes), RAM [(address, bytes)]; C code of the chip, for what is called too often for Python."""
         self.segments, self.functions, self.symbols = load(path)
         self.flash, self.flash_bytes, self.mhz = *flash, mhz
+        self.entry = min(start for start, _ in self.segments)  # behind a bootloader it is not where the flash begins
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(self.MODEL)
         for start, size in [flash] + ram:
@@ -119,11 +120,11 @@ class Core:
         """Power stays: RAM keeps what it holds."""
         self.enabled, self.pending, self.active, self.frames = {SYSTICK}, set(), [], []
         self.registers.clear()
-        self.registers[0xE000ED08] = self.flash
+        self.registers[0xE000ED08] = self.entry
         self.regions, self.event, self.ending, self.forced, self.ticks = {}, False, None, None, 0
         self.unlocked, self.counts_from = False, self.now  # of the DWT
         self.events.clear()
-        sp, pc = struct.unpack("<2I", self.uc.mem_read(self.flash, 8))
+        sp, pc = struct.unpack("<2I", self.uc.mem_read(self.entry, 8))
         for register in (UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK):
             self.uc.reg_write(register, 0)
         self.uc.reg_write(UC_ARM_REG_MSP, sp)

@@ -1,21 +1,30 @@
-"""The board of docs/boards/stm32h743.md: an STM32H743 and two MT9V034 that share its DCMI, with a host on USART3 and an autopilot on USART2.
+"""The boards of docs/boards/stm32h743.md and portenta-h7.md: an STM32H743 whose DCMI two MT9V034 share, and an STM32H747 to which a joiner gives
+the rows of both as one; a host on one UART, an autopilot on another.
 
-    python3 stm32h743.py IMAGE SCENARIO.json RESULT.json
+    python3 stm32h7.py IMAGE SCENARIO.json RESULT.json
 
 In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, bank 2 of the flash,
-watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes.
+watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes; of the Portenta its
+bootloader, power controller, USB's PHY, second core and the joiner's own behaviour.
 
-Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's last four sectors or absent;
+Scenario: board: a key of WIRINGS; until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's last four sectors or absent;
 erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, sys
+from collections import namedtuple
 from cortex_m import execute
 from cortex_m7 import CortexM7
 
-WIDTH, HEIGHT, ROW_US = 320, 240, 27.5
+WIDTH, HEIGHT = 320, 240
 RAM = [(0x1FF00000, 0x20000), (0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
 FLASH, MHZ = (0x08000000, 0x200000), 400.0
-I2C1, TIM5, DMA1, DCMI, EXTI, FLASH2 = 0x40005400, 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100
+TIM5, DMA1, DCMI, EXTI, FLASH2 = 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100
+# UARTs (address, interrupt), I2C of the sensors, line of VSYNC, pin of the trigger, USB, time of a row; do both cameras' rows come as one?
+Wiring = namedtuple("Wiring", "host autopilot i2c vsync trigger usb row_us joined")
+WIRINGS = {
+    "stm32h743": Wiring((0x40004800, 39), (0x40004400, 38), 0x40005400, 7, ("D", 14), 0x40080000, 27.5, False),
+    "portenta-h7": Wiring((0x40011000, 37), (0x40011400, 71), 0x40005C00, 5, ("G", 7), 0x40040000, 29.4, True),
+}
 TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
 bit = lambda value, at: value >> at & 1
 
@@ -50,9 +59,9 @@ class Sensor:
     def waits_for_trigger(self):
         return self.registers.get(0x07, 0) >> 3 & 3 == 3
 
-    def exposure_us(self):
+    def exposed_rows(self):
         chosen = self.registers.get(0xAF, 3) & 3
-        return (self.registers[0xBB] if chosen else self.registers.get(0x0B, 200)) * ROW_US
+        return self.registers[0xBB] if chosen else self.registers.get(0x0B, 200)
 
 
 class I2c:
@@ -261,13 +270,13 @@ class Board:
     KEPT_FLASH, KEPT_BYTES = 0x08180000, 0x80000
 
     def __init__(self, image, scenario):
-        uarts = {0x40004828, 0x40004428, I2C1 + 0x28}
+        wiring = self.wiring = WIRINGS[scenario["board"]]
         self.core = CortexM7(image, FLASH, RAM, MHZ)
-        self.core.serve(self.read, self.write, uarts)
+        self.core.serve(self.read, self.write, {base + 0x28 for base in (wiring.host[0], wiring.autopilot[0], wiring.i2c)})
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
         self.erase_us = scenario.get("erase_us", 1e6)
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
-        self.host, self.autopilot = Uart(self.core, 0x40004800, 39, 921600), Uart(self.core, 0x40004400, 38, 57600)
+        self.host, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
         self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.sensors)
         self.pins, self.vsync, self.reset_flags = {}, 0, 0x00EE0000
         self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
@@ -292,28 +301,34 @@ class Board:
 
     # Cameras.
 
-    def selected(self):
-        return "right" if bit(self.pins.get("D", 0), 15) else "left"
+    def reaches(self, name):
+        """Do the pins of this sensor, or of the joiner that has the name of the left one, reach the DCMI?"""
+        return self.wiring.joined or name == ("right" if bit(self.pins.get("D", 0), 15) else "left")
 
     def trigger(self):
         self.triggers += 1
-        for sensor in self.sensors.values():
-            if sensor.waits_for_trigger():
-                self.play(sensor)
+        waiting = [sensor for sensor in self.sensors.values() if sensor.waits_for_trigger()]
+        if not self.wiring.joined:
+            for sensor in waiting:
+                self.play([sensor])
+        elif len(waiting) == 2:
+            self.play(waiting)
 
-    def play(self, sensor):
-        """One frame of a sensor; its pins reach the DCMI while it is selected."""
-        core, capture, name, frame = self.core, self.capture, sensor.name, sensor.frame
-        fault, start = self.faults.get((name, frame)), core.now + sensor.exposure_us()
-        sensor.frame += 1
-        on_bus = lambda: self.selected() == name
+    def play(self, sensors):
+        """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
+        core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
+        fault, start = self.faults.get((name, frame)), core.now + max(sensor.exposed_rows() for sensor in sensors) * row_us
+        names = [sensor.name for sensor in sensors]
+        for sensor in sensors:
+            sensor.frame += 1
+        on_bus, vsync = lambda: self.reaches(name), self.wiring.vsync
 
         def begin():
             if on_bus():
                 capture.between_frames, capture.armed, capture.carry = 0, capture.capturing, b""
-                if bit(core.registers.get(EXTI, 0), 7):
-                    self.vsync |= 1 << 7
-                    if bit(core.registers.get(EXTI + 0x80, 0), 7):
+                if bit(core.registers.get(EXTI, 0), vsync):
+                    self.vsync |= 1 << vsync
+                    if bit(core.registers.get(EXTI + 0x80, 0), vsync):
                         core.raise_interrupt(VSYNC_IRQ)
 
         def row_begins():
@@ -322,7 +337,7 @@ class Board:
 
         def row_ends(y):
             if on_bus():
-                data = sensor_row(name, frame, y)
+                data = b"".join(sensor_row(name, frame, y) for name in names)
                 capture.put(data[:300] if fault == "short" and y == 77 else data)
                 capture.in_blanking = 1
                 capture.signal(16 | (2 if fault == "overrun" and y == 50 else 0))
@@ -335,15 +350,18 @@ class Board:
         rows = 200 if fault == "few" else HEIGHT
         core.at(start, begin)
         for y in range(rows):
-            core.at(start + ROW_US * y + 1, row_begins)
-            core.at(start + ROW_US * y + 25, lambda y=y: row_ends(y))
-        core.at(start + ROW_US * rows, end)
+            core.at(start + row_us * y + 1, row_begins)
+            core.at(start + row_us * y + row_us - 2.5, lambda y=y: row_ends(y))
+        core.at(start + row_us * rows, end)
 
     # Registers.
 
+    def parts(self):
+        return (self.wiring.i2c, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)
+
     def read(self, at):
-        core = self.core
-        for base, part in ((I2C1, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)):
+        core, usb = self.core, self.wiring.usb
+        for base, part in self.parts():
             if base <= at < base + 0x400:
                 return part.read(at - base)
         value = core.registers.get(at, 0)
@@ -351,7 +369,7 @@ class Board:
             return self.capture.read(at - DCMI)
         if 0x58020000 <= at < 0x58022C00 and at & 0x3FF == 0x14:
             return self.pins.get(chr(65 + (at - 0x58020000 >> 10)), 0)
-        if 0x40080900 <= at < 0x40080D00 and at & 0x1F == 8:
+        if usb + 0x900 <= at < usb + 0xD00 and at & 0x1F == 8:
             return 0  # USB: no interrupt of an endpoint
         ready = lambda pairs: value | sum(bit(value, on) << done for on, done in pairs)
         special = {
@@ -364,13 +382,13 @@ class Board:
             DMA1 + 0x10: lambda: (value & ~1) | self.capture.dma,
             DMA1 + 0x14: lambda: (self.capture.words * 4 - self.capture.place) // 4,
             EXTI + 0x88: lambda: self.vsync,
-            0x40080010: lambda: value & ~0x30 | 1 << 31, 0x40080014: lambda: 0, 0x40080818: lambda: 0, 0x4008003C: lambda: 0x2300,
+            usb + 0x10: lambda: value & ~0x31 | 1 << 31, usb + 0x14: lambda: 0, usb + 0x818: lambda: 0, usb + 0x3C: lambda: 0x2300,
         }
         return special[at]() if at in special else value
 
     def write(self, at, value):
         core = self.core
-        for base, part in ((I2C1, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)):
+        for base, part in self.parts():
             if base <= at < base + 0x400:
                 return part.write(at - base, value)
         core.registers[at] = value
@@ -410,7 +428,8 @@ class Board:
             self.pins[port] = value & 0xFFFF
         elif at == 0x18:
             self.pins[port] = (before & ~(value >> 16)) | (value & 0xFFFF)
-        if port == "D" and self.pins.get(port, 0) & ~before & 1 << 14:
+        trigger_port, pin = self.wiring.trigger
+        if port == trigger_port and self.pins.get(port, 0) & ~before & 1 << pin:
             self.trigger()
 
 

@@ -1,10 +1,11 @@
 //! The program `live` as it is flashed, in models of the chips (`tests/machine`): from reset to the bytes that the host and an autopilot get.
 
 mod pico2;
+mod portenta_h7;
 mod stm32h743;
 
 use linestereo::Dims;
-use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_wire::{
     CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
     Outcome, Request, ResetCause, encode,
@@ -96,6 +97,40 @@ impl Run {
         frames
     }
 
+    /// These frames of the left or the right camera, each with its number in `CaptureReport::KINDS`, were bad, and no others; each cost one pair,
+    /// and the next one came in time.
+    fn assert_bad_frames(&self, frames: &[&FrameHead], bad: &[(CameraSide, usize)], pairs: usize, within_us: u64) {
+        let missing: Vec<_> = frames.iter().filter(|head| head.health.contains(Health::PAIR_MISSING)).collect();
+        assert_eq!(missing.len(), pairs, "{missing:?}");
+        for head in missing {
+            let next = frames.iter().find(|next| next.sequence == head.sequence + 1).unwrap();
+            let lost_us = next.capture_time_us - head.capture_time_us;
+            assert!(!next.health.contains(Health::PAIR_MISSING) && lost_us < within_us, "{lost_us} us: {next:?}");
+        }
+        let (losses, mut expected) = (self.losses(), CaptureReport::default().faults);
+        bad.iter().for_each(|&(eye, kind)| expected[eye as usize][kind] += 1);
+        assert_eq!((losses.faults, losses.sensors), (expected, [0; 2]), "{losses:?}");
+    }
+
+    /// The DMA writes to memory that is not cached: normal memory, TEX 1, neither C nor B.
+    fn assert_uncached_dma(&self) {
+        let number = |value: &Value, at: usize| value[at].as_u64().unwrap();
+        let targets = self.result["dma"].as_array().unwrap();
+        assert!(!targets.is_empty());
+        for target in targets {
+            let (start, end) = (number(target, 0), number(target, 0) + number(target, 1));
+            let regions = self.result["regions"].as_array().unwrap().iter();
+            let holding = regions.filter(|region| {
+                (number(region, 0)..=number(region, 0) + number(region, 1)).contains(&end) && number(region, 0) <= start
+            });
+            assert!(
+                holding.clone().any(|region| number(region, 2) & 0x3b == 0x08),
+                "{:?}",
+                holding.collect::<Vec<_>>()
+            );
+        }
+    }
+
     /// The photograph is what both sensors sent, of one picture.
     fn assert_photograph(&self) {
         let mut photo = [vec![0; 320 * 240], vec![0; 320 * 240]];
@@ -172,6 +207,12 @@ fn mavlink_ids(mut bytes: &[u8]) -> Vec<u32> {
     }
     assert!(bytes.is_empty() || bytes[0] == 0xfd, "bytes between messages");
     ids
+}
+
+/// Bad frames for a scenario: camera, number of its frame, and how it is bad.
+fn bad_frames(frames: &[(CameraSide, u64, &str, usize)]) -> Value {
+    let side = |eye| if eye == CameraSide::Left { "left" } else { "right" };
+    frames.iter().map(|&(eye, frame, kind, _)| json!([side(eye), frame, kind])).collect()
 }
 
 /// Commands of a host, each at its time, us.

@@ -4,7 +4,8 @@
 //! Not in the model, and so not shown here: levels and edges of wires, timing of the flash and its cache, power, the second core, USB below its
 //! packets, what HM01B0 do that nobody has written down; the time of anything within a few tens of percent.
 
-use super::{Run, bytes_of, host, mavlink_ids, rig};
+use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
+use linestereo_rig::CameraSide;
 use linestereo_tests::board::image;
 use linestereo_wire::{Health, Request, ResetCause};
 use serde_json::{Value, json};
@@ -23,8 +24,8 @@ fn execute(scenario: &Value) -> Option<Run> {
 #[test]
 fn seconds_of_a_pico_2() {
     // Number of each in `CaptureReport::KINDS`.
-    const FAULTS: [(&str, u64, &str, usize); 3] =
-        [("left", 3, "short", 3), ("right", 6, "few", 2), ("left", 9, "stuck", 1)];
+    const FAULTS: [(CameraSide, u64, &str, usize); 3] =
+        [(CameraSide::Left, 3, "short", 3), (CameraSide::Right, 6, "few", 2), (CameraSide::Left, 9, "stuck", 1)];
     let mut bytes = linestereo_wire::RigBytes::new();
     bytes.extend_from_slice(&rig().encode(0)).unwrap();
     let requests = [
@@ -33,7 +34,7 @@ fn seconds_of_a_pico_2() {
         (2_000_000, Request::Photograph),
         (2_700_000, Request::SetRig(bytes)),
     ];
-    let faults: Vec<_> = FAULTS.iter().map(|(eye, frame, kind, _)| json!([eye, frame, kind])).collect();
+    let faults = bad_frames(&FAULTS);
     let scenario = json!({ "until_us": 5_000_000, "host": host(&requests), "faults": faults });
     let Some(run) = execute(&scenario) else { return };
 
@@ -48,17 +49,7 @@ fn seconds_of_a_pico_2() {
     // Each bad frame by its name, and it costs that frame alone.
     let frames = run.frames_in_order();
     assert!(frames.len() > 24, "{}", frames.len());
-    let missing: Vec<_> = frames.iter().filter(|head| head.health.contains(Health::PAIR_MISSING)).collect();
-    assert_eq!(missing.len(), FAULTS.len(), "{missing:?}");
-    for head in missing {
-        let next = frames.iter().find(|next| next.sequence == head.sequence + 1).unwrap();
-        assert!(!next.health.contains(Health::PAIR_MISSING), "{next:?}");
-    }
-    let losses = run.losses();
-    for (eye, _, kind, fault) in FAULTS {
-        assert_eq!(losses.faults[usize::from(eye == "right")][fault], 1, "{kind}: {losses:?}");
-    }
-    assert_eq!((losses.faults.as_flattened().iter().sum::<u32>(), losses.sensors), (3, [0; 2]), "{losses:?}");
+    run.assert_bad_frames(&frames, &FAULTS.map(|(eye, _, _, kind)| (eye, kind)), FAULTS.len(), u64::MAX);
     assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us < 50), "one trigger");
     run.assert_photograph();
 

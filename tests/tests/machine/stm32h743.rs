@@ -2,11 +2,12 @@
 //!
 //! Not in the model, and so not shown here: caches, MPU faults, USB, the ADC, the time of anything within a few tens of percent.
 
-use super::{Run, bytes_of, host, mavlink_ids, rig};
+use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
 use linestereo_firmware::programs::expected::QVGA;
+use linestereo_rig::CameraSide;
 use linestereo_sim::board::{firmware, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
-use linestereo_wire::{Health, MachineReport, Message, ParamUpdate, RegionBox, Regions, Request, ResetCause, Silicon};
+use linestereo_wire::{MachineReport, Message, ParamUpdate, RegionBox, Regions, Request, ResetCause, Silicon};
 use serde_json::{Value, json};
 
 /// Runs an image for a still scene: without the feature such cameras' pairs are refused.
@@ -18,15 +19,17 @@ fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
         let built = firmware::build_all(&toolchain, &board, &["live", "selftest"], firmware::Logs::None, &features);
         or_skip(built)?.into_iter().find(|image| image.ends_with(program))
     };
-    Run::of("stm32h743.py", image, scenario)
+    let mut scenario = scenario.clone();
+    scenario["board"] = json!("stm32h743");
+    Run::of("stm32h7.py", image, &scenario)
 }
 
 /// Ten seconds of a board: pairs, three bad frames, a photograph, a rig that is erased and written, objects by their boxes, an autopilot. Then
 /// power is lost, and comes back.
 #[test]
 fn ten_seconds_of_a_board() {
-    const FAULTS: [(&str, u64, &str, usize); 3] =
-        [("left", 12, "short", 3), ("left", 23, "few", 2), ("right", 33, "overrun", 0)];
+    const FAULTS: [(CameraSide, u64, &str, usize); 3] =
+        [(CameraSide::Left, 12, "short", 3), (CameraSide::Left, 23, "few", 2), (CameraSide::Right, 33, "overrun", 0)];
     let mut bytes = linestereo_wire::RigBytes::new();
     bytes.extend_from_slice(&rig().encode(0)).unwrap();
     let mut regions = Regions::default();
@@ -39,7 +42,7 @@ fn ten_seconds_of_a_board() {
         (3_000_000, Request::Photograph),
         (5_500_000, Request::SetRig(bytes)),
     ];
-    let faults: Vec<_> = FAULTS.iter().map(|(eye, frame, kind, _)| json!([eye, frame, kind])).collect();
+    let faults = bad_frames(&FAULTS);
     let scenario = json!({ "until_us": 10_000_000, "host": host(&requests), "faults": faults, "erase_us": 4e6 });
     let Some(run) = execute("live", &scenario) else { return };
     assert_eq!((run.damaged, &run.result["ending"]), (0, &Value::Null), "{}", run.result["at"]);
@@ -48,18 +51,7 @@ fn ten_seconds_of_a_board() {
     assert!(frames.len() > 60, "{}", frames.len());
 
     // Each bad frame by its name, and it costs that frame alone.
-    let missing: Vec<_> = frames.iter().filter(|head| head.health.contains(Health::PAIR_MISSING)).collect();
-    assert_eq!(missing.len(), FAULTS.len());
-    for head in missing {
-        let next = frames.iter().find(|next| next.sequence == head.sequence + 1).unwrap();
-        let lost_us = next.capture_time_us - head.capture_time_us;
-        assert!(!next.health.contains(Health::PAIR_MISSING) && lost_us < 60_000, "{lost_us} us");
-    }
-    let losses = run.losses();
-    for (eye, _, kind, fault) in FAULTS {
-        assert_eq!(losses.faults[usize::from(eye == "right")][fault], 1, "{kind}: {losses:?}");
-    }
-    assert_eq!((losses.faults.as_flattened().iter().sum::<u32>(), losses.sensors), (3, [0; 2]), "{losses:?}");
+    run.assert_bad_frames(&frames, &FAULTS.map(|(eye, _, _, kind)| (eye, kind)), FAULTS.len(), 60_000);
 
     let objects = run
         .records
@@ -86,16 +78,7 @@ fn ten_seconds_of_a_board() {
     let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
     assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
 
-    // The DMA writes to memory that is not cached: normal memory, TEX 1, neither C nor B.
-    let number = |value: &Value, at: usize| value[at].as_u64().unwrap();
-    for target in run.result["dma"].as_array().unwrap() {
-        let (start, end) = (number(target, 0), number(target, 0) + number(target, 1));
-        let regions = run.result["regions"].as_array().unwrap().iter();
-        let holding = regions.filter(|region| {
-            (number(region, 0)..=number(region, 0) + number(region, 1)).contains(&end) && number(region, 0) <= start
-        });
-        assert!(holding.clone().any(|region| number(region, 2) & 0x3b == 0x08), "{:?}", holding.collect::<Vec<_>>());
-    }
+    run.assert_uncached_dma();
     let used = run.result["handler_stack"].as_u64().unwrap();
     assert!((100..4096).contains(&used), "{used} bytes of the handlers' stack");
     run.assert_stack();

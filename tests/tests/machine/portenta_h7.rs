@@ -1,0 +1,62 @@
+//! A Portenta H7 behind Arduino's bootloader with two MT9V034 whose rows a joiner gives as one: both UARTs.
+//!
+//! Not in the model, and so not shown here: the bootloader and what it leaves behind, the joiner, the power controller, USB and its PHY, caches, the
+//! second core, the time of anything within a few tens of percent.
+
+use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
+use linestereo_boards::Board;
+use linestereo_rig::CameraSide;
+use linestereo_tests::board::{image, on_all};
+use linestereo_wire::{Request, ResetCause, RigBytes};
+use serde_json::{Value, json};
+
+fn execute(mut scenario: Value) -> Option<Run> {
+    scenario["board"] = json!("portenta-h7");
+    Run::of("stm32h7.py", || image(&Board::PORTENTA_H7, "live"), &scenario)
+}
+
+/// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and
+/// comes back.
+#[test]
+fn seconds_of_a_portenta() {
+    const FAULTS: [(CameraSide, u64, &str, usize); 2] =
+        [(CameraSide::Left, 6, "short", 3), (CameraSide::Left, 14, "few", 2)];
+    if !on_all() {
+        return; // LINESTEREO_LONG=1
+    }
+    let mut bytes = RigBytes::new();
+    bytes.extend_from_slice(&rig().encode(0)).unwrap();
+    let requests = [
+        (100_000, Request::Start),
+        (600_000, Request::Photograph), // 1.7 s of the UART
+        (2_500_000, Request::SetRig(bytes)),
+    ];
+    let scenario =
+        json!({ "until_us": 3_200_000, "host": host(&requests), "faults": bad_frames(&FAULTS), "erase_us": 2e5 });
+    let Some(run) = execute(scenario) else { return };
+    assert_eq!((run.damaged, &run.result["ending"]), (0, &Value::Null), "{}", run.result["at"]);
+    assert_eq!(run.reset_causes(), [Some(ResetCause::PowerOn)]);
+
+    // A bad row is one of both images, and costs one pair.
+    let frames = run.frames_in_order();
+    assert!(frames.len() > 15, "{}", frames.len());
+    let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
+    run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
+    assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0), "one exposure");
+    run.assert_photograph();
+
+    // The rig was erased, written, and is used.
+    run.assert_all_accepted();
+    assert_eq!(run.result["erases"], 1);
+    assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
+    let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
+    assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
+
+    run.assert_uncached_dma();
+    run.assert_stack();
+    run.assert_executed();
+
+    let again = execute(json!({ "until_us": 400_000, "flash": run.result["flash"] })).unwrap();
+    let hello = again.hellos().next().unwrap();
+    assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
+}
