@@ -147,25 +147,12 @@ impl Curve {
     }
 
     /// Lowest cost outside the neighbourhood of `at`: the second-best.
-    pub(crate) fn second_best(&mut self, at: i32) -> u16 {
-        // The neighbourhood is replaced by the largest cost meanwhile.
-        let mut covered = [u16::MAX; 2 * NEIGHBOURHOOD as usize + 1];
-        self.swap_neighbourhood(at, &mut covered);
-        let second_best = lowest(self.whole());
-        self.swap_neighbourhood(at, &mut covered);
-        second_best
-    }
-
-    #[inline(always)]
-    fn swap_neighbourhood(&mut self, at: i32, other: &mut [u16]) {
-        for (d, other) in (at - NEIGHBOURHOOD..).zip(other) {
-            if let Ok(index) = usize::try_from(d - self.first)
-                && index < self.len
-                && let Some(cost) = self.costs.get_mut(index)
-            {
-                core::mem::swap(cost, other);
-            }
-        }
+    pub(crate) fn second_best(&self, at: i32) -> u16 {
+        let costs = self.whole();
+        let index = |d: i32| usize::try_from(d - self.first).unwrap_or(0).min(costs.len());
+        let before = costs.get(..index(at - NEIGHBOURHOOD)).unwrap_or(&[]);
+        let after = costs.get(index(at + NEIGHBOURHOOD + 1)..).unwrap_or(&[]);
+        lowest(before).min(lowest(after))
     }
 
     /// Sub-pixel position of the minimum at `at`, 1/64 px.
@@ -177,7 +164,7 @@ impl Curve {
 /// The first lowest of `cost(centre - reach ..= centre + reach)`.
 pub(crate) fn minimum_near(centre: i32, reach: i32, cost: impl Fn(i32) -> Option<u16>) -> Minimum {
     let mut best = Minimum { at: centre, cost: u16::MAX };
-    for d in centre - reach..=centre + reach {
+    for d in centre - reach..centre + reach + 1 {
         if let Some(cost) = cost(d)
             && cost < best.cost
         {

@@ -82,7 +82,7 @@ define_evidence! {
     NextToEdge: "1 for the pixels next to an edge whose two sides are not known to be one surface",
 }
 
-/// Evidence by support points and other segments, known when all segments are matched.
+/// Evidence by support points and other segments, known when all segments are matched; entries one after the other.
 pub(crate) const NEARBY: [SegmentKind; 4] = [
     SegmentKind::SupportAgreeing,
     SegmentKind::SupportFarther,

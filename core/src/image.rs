@@ -201,6 +201,7 @@ impl<'a> Gray<'a> {
     }
 
     /// Valid columns of a row; above and below the image those of the nearest row.
+    #[inline]
     pub(crate) fn valid_columns(self, y: i32) -> Span {
         let last = i32::from(self.dims.height) - 1;
         let whole = Span { start: 0, end: self.dims.width };

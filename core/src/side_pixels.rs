@@ -81,7 +81,7 @@ impl Candidate {
             let line = HorizontalLine::new(&self.segment);
             let (from, to) = line.columns();
             let step = ramp(from, to);
-            for x in from..=to {
+            for x in from..to + 1 {
                 let off = i32::from(distance) + flat_offset;
                 emit(x, line.row(x) + sign * off, d0 + (((x - from) * step) >> 8), off);
             }
@@ -89,7 +89,7 @@ impl Candidate {
             let line = SteepLine::new(&self.segment);
             let (from, to) = line.rows();
             let step = ramp(from, to);
-            for y in from..=to {
+            for y in from..to + 1 {
                 let off = i32::from(distance);
                 emit(line.column(y) + sign * off, y, d0 + (((y - from) * step) >> 8), off);
             }

@@ -8,10 +8,11 @@ pub(crate) fn sort_by_key<T: Copy, K: Ord>(items: &mut [T], key: impl Fn(&T) -> 
     let len = items.len();
     make_heap(items, &key);
     for end in (1..len).rev() {
-        swap(items, 0, end);
-        if let Some(heap) = items.get_mut(..end) {
-            sift_down(heap, 0, &key);
+        let Some((heap, last)) = items.split_at_mut_checked(end) else { break };
+        if let (Some(largest), Some(last)) = (heap.first_mut(), last.first_mut()) {
+            core::mem::swap(largest, last);
         }
+        sift_down(heap, 0, &key);
     }
 }
 
@@ -22,29 +23,27 @@ pub(crate) fn make_heap<T: Copy, K: Ord>(items: &mut [T], key: &impl Fn(&T) -> K
     }
 }
 
-/// Moves the item at `root` down until no child is larger.
+/// Moves the item at `root` down until no child is larger. Larger children move up on its way, and it is written once: one copy a level.
 pub(crate) fn sift_down<T: Copy, K: Ord>(heap: &mut [T], mut root: usize, key: &impl Fn(&T) -> K) {
+    let Some(&item) = heap.get(root) else { return };
+    let own = key(&item);
     loop {
         let child = 2 * root + 1;
-        let Some(left) = heap.get(child) else { return };
-        let largest = match heap.get(child + 1) {
-            Some(right) if key(right) > key(left) => child + 1,
-            _ => child,
+        let Some((before, children)) = heap.split_at_mut_checked(child) else { break };
+        let (larger, right) = match *children {
+            [left, right, ..] if key(&right) > key(&left) => (right, 1),
+            [left, ..] => (left, 0),
+            [] => break,
         };
-        if heap.get(root).map(key) >= heap.get(largest).map(key) {
-            return;
+        if own >= key(&larger) {
+            break;
         }
-        swap(heap, root, largest);
-        root = largest;
+        if let Some(slot) = before.get_mut(root) {
+            *slot = larger;
+        }
+        root = child + right;
     }
-}
-
-fn swap<T: Copy>(items: &mut [T], a: usize, b: usize) {
-    let (Some(&at_a), Some(&at_b)) = (items.get(a), items.get(b)) else { return };
-    if let Some(slot) = items.get_mut(a) {
-        *slot = at_b;
-    }
-    if let Some(slot) = items.get_mut(b) {
-        *slot = at_a;
+    if let Some(slot) = heap.get_mut(root) {
+        *slot = item;
     }
 }

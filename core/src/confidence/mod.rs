@@ -69,8 +69,7 @@ impl<const N: usize> Model<N> {
     /// Log-odds of a hypothesis, Q8, before calibration.
     #[must_use]
     pub fn score_q8(&self, evidence: &[i16; N]) -> i32 {
-        let products = self.coefficients_q12.iter().zip(evidence).map(|(&c, &e)| i64::from(c) * i64::from(e));
-        let score = i64::from(self.bias_q12) * 256 + products.sum::<i64>();
+        let score = i64::from(self.bias_q12) * 256 + products(&self.coefficients_q12, evidence);
         i32::try_from(score >> 12).unwrap_or(0)
     }
 
@@ -88,18 +87,18 @@ impl<const N: usize> Model<N> {
 }
 
 impl<const N: usize> Model<N> {
-    /// Log-odds by a few entries alone, given as `(entry, evidence in Q8)`, Q8.
-    pub(crate) fn part_q8(&self, entries: impl Iterator<Item = (usize, i16)>) -> i32 {
-        let products = entries
-            .map(|(entry, value)| i64::from(self.coefficients_q12.get(entry).copied().unwrap_or(0)) * i64::from(value));
-        i32::try_from(products.sum::<i64>() >> 12).unwrap_or(0)
+    /// Log-odds by `M` entries from `first` on alone, given as evidence in Q8, Q8.
+    pub(crate) fn part_q8<const M: usize>(&self, first: usize, evidence: &[i16; M]) -> i32 {
+        let coefficients = self.coefficients_q12.get(first..).and_then(|part| part.first_chunk());
+        let products = coefficients.map_or(0, |coefficients| products(coefficients, evidence));
+        i32::try_from(products >> 12).unwrap_or(0)
     }
 }
 
 impl Model {
     /// Log-odds with the evidence by support points and segments nearby added, Q8.
     pub(crate) fn with_nearby_q8(&self, score_q8: i16, nearby_q8: [i16; 4]) -> i32 {
-        i32::from(score_q8) + self.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
+        i32::from(score_q8) + self.part_q8(NEARBY[0] as usize, &nearby_q8)
     }
 
     /// Log-odds per unit of one kind of evidence, Q8.
@@ -107,6 +106,25 @@ impl Model {
     pub fn coefficient_q8(&self, kind: SegmentKind) -> i32 {
         self.coefficients_q12.get(kind as usize).map_or(0, |&c| c >> 4)
     }
+}
+
+/// Sum of the products of two lists.
+#[inline(always)] // the lengths are constants
+fn products<const N: usize>(coefficients: &[i32; N], evidence: &[i16; N]) -> i64 {
+    let mut sum = 0;
+    let mut add = |coefficient: i32, evidence: i16| sum += i64::from(coefficient) * i64::from(evidence);
+    let ((c, c_rest), (e, e_rest)) = (coefficients.as_chunks(), evidence.as_chunks());
+    // Four at a time: the compiler does not unroll where code is to be small.
+    for (&[c0, c1, c2, c3], &[e0, e1, e2, e3]) in c.iter().zip(e) {
+        add(c0, e0);
+        add(c1, e1);
+        add(c2, e2);
+        add(c3, e3);
+    }
+    for (&c, &e) in c_rest.iter().zip(e_rest) {
+        add(c, e);
+    }
+    sum
 }
 
 fn interpolate(table: &[u16; NODES], score_q8: i32) -> u16 {

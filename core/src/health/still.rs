@@ -94,11 +94,14 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
             still += u32::from(disparity_q6.unsigned_abs() < STILL_Q6);
         }
         if disparity_q6 >= PARALLAX_Q6
-            && let Some((left, right)) = gradients(left, (x, y), 0).zip(gradients(right, (x, y), LAG))
+            && let Some(mut left) = gradients(left, (x, y), 0)
+            && let Some(mut right) = gradients(right, (x, y), LAG)
         {
             compared += 1;
             raw.add(&left, &right);
-            weak.add(&left.map(limited), &right.map(limited));
+            limit(&mut left);
+            limit(&mut right);
+            weak.add(&left, &right);
         }
     }
     (credible >= MIN_POINTS).then(|| Still {
@@ -107,8 +110,10 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
     })
 }
 
-fn limited(gradient: i32) -> i32 {
-    gradient.clamp(-WEAK, WEAK)
+fn limit(gradients: &mut [i32]) {
+    for gradient in gradients {
+        *gradient = (*gradient).clamp(-WEAK, WEAK);
+    }
 }
 
 /// Gradients along the row around a point, from `before` px further left on; `None` where a pixel is not valid.
@@ -120,10 +125,8 @@ fn gradients<const N: usize>(image: Gray<'_>, (x, y): (u16, u16), before: usize)
     }
     let pixels = image.row(y.into())?.get(first..first + N + 2)?;
     let mut gradients = [0; N];
-    for (gradient, pixels) in gradients.iter_mut().zip(pixels.windows(3)) {
-        if let [before, _, after] = pixels {
-            *gradient = i32::from(*after) - i32::from(*before);
-        }
+    for (gradient, (before, after)) in gradients.iter_mut().zip(pixels.iter().zip(pixels.iter().skip(2))) {
+        *gradient = i32::from(*after) - i32::from(*before);
     }
     Some(gradients)
 }

@@ -37,11 +37,14 @@ pub(crate) enum Direction {
     Along,
 }
 
-/// An image and its marks in one direction: the state of the drawing. `t` counts rows (columns, unless `DOWN`) along the edge,
-/// `u` pixels across it.
-pub(crate) struct Edges<'a, const DOWN: bool> {
+/// An image and its marks in one direction: the state of the drawing. `t` counts rows (columns, unless `down`) along the edge,
+/// `u` pixels across it. The direction is no constant of the type: two copies of the code would be 3 KB more of flash for 0.3 % of a pair.
+pub(crate) struct Edges<'a> {
+    down: bool,
     pixels: &'a [u8],
-    stride: usize,
+    /// Bytes from one `t` to the next, and from one `u`.
+    along: usize,
+    across: usize,
     steps: i32,
     breadth: i32,
     /// Rows (columns) between two scans for anchors.
@@ -83,22 +86,25 @@ struct Anchor {
     sign: i32,
 }
 
-impl<'a, const DOWN: bool> Edges<'a, DOWN> {
+impl<'a> Edges<'a> {
     pub(crate) fn new(
         image: Gray<'a>,
         areas: Option<&'a [Area]>,
         (params, scan): (&LineParams, i32),
+        direction: Direction,
         marks: &'a mut [u32],
     ) -> Self {
+        let down = direction == Direction::Down;
         let dims = image.dims();
         let (pixels, stride) = image.as_slice();
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
-        let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
+        let (steps, breadth) = if down { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        let budget = Budget::new(dims, areas, (DOWN, scan > SCAN_STEP), scan * STRETCH);
+        let budget = Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH);
         let LineParams { anchor, edge, .. } = *params;
-        Self { pixels, stride, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
+        let (along, across) = if down { (stride, 1) } else { (1, stride) };
+        Self { down, pixels, along, across, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
     }
 
     /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the number of edges that it did not allow, and the units
@@ -144,7 +150,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         areas.iter().fold(0, |stretches, area| {
             let Area { left, top, right, bottom } = *area;
             let ((t0, t1), (u0, u1)) =
-                if DOWN { ((top, bottom), (left, right)) } else { ((left, right), (top, bottom)) };
+                if self.down { ((top, bottom), (left, right)) } else { ((left, right), (top, bottom)) };
             if !(i32::from(t0)..i32::from(t1)).contains(&t) || u0 >= u1 {
                 return stretches;
             }
@@ -171,7 +177,10 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
 
     #[inline]
     fn is_valid(&self, t: i32, u: i32) -> bool {
-        let (x, y) = if DOWN { (u, t) } else { (t, u) };
+        if self.valid.is_empty() {
+            return true;
+        }
+        let (x, y) = if self.down { (u, t) } else { (t, u) };
         self.valid.get(y as usize).is_none_or(|span| span.contains(x))
     }
 
@@ -180,8 +189,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
         let pixels = self.pixels.get(self.index(t, from - 1)..)?;
         // An edge at any pixel changes the differences between every second one.
-        let stride = if DOWN { 2 } else { 2 * self.stride };
-        let largest = largest_step(pixels, stride, usize::try_from((to - from + 1) / 2 + 1).ok()?);
+        let largest = largest_step(pixels, 2 * self.across, usize::try_from((to - from + 1) / 2 + 1).ok()?);
         let size = largest.step.abs();
         (size * 4 >= self.anchor).then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
     }
@@ -190,13 +198,13 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     /// from its start on, on which it is the strongest of its stretch. What an earlier search passed was drawn from there: each position is passed once.
     fn first_anchor(&mut self, t: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
         let sign = anchor.sign;
-        let start = self.ridge::<false>(t, anchor.u, sign)?;
+        let start = self.ridge(t, anchor.u, sign, false)?;
         let mut found = None;
         let mut drift_q5 = -start.lean_q5(sign);
         let mut position_q5 = start.position_q5;
         let (mut at, mut next_scan) = (t - STEP, t - self.scan);
         while at >= BORDER {
-            let Some(ridge) = self.ridge::<false>(at, (position_q5 + drift_q5 + 16) >> 5, sign) else { break };
+            let Some(ridge) = self.ridge(at, (position_q5 + drift_q5 + 16) >> 5, sign, false) else { break };
             drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
             position_q5 = ridge.position_q5;
             if at == next_scan {
@@ -221,7 +229,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     fn draw<'r>(&mut self, t: i32, anchor: Anchor, room: &'r mut Room<'_>) -> Option<Chain<'r>> {
         let sign = anchor.sign;
         self.budget.take(1, 0);
-        let start = self.ridge::<true>(t, anchor.u, sign)?;
+        let start = self.ridge(t, anchor.u, sign, true)?;
         keep(room, t, &start);
         let lean_q5 = start.lean_q5(sign);
         let (mut first, mut last) = (t, t);
@@ -231,7 +239,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             let mut drift_q5 = if step < 0 { -lean_q5 } else { lean_q5 };
             while at >= BORDER && at < self.steps - BORDER {
                 let expected = (position_q5 + drift_q5 + 16) >> 5;
-                let Some(ridge) = self.ridge::<true>(at, expected, sign) else { break };
+                let Some(ridge) = self.ridge(at, expected, sign, true) else { break };
                 keep(room, at, &ridge);
                 drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
                 position_q5 = ridge.position_q5;
@@ -251,15 +259,18 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
     }
 
     /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
-    /// along the other direction, or was drawn before or, unless to `DRAW` it, passed before. Marks it.
-    #[inline]
-    fn ridge<const DRAW: bool>(&mut self, t: i32, u: i32, sign: i32) -> Option<Ridge> {
+    /// along the other direction, or was drawn before or, unless to `draw` it, passed before. Marks it.
+    fn ridge(&mut self, t: i32, u: i32, sign: i32, draw: bool) -> Option<Ridge> {
         if u < BORDER || u >= self.breadth - BORDER || !self.is_valid(t, u) {
             return None;
         }
         let first = self.index(t, u - 3);
-        let crossing = if DOWN { crossing_of_rows } else { crossing_of_columns };
-        let Crossing { shift, gradients: [low, mid, high], along } = crossing(self.pixels, first, self.stride, sign)?;
+        let crossing = if self.down {
+            crossing_of_rows(self.pixels, first, self.along, sign)
+        } else {
+            crossing_of_columns(self.pixels, first, self.across, sign)
+        };
+        let Crossing { shift, gradients: [low, mid, high], along } = crossing?;
         if mid * 2 < self.edge || along.abs() > mid + mid / 4 {
             return None;
         }
@@ -269,7 +280,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         if *drawn & mask != 0 {
             return None;
         }
-        if DRAW {
+        if draw {
             *drawn |= mask;
         } else {
             // The rows (columns) between positions have marks to spare.
@@ -293,8 +304,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
 
     #[inline]
     fn index(&self, t: i32, u: i32) -> usize {
-        let (x, y) = if DOWN { (u, t) } else { (t, u) };
-        (y as usize).wrapping_mul(self.stride).wrapping_add(x as usize)
+        (t as usize).wrapping_mul(self.along).wrapping_add((u as usize).wrapping_mul(self.across))
     }
 }
 

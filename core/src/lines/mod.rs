@@ -159,13 +159,10 @@ pub fn detect(
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
     let (mut edges, mut units) = (0_u16, 0);
-    if let Some(scan) = params.row_scan {
-        (edges, units) = Edges::<true>::new(image, areas, (params, scan), marks)
-            .for_each_chain(&mut room, |chain| runs(chain, Direction::Down));
-    }
-    if let Some(scan) = params.column_scan {
-        let (cut, taken) = Edges::<false>::new(image, areas, (params, scan), marks)
-            .for_each_chain(&mut room, |chain| runs(chain, Direction::Along));
+    for (direction, scan) in [(Direction::Down, params.row_scan), (Direction::Along, params.column_scan)] {
+        let Some(scan) = scan else { continue };
+        let (cut, taken) = Edges::new(image, areas, (params, scan), direction, marks)
+            .for_each_chain(&mut room, |chain| runs(chain, direction));
         (edges, units) = (edges.saturating_add(cut), units + taken);
     }
     Detection { segments: list.dropped, edges, units }

@@ -36,21 +36,21 @@ fn fill(
         return out.fill(FLAT);
     }
     let index = |x: i32| usize::try_from(x - columns.start).unwrap_or(usize::MAX);
-    let [_, y, _] = rows;
+    let [above, y, below] = rows;
     let last = i32::from(dims.height) - 1;
-    let rows = rows.map(|y| {
+    let row = |y: i32| {
         let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
         row.get(from as usize..to as usize).unwrap_or(&[])
-    });
+    };
     if let Some(inner) = out.get_mut(index(from)..index(to)) {
-        kernel(rows, inner);
+        kernel([row(above), row(y), row(below)], inner);
     }
     let Span { start, end } = image.valid_columns(y);
-    let [start, end] = [start, end].map(|x| index(i32::from(x).max(from).min(to)));
-    if let Some(before) = out.get_mut(..start) {
+    let at = |x: u16| index(i32::from(x).max(from).min(to));
+    if let Some(before) = out.get_mut(..at(start)) {
         before.fill(FLAT);
     }
-    if let Some(after) = out.get_mut(end..) {
+    if let Some(after) = out.get_mut(at(end)..) {
         after.fill(FLAT);
     }
 }

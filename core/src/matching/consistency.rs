@@ -103,6 +103,11 @@ impl Neighbour {
         true
     }
 
+    /// True when one side's hypothesis has a weight.
+    fn has(&self, side: usize) -> bool {
+        self.hypotheses.get(side).is_some_and(|hypothesis| hypothesis.weight_q8 > 0)
+    }
+
     /// Column in the right image that one side's hypothesis matches, 1/64 px.
     fn right_q6(&self, side: usize, d_q6: i32) -> i32 {
         let off = if self.near_horizontal {
@@ -193,8 +198,8 @@ pub(crate) fn for_each_contradiction(
             if i32::from(other.y - neighbour.y).abs() > SAME_ROWS {
                 continue;
             }
-            for side in 0..2 {
-                for other_side in 0..2 {
+            for side in (0..2).filter(|&side| neighbour.has(side)) {
+                for other_side in (0..2).filter(|&side| other.has(side)) {
                     if contradict((neighbour, side), (other, other_side)) {
                         found((i, side), (j, other_side));
                     }
@@ -209,8 +214,5 @@ fn contradict((a, a_side): (&Neighbour, usize), (b, b_side): (&Neighbour, usize)
         return false;
     };
     let (da, db) = (i32::from(hypothesis_a.d_q6), i32::from(hypothesis_b.d_q6));
-    hypothesis_a.weight_q8 > 0
-        && hypothesis_b.weight_q8 > 0
-        && (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6
-        && (da - db).abs() > OTHER_SURFACE_Q6
+    (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6 && (da - db).abs() > OTHER_SURFACE_Q6
 }

@@ -254,13 +254,13 @@ impl Windows<'_> {
 const STRIPS: usize = HALF_ROWS as usize;
 
 /// Lists strips of eight columns that follow the line over `rows`, one list per offset from it in `columns`, searched from disparity `first` on.
-fn gather<'b, const N: usize>(
+fn gather<'b>(
     line: &SteepLine,
     rows: SampledRows,
-    columns: [i32; N],
+    columns: [i32; 3],
     first: i32,
     band: &'b Band<'_>,
-    lists: &mut [Vec<Strip<'b>, STRIPS>; N],
+    lists: &mut [Vec<Strip<'b>, STRIPS>; 3],
 ) {
     for y in rows {
         let edge = line.column(y);

@@ -74,23 +74,22 @@ impl Line {
         let (across_q8, disparity_q8) = (slope_q8(self.across), slope_q8(self.disparity_q6));
         // Points beyond the edge may be of another surface.
         let (before, after) = if self.sign < 0 { (REACH - 1, WINDOW_MIDDLE) } else { (WINDOW_MIDDLE, REACH - 1) };
-        let rows_along =
-            |from, to| if self.near_horizontal { grid.columns_within(from, to) } else { grid.rows_within(from, to) };
-        let rows_across =
-            |from, to| if self.near_horizontal { grid.rows_within(from, to) } else { grid.columns_within(from, to) };
-        let pixel = |column: usize, is_column: bool| if is_column { grid.x(column) } else { Grid::y(column) };
+        let [mut grid_along, mut grid_across] = grid.axes();
+        if self.near_horizontal {
+            core::mem::swap(&mut grid_along, &mut grid_across);
+        }
         let [mut agreeing, mut farther, mut nearer] = [0; 3];
-        for i in rows_along(first - REACH + 1, last + REACH - 1) {
+        for i in grid_along.within(first - REACH + 1, last + REACH - 1) {
             // Foot of the points on the line, along the segment's direction.
-            let along = pixel(i, self.near_horizontal);
+            let along = grid_along.pixel(i);
             let foot = along.max(first).min(last);
             let beyond = (along - foot).abs();
             let edge = self.across[0] + ((across_q8 * (foot - from)) >> 8);
             let disparity_q6 = self.disparity_q6[0] + ((disparity_q8 * (foot - from)) >> 8);
-            for k in rows_across(edge - before, edge + after) {
-                let index = if self.near_horizontal { k * grid.columns + i } else { i * grid.columns + k };
+            for k in grid_across.within(edge - before, edge + after) {
+                let index = i * grid_along.step + k * grid_across.step;
                 let Some(point) = points.get_mut(index).filter(|point| point.is_matched()) else { continue };
-                let across = (pixel(k, !self.near_horizontal) - edge).abs();
+                let across = (grid_across.pixel(k) - edge).abs();
                 let nearness = (REACH - across) * (REACH - beyond);
                 let apart = i32::from(point.disparity_q6) - disparity_q6;
                 let [supporting, conflicting] = &mut point.segments;

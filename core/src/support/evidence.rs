@@ -70,9 +70,9 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
 /// Number of ranks of a window that differ from the one in the next column, 0 ..= 28.
 pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
     let (most, ones) = (0x7f7f_7f7f_u32, 0x0101_0101);
-    let columns = window.map(u32::from_le_bytes);
-    let pairs = columns.iter().zip(columns.iter().skip(1));
-    let of_rows = pairs.fold(0, |sum: u32, (a, b)| sum + (((a ^ b) + most) >> 7 & ones));
+    let &[a, b, c, d, e, f, g, h] = window;
+    let of = |a, b| ((u32::from_le_bytes(a) ^ u32::from_le_bytes(b)) + most) >> 7 & ones;
+    let of_rows: u32 = of(a, b) + of(b, c) + of(c, d) + of(d, e) + of(e, f) + of(f, g) + of(g, h);
     (of_rows.wrapping_mul(ones) >> 24) as u8
 }
 
@@ -147,7 +147,7 @@ impl Found {
     }
 }
 
-/// Evidence by neighbours and segments, known when everything is matched.
+/// Evidence by neighbours and segments, known when everything is matched; entries one after the other.
 const NEARBY: [SupportKind; 5] = [
     SupportKind::Agreeing,
     SupportKind::Conflicting,
@@ -167,7 +167,7 @@ impl SupportEvidence {
 
 /// Log-odds of the evidence by neighbours and segments by a model, Q8.
 pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
-    model.part_q8(NEARBY.into_iter().map(|kind| kind as usize).zip(nearby_q8))
+    model.part_q8(NEARBY[0] as usize, &nearby_q8)
 }
 
 /// Evidence by the eight points around the one at `index`, in rows of `columns` points, and by segments, Q8.
@@ -179,7 +179,7 @@ pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, in
     let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
     let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
     let (mut agreeing, mut all) = (0_u32, 0_u32);
-    for row in [near(start.wrapping_sub(columns)), near(start), near(start + columns)] {
+    let mut add = |row: &[SupportPoint]| {
         for point in row {
             // 0 without a disparity.
             let weight = u32::from(point.uniqueness_q8);
@@ -188,7 +188,10 @@ pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, in
                 agreeing += weight;
             }
         }
-    }
+    };
+    add(near(start.wrapping_sub(columns)));
+    add(near(start));
+    add(near(start + columns));
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
     let [supporting, conflicting] = own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
     [

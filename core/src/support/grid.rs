@@ -97,6 +97,12 @@ impl Grid {
         within(from, to, SUPPORT_PITCH.into(), self.rows)
     }
 
+    /// Down the rows and along the columns.
+    pub(crate) fn axes(&self) -> [Axis; 2] {
+        let down = Axis { step: self.columns, pitch: SUPPORT_PITCH.into(), count: self.rows };
+        [down, Axis { step: 1, pitch: self.pitch.into(), count: self.columns }]
+    }
+
     /// Index in the list of the point at this pixel, if there is one.
     pub(crate) fn index(&self, x: u16, y: u16) -> Option<usize> {
         let pitch = self.pitch; // a power of two
@@ -120,6 +126,28 @@ impl Grid {
             right: end(area.right, self.pitch, self.columns),
             bottom: end(area.bottom, SUPPORT_PITCH, self.rows),
         }
+    }
+}
+
+/// Points in one direction.
+#[derive(Clone, Copy)]
+pub(crate) struct Axis {
+    /// Indices of the list from one to the next.
+    pub(crate) step: usize,
+    /// Pixels from one to the next.
+    pitch: i32,
+    count: usize,
+}
+
+impl Axis {
+    /// Points between two pixels, both included.
+    pub(crate) fn within(&self, from: i32, to: i32) -> core::ops::Range<usize> {
+        within(from, to, self.pitch, self.count)
+    }
+
+    /// Pixel of a point.
+    pub(crate) fn pixel(&self, at: usize) -> i32 {
+        self.pitch / 2 + at as i32 * self.pitch
     }
 }
 

@@ -80,8 +80,10 @@ pub struct SupportPoint {
 
 impl SupportPoint {
     /// A point without a disparity.
-    pub(crate) const NONE: Self =
-        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, segments: [0; 2] };
+    #[inline]
+    pub(crate) const fn none() -> Self {
+        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, segments: [0; 2] }
+    }
 
     /// True when it has a disparity.
     #[must_use]
@@ -151,8 +153,11 @@ impl Matching<'_> {
     ) -> (i16, RangeCheck) {
         points.clear();
         let Grid { columns, rows, .. } = self.grid;
-        if columns * rows > points.capacity() || points.resize(columns * rows, SupportPoint::NONE).is_err() {
+        if columns * rows > points.capacity() {
             return (TYPICAL_DETAIL_Q8, RangeCheck::default());
+        }
+        for _ in 0..columns * rows {
+            let _ = points.push(SupportPoint::none()); // they fit
         }
         let whole = [Area::of(self.images[0].dims())];
         let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.grid));

@@ -193,19 +193,20 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     let (threes, rest) = points.as_chunks::<3>();
     // SAFETY: every point's slice holds at least `len` bytes, four for each of the `len / 4` sums.
     unsafe {
-        for &three in threes {
+        for three in threes {
             add_points(sums, three);
         }
-        match *rest {
-            [a, b] => add_points(sums, [a, b]),
-            [a] => add_points(sums, [a]),
-            _ => {}
+        match rest.first_chunk::<2>() {
+            Some(two) => add_points(sums, two),
+            None => rest.as_chunks::<1>().0.iter().for_each(|one| add_points(sums, one)),
         }
     }
     for (four, &mut sum) in whole.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
-        for (cost, sum) in four.iter_mut().zip(sum.to_le_bytes()) {
-            *cost = cost.wrapping_add(u16::from(sum));
-        }
+        let ([a, b, c, d], of) = (four, sum.to_le_bytes());
+        *a = a.wrapping_add(of[0].into());
+        *b = b.wrapping_add(of[1].into());
+        *c = c.wrapping_add(of[2].into());
+        *d = d.wrapping_add(of[3].into());
     }
 }
 
@@ -213,15 +214,17 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
 ///
 /// # Safety
 /// Four bytes of each point's slice can be read for every sum.
-#[inline(always)]
-unsafe fn add_points<const N: usize>(sums: &mut [u32], points: [(u8, &[u8]); N]) {
-    let points = points.map(|(code, other)| (u32::from(code).wrapping_mul(0x0101_0101), other.as_ptr()));
+#[inline(never)] // one loop of each kind, without the others' conditions
+unsafe fn add_points<const N: usize>(sums: &mut [u32], points: &[(u8, &[u8]); N]) {
+    const { assert!(N <= 3) }
     for (i, sum) in sums.iter_mut().enumerate() {
-        let mut nibbles = 0;
-        for (code, other) in points {
-            // SAFETY: the caller's.
-            nibbles += nibble_counts(unsafe { word(other.add(4 * i)) } ^ code);
-        }
+        let counts = |place: usize| {
+            points.get(place).map_or(0, |&(code, other)| {
+                // SAFETY: the caller's.
+                nibble_counts(unsafe { word(other.as_ptr().add(4 * i)) } ^ u32::from(code).wrapping_mul(0x0101_0101))
+            })
+        };
+        let nibbles = counts(0) + counts(1) + counts(2);
         *sum = sum.wrapping_add((nibbles & 0x0f0f_0f0f) + ((nibbles >> 4) & 0x0f0f_0f0f));
     }
 }
@@ -294,12 +297,16 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
 /// See [`portable::lowest`].
 pub fn lowest(curve: &[u16]) -> u16 {
     let (blocks, rest) = curve.as_chunks::<8>();
+    let Some(last) = curve.last_chunk::<8>() else { return portable::lowest(curve) };
+    // The rest, and some of those before it again. Pairs are written out, as the compiler does not unroll a loop over them.
+    let rest: &[_] = if rest.is_empty() { &[] } else { core::slice::from_ref(last) };
     let mut lowest = u32::MAX;
-    for &[a, b, c, d, e, f, g, h] in blocks {
-        for pair in [[a, b], [c, d], [e, f], [g, h]] {
-            lowest = lower(lowest, packed(pair));
-        }
+    for &[a, b, c, d, e, f, g, h] in blocks.iter().chain(rest) {
+        lowest = lower(lowest, packed([a, b]));
+        lowest = lower(lowest, packed([c, d]));
+        lowest = lower(lowest, packed([e, f]));
+        lowest = lower(lowest, packed([g, h]));
     }
     let [low, high] = unpacked(lowest);
-    low.min(high).min(portable::lowest(rest))
+    low.min(high)
 }

@@ -120,8 +120,10 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     unsafe {
         gradient_words(rows, to.add(1), mean(rows), (width - 4) / 4);
         // Of the 2 to 5 columns that are left, and some of those before.
+        let [above, row, below] = rows;
         for at in [width - 10, width - 6] {
-            to.add(at + 1).cast::<u32>().write_unaligned(gradient_word(rows.map(|row| row.add(at))));
+            let word = gradient_word([above.add(at), row.add(at), below.add(at)]);
+            to.add(at + 1).cast::<u32>().write_unaligned(word);
         }
     }
     for edge in [0, width - 1] {

@@ -42,7 +42,30 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
         return portable::rank_row(rows, out);
     }
     let words = (width - 4) / 4;
+    let (rows, to) = ([above, row, below].map(<[u8]>::as_ptr), out.as_mut_ptr());
     // SAFETY: words * 4 + 4 pixels of all rows, which are at least as long, are read, from column 0 to the last but `width & 3`; there is a word.
+    unsafe {
+        rank_words(rows, to, words);
+        if !width.is_multiple_of(4) {
+            // The rest, and some of those before it again.
+            let at = width - 8;
+            rank_words(rows.map(|row| row.add(at)), to.add(at), 1);
+        }
+    }
+    for border in [0..2, width - 2..out.len()] {
+        if let Some(border) = out.get_mut(border) {
+            border.fill(RANK_FLAT);
+        }
+    }
+}
+
+/// Ranks of four pixels each from the third on, `words` times.
+///
+/// # Safety
+/// There is a word at least; `4 * words + 4` bytes can be read from each row, and written.
+#[inline(never)]
+unsafe fn rank_words([above, row, below]: [*const u8; 3], out: *mut u8, words: usize) {
+    // SAFETY: the caller's.
     unsafe {
         asm!(
             "2:",
@@ -65,10 +88,10 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
             "str {rank}, [{out}], #4",
             "subs {words}, {words}, #1",
             "bne 2b",
-            row = inout(reg) row.as_ptr() => _,
-            above = inout(reg) above.as_ptr().add(2) => _,
-            below = inout(reg) below.as_ptr().add(2) => _,
-            out = inout(reg) out.as_mut_ptr().add(2) => _,
+            row = inout(reg) row => _,
+            above = inout(reg) above.add(2) => _,
+            below = inout(reg) below.add(2) => _,
+            out = inout(reg) out.add(2) => _,
             words = inout(reg) words => _,
             centre = out(reg) _,
             other = out(reg) _,
@@ -77,23 +100,6 @@ pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
             ones = in(reg) 0x0101_0101,
             options(nostack),
         );
-    }
-    // The rest: the border, and a few pixels before it.
-    if let Some(border) = out.get_mut(..2) {
-        border.fill(RANK_FLAT);
-    }
-    let done = 4 * words;
-    let tail = |row: &[u8]| -> [u8; 8] {
-        let mut tail = [0; 8];
-        tail.iter_mut().zip(row.get(done..width).unwrap_or(&[])).for_each(|(tail, &pixel)| *tail = pixel);
-        tail
-    };
-    let (tails, mut ranks) = ([above, row, below].map(tail), [RANK_FLAT; 8]);
-    let [above, row, below] = tails.each_ref().map(|tail| tail.get(..width - done).unwrap_or(&[]));
-    portable::rank_row([above, row, below], &mut ranks);
-    if let Some(out) = out.get_mut(done + 2..) {
-        out.fill(RANK_FLAT);
-        out.iter_mut().zip(ranks.get(2..width - done).unwrap_or(&[])).for_each(|(out, &rank)| *out = rank);
     }
 }
 
