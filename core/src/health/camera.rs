@@ -15,9 +15,9 @@ const COLUMNS: u16 = 48;
 /// Most rows with samples.
 const ROWS: u16 = 32;
 /// Largest level of a black pixel.
-const BLACK: u8 = 2;
+const BLACK: u32 = 2;
 /// Least level of a white pixel.
-const WHITE: u8 = 253;
+const WHITE: u32 = 253;
 
 /// Statistics of one camera's image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -39,45 +39,65 @@ pub struct CameraHealth {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
-    /// Difference between the brightest and the darkest sample.
-    pub(super) range: u8,
+    /// True when the brightest and the darkest sample differ by no more than the limit.
+    pub(super) is_flat: bool,
     /// Digest of all valid pixels of the sampled rows: equal for different ones with a probability of 2^-32.
     pub(super) digest: u32,
 }
 
-/// Computes the statistics of an image.
-pub(super) fn check(image: Gray<'_>) -> CameraCheck {
+/// Sums over samples.
+#[derive(Default)]
+struct Samples {
+    count: u32,
+    sum: u32,
+    /// Sum of the grey steps between adjacent samples of a row.
+    steps: u32,
+    black: u32,
+    white: u32,
+}
+
+impl Samples {
+    /// With every `step`-th of a row's pixels.
+    #[inline(never)] // its sums are in registers
+    fn and(self, pixels: &[u8], step: usize) -> Self {
+        let Self { mut count, mut sum, mut steps, mut black, mut white } = self;
+        let mut before = pixels.first().copied().unwrap_or(0).into();
+        let mut x = 0;
+        while let Some(&level) = pixels.get(x) {
+            let level = u32::from(level);
+            count += 1;
+            sum += level;
+            steps += level.abs_diff(before);
+            before = level;
+            if !(BLACK + 1..WHITE).contains(&level) {
+                black += u32::from(level <= BLACK);
+                white += u32::from(level >= WHITE);
+            }
+            x += step;
+        }
+        Self { count, sum, steps, black, white }
+    }
+}
+
+/// Computes the statistics of an image; one whose samples differ by at most `flat` grey levels is flat.
+pub(super) fn check(image: Gray<'_>, flat: u8) -> CameraCheck {
     let dims = image.dims();
     let step = |side: u16, most: u16| usize::from(side.div_ceil(most));
     let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
-    let (mut samples, mut sum, mut black, mut white, mut steps) = (0_u32, 0_u32, 0_u32, 0_u32, 0_u32);
-    let (mut low, mut high, mut digest) = (u8::MAX, 0_u8, Fnv::EMPTY);
-    let (mut valid, mut all) = (0_u32, 0_u32);
-    let mut y = down / 2;
-    while let Some(row) = image.row(y) {
+    let rows = (down / 2..dims.height.into()).step_by(down).filter_map(|y| {
         let span = image.valid_columns(y as i32);
-        let row = row.get(usize::from(span.start)..usize::from(span.end)).unwrap_or(&[]);
+        image.row(y)?.get(usize::from(span.start)..usize::from(span.end))
+    });
+    let (mut samples, mut digest) = (Samples::default(), Fnv::EMPTY);
+    let (mut valid, mut all) = (0_u32, 0_u32);
+    for row in rows.clone() {
         valid += row.len() as u32;
         all += u32::from(dims.width);
-        let (words, rest) = row.as_chunks();
-        let words = words.iter().map(|&word| u32::from_le_bytes(word));
-        digest = words.chain(rest.iter().map(|&level| level.into())).fold(digest, Fnv::mixed);
-        let mut x = across / 2;
-        let mut before = row.get(x).copied().unwrap_or(0);
-        while let Some(&level) = row.get(x) {
-            samples += 1;
-            sum += u32::from(level);
-            black += u32::from(level <= BLACK);
-            white += u32::from(level >= WHITE);
-            steps += u32::from(level.abs_diff(before));
-            low = low.min(level);
-            high = high.max(level);
-            before = level;
-            x += across;
-        }
-        y += down;
+        digest = with_row(digest, row);
+        samples = samples.and(row.get(across / 2..).unwrap_or(&[]), across);
     }
-    let share = |count: u32, of: i32| quotient(count as i32 * of, samples as i32);
+    let Samples { count, sum, steps, black, white } = samples;
+    let share = |sum: u32, of: i32| quotient(sum as i32 * of, count as i32);
     let health = CameraHealth {
         level: share(sum, 1) as u8,
         detail_q4: share(steps, 16) as u16,
@@ -85,5 +105,22 @@ pub(super) fn check(image: Gray<'_>) -> CameraCheck {
         white_permille: share(white, 1000) as u16,
         view_permille: quotient(valid as i32 * 1000, all as i32) as u16,
     };
-    CameraCheck { health, range: high.saturating_sub(low), digest: digest.value() }
+    // No step is larger than the difference of the extremes, which few images need to be searched for.
+    let may_be_flat = steps <= count * u32::from(flat);
+    let is_flat = may_be_flat && {
+        let levels = rows.flat_map(|row| row.iter().skip(across / 2).step_by(across));
+        let (low, high) = levels.fold((u8::MAX, 0), |(low, high), &level| (level.min(low), level.max(high)));
+        high.saturating_sub(low) <= flat
+    };
+    CameraCheck { health, is_flat, digest: digest.value() }
+}
+
+/// The digest with a row's words, four at a time, and the bytes after the last one.
+fn with_row(digest: Fnv, row: &[u8]) -> Fnv {
+    let (words, rest) = row.as_chunks();
+    let (fours, words) = words.as_chunks();
+    let mixed = |digest: Fnv, &word: &[u8; 4]| digest.mixed(u32::from_le_bytes(word));
+    let digest = fours.iter().fold(digest, |digest, [a, b, c, d]| [a, b, c, d].into_iter().fold(digest, mixed));
+    let digest = words.iter().fold(digest, mixed);
+    rest.iter().fold(digest, |digest, &level| digest.mixed(level.into()))
 }

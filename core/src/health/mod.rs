@@ -154,7 +154,7 @@ impl HealthMonitor {
         right: Gray<'_>,
         times_us: Option<[u64; 2]>,
     ) -> PairHealth {
-        let checks = [left, right].map(camera::check);
+        let checks = [left, right].map(|image| camera::check(image, limits.dead_range));
         let [left, right] = &checks;
         let mut now = self.fault(limits, left, right, 0) | self.fault(limits, right, left, 1);
         let mut tested = CAMERA_FLAGS;
@@ -254,7 +254,6 @@ impl HealthMonitor {
         camera: usize,
     ) -> HealthFlags {
         let health = &own.health;
-        let is_dead = own.range <= limits.dead_range;
         let is_saturated = health.black_permille + health.white_permille > limits.saturated_permille;
         let is_black = health.level < limits.covered_level && other.health.level / 4 >= health.level.max(1);
         // detail / level, compared by cross products; an overexposed image loses its detail as well, and is not covered.
@@ -266,9 +265,9 @@ impl HealthMonitor {
         let (darkest, brightest) = limits.level;
         let left = HealthFlags::LEFT_EXPOSURE.when(health.level < darkest || health.level > brightest)
             | HealthFlags::LEFT_SATURATED.when(is_saturated)
-            | HealthFlags::LEFT_DEAD.when(is_dead)
-            | HealthFlags::LEFT_COVERED.when((is_black || is_plain) && !is_dead)
-            | HealthFlags::LEFT_FROZEN.when(is_same && !is_dead)
+            | HealthFlags::LEFT_DEAD.when(own.is_flat)
+            | HealthFlags::LEFT_COVERED.when((is_black || is_plain) && !own.is_flat)
+            | HealthFlags::LEFT_FROZEN.when(is_same && !own.is_flat)
             | HealthFlags::LEFT_VIEW.when(health.view_permille < limits.view_permille);
         HealthFlags::from_bits(left.bits() << camera)
     }

@@ -211,17 +211,23 @@ impl Edge {
 }
 
 /// Adds levels (Q6) at a column given in 1/64 px, from row `y` down; `None` beyond the right border.
+#[inline(never)] // its variables are in registers
 fn add_column(image: Gray<'_>, (x_q6, y): (i32, i32), sums: &mut [i32]) -> Option<()> {
     let (pixels, stride) = image.as_slice();
     let (x, part) = (usize::try_from(x_q6 >> 6).ok()?, x_q6 & 63);
-    let last = usize::from(image.dims().width).checked_sub(1)?;
-    if x > last {
-        return None;
-    }
-    let next = usize::from(x < last);
+    // The last column has none to its right: it is the second one of its pair.
+    let before_last = usize::from(image.dims().width).checked_sub(2)?;
+    let (x, part) = match x.checked_sub(before_last) {
+        None | Some(0) => (x, part),
+        Some(1) => (before_last, 64),
+        Some(_) => return None,
+    };
+    // Slices of one length: an index is checked once for both.
+    let pairs = pixels.len().checked_sub(1)?;
+    let (own, next) = (pixels.get(..pairs)?, pixels.get(1..)?.get(..pairs)?);
     let mut at = usize::try_from(y).ok()?.wrapping_mul(stride).wrapping_add(x);
     for sum in sums {
-        let (a, b) = (i32::from(*pixels.get(at)?), i32::from(*pixels.get(at + next)?));
+        let (a, b) = (i32::from(*own.get(at)?), i32::from(*next.get(at)?));
         *sum += (a << 6) + (b - a) * part;
         at = at.wrapping_add(stride);
     }

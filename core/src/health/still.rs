@@ -15,7 +15,7 @@
 //! A pair that a board or the PC has rectified is looked at as rectified: what is at the same pixel of both sensors is not at the same pixel then.
 //!
 //! # Bounds
-//! Gradients are at most 255: 8 products 520 200, sums of all points of a 1280 px square below 2^34.
+//! Gradients are at most 255: 8 products 520 200, sums of both energies of 256 points 2.7e8.
 //!
 //! # Cost
 //! At most some [`POINTS`] points, 500 instructions each.
@@ -58,26 +58,26 @@ pub struct Still {
 /// Sums of products at each of [`LAGS`], and the energies of both sides.
 #[derive(Default)]
 struct Sums {
-    products: [i64; LAGS.len()],
-    energy: i64,
+    products: [i32; LAGS.len()],
+    energy: i32,
 }
 
 impl Sums {
+    #[inline(never)] // its variables are in registers
     fn add(&mut self, left: &[i32; GRADIENTS], right: &[i32; GRADIENTS + 2 * LAG]) {
-        let product = |right: &[i32]| left.iter().zip(right).fold(0, |sum, (a, b)| sum + a * b);
+        let product = |a: &[i32; GRADIENTS], b: &[i32; GRADIENTS]| a.iter().zip(b).fold(0, |sum, (a, b)| sum + a * b);
+        let at = |lag: usize| right.get(lag..).and_then(<[i32]>::first_chunk).unwrap_or(&[0; GRADIENTS]);
         for (sum, lag) in self.products.iter_mut().zip(LAGS) {
-            *sum += i64::from(product(right.get(lag..).unwrap_or(&[])));
+            *sum += product(left, at(lag));
         }
-        let energy = |values: &[i32]| values.iter().fold(0, |sum, value| sum + value * value);
-        let own = right.get(LAG..LAG + GRADIENTS).unwrap_or(&[]);
-        self.energy += i64::from(energy(left) + energy(own));
+        self.energy += product(left, left) + product(at(LAG), at(LAG));
     }
 
     /// Excess of the product at lag 0 over the others, per thousand of the mean energy.
     fn excess_permille(&self) -> i16 {
         let [own, others @ ..] = self.products;
         let excess = own - others.iter().fold(0, |most, product| most.max(product.abs()));
-        let permille = (2000 * excess).checked_div(self.energy).unwrap_or(0);
+        let permille = (2000 * i64::from(excess)).checked_div(self.energy.into()).unwrap_or(0);
         i16::try_from(permille.clamp(-1000, 1000)).unwrap_or(0)
     }
 }
@@ -86,6 +86,7 @@ impl Sums {
 pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Option<Still> {
     let step = support.len().div_ceil(POINTS).max(1);
     let (mut raw, mut weak) = (Sums::default(), Sums::default());
+    let (mut at_left, mut at_right) = (Gradients::<GRADIENTS>::NONE, Gradients::<{ GRADIENTS + 2 * LAG }>::NONE);
     let (mut credible, mut still, mut compared) = (0, 0, 0);
     for ((x, y), point) in support.iter().step_by(step).filter(|(_, point)| point.is_matched()) {
         let disparity_q6 = point.disparity().to_bits();
@@ -94,14 +95,12 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
             still += u32::from(disparity_q6.unsigned_abs() < STILL_Q6);
         }
         if disparity_q6 >= PARALLAX_Q6
-            && let Some(mut left) = gradients(left, (x, y), 0)
-            && let Some(mut right) = gradients(right, (x, y), LAG)
+            && at_left.read(left, (x, y), 0).is_some()
+            && at_right.read(right, (x, y), LAG).is_some()
         {
             compared += 1;
-            raw.add(&left, &right);
-            limit(&mut left);
-            limit(&mut right);
-            weak.add(&left, &right);
+            raw.add(&at_left.raw, &at_right.raw);
+            weak.add(&at_left.weak, &at_right.weak);
         }
     }
     (credible >= MIN_POINTS).then(|| Still {
@@ -110,23 +109,29 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
     })
 }
 
-fn limit(gradients: &mut [i32]) {
-    for gradient in gradients {
-        *gradient = (*gradient).clamp(-WEAK, WEAK);
-    }
+/// Gradients along the row, as they are and limited.
+struct Gradients<const N: usize> {
+    raw: [i32; N],
+    weak: [i32; N],
 }
 
-/// Gradients along the row around a point, from `before` px further left on; `None` where a pixel is not valid.
-fn gradients<const N: usize>(image: Gray<'_>, (x, y): (u16, u16), before: usize) -> Option<[i32; N]> {
-    let first = usize::try_from(i32::from(x) + FIRST - 1 - before as i32).ok()?;
-    let valid = image.valid_columns(y.into());
-    if first < usize::from(valid.start) || first + N + 2 > usize::from(valid.end) {
-        return None;
+impl<const N: usize> Gradients<N> {
+    const NONE: Self = Self { raw: [0; N], weak: [0; N] };
+
+    /// Reads those around a point, from `before` px further left on; `None` where a pixel is not valid.
+    #[inline(never)] // its variables are in registers
+    fn read(&mut self, image: Gray<'_>, (x, y): (u16, u16), before: usize) -> Option<()> {
+        let first = usize::try_from(i32::from(x) + FIRST - 1 - before as i32).ok()?;
+        let valid = image.valid_columns(y.into());
+        if first < usize::from(valid.start) || first + N + 2 > usize::from(valid.end) {
+            return None;
+        }
+        let pixels = image.row(y.into())?.get(first..first + N + 2)?;
+        let after = pixels.get(2..)?;
+        for ((raw, weak), (before, after)) in self.raw.iter_mut().zip(&mut self.weak).zip(pixels.iter().zip(after)) {
+            let gradient = i32::from(*after) - i32::from(*before);
+            (*raw, *weak) = (gradient, gradient.clamp(-WEAK, WEAK));
+        }
+        Some(())
     }
-    let pixels = image.row(y.into())?.get(first..first + N + 2)?;
-    let mut gradients = [0; N];
-    for (gradient, (before, after)) in gradients.iter_mut().zip(pixels.iter().zip(pixels.iter().skip(2))) {
-        *gradient = i32::from(*after) - i32::from(*before);
-    }
-    Some(gradients)
 }

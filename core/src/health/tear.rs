@@ -24,6 +24,8 @@ const REACH: i32 = 48;
 const BINS: usize = 2 * REACH as usize + 1;
 /// Least shift, half px.
 const MIN_SHIFT: i32 = 3;
+/// Differences of disparity that no window around a shift of [`MIN_SHIFT`] or more holds, 1/64 px.
+const NEAR_Q6: core::ops::Range<i32> = 16 - (MIN_SHIFT - 1) * 32..(MIN_SHIFT - 1) * 32 - 16;
 /// Least number of points in both rows.
 const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
@@ -50,11 +52,11 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
     let mut looked = 0;
     for apart in [1, 2] {
         for (row, above, below) in support.row_pairs(apart) {
-            let differences = above.iter().zip(below).filter_map(|(above, below)| {
+            let changes = above.iter().zip(below).filter_map(|(above, below)| {
                 let both = above.is_matched() && below.is_matched();
                 both.then(|| i32::from(below.disparity().to_bits()) - i32::from(above.disparity().to_bits()))
             });
-            let Some(shift) = common_shift(differences) else { continue };
+            let Some(shift) = common_shift(changes) else { continue };
             looked += 1;
             if looked > MOST {
                 return None;
@@ -69,22 +71,30 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
 }
 
 /// The change of disparity that a third of the points share, px; `None` if there is none, or it is small.
-fn common_shift(differences_q6: impl Iterator<Item = i32>) -> Option<i32> {
+#[inline(never)] // its variables are in registers
+fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let mut bins = [0_u8; BINS];
-    let mut points = 0;
-    for difference in differences_q6 {
+    let (mut low, mut high) = (BINS, 0);
+    let (mut points, mut near) = (0, 0);
+    changes_q6.for_each(|change| {
         points += 1;
-        let bin = ((difference + 16) >> 5) + REACH;
-        if let Some(count) = usize::try_from(bin).ok().and_then(|bin| bins.get_mut(bin)) {
-            *count = count.saturating_add(1);
+        if NEAR_Q6.contains(&change) {
+            near += 1;
         }
-    }
-    let (mut peak, mut count, mut shift) = (0, 0, 0);
-    if points < MIN_POINTS {
+        if let Ok(bin) = usize::try_from(((change + 16) >> 5) + REACH)
+            && let Some(count) = bins.get_mut(bin)
+        {
+            *count = count.saturating_add(1);
+            (low, high) = (low.min(bin), high.max(bin));
+        }
+    });
+    // Most rows go on as the one above: a third of the points has to lie in a bin of a large shift or beside it.
+    if points < MIN_POINTS || 3 * (points - near) < points {
         return None;
     }
+    let (mut peak, mut count, mut shift) = (0, 0, 0);
     let (mut before, mut own) = (0, 0);
-    for (&after, at) in bins.iter().zip(-1 - REACH..) {
+    for (&after, at) in bins.get(low..BINS.min(high + 2)).unwrap_or(&[]).iter().zip(low as i32 - 1 - REACH..) {
         let after = u32::from(after);
         // The middle counts twice: of three windows that hold the same points it is the one around them.
         let weight = before + 2 * own + after;
@@ -122,6 +132,7 @@ fn torn_row_of(image: Gray<'_>, (from, to): (i32, i32), shift: i32) -> Option<i3
 
 /// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: at least 64, at most every one, that are valid
 /// when moved by `most` as well.
+#[inline(never)] // its variables are in registers
 fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u32)> {
     let (upper, lower) = usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)))?;
     let (above, below) = (image.valid_columns(y), image.valid_columns(y + 1));
@@ -129,15 +140,14 @@ fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u3
     let end = i32::from(above.end.min(below.end)) - most.abs();
     let at = |x: i32| usize::try_from(x).ok();
     let upper = upper.get(at(start)?..at(end)?)?;
-    let lower = lower.get(at(start + shift)?..at(end + shift)?)?;
+    let lower = lower.get(at(start + shift)?..)?.get(..upper.len())?;
     let step = (upper.len() / MIN_PIXELS).clamp(1, MOST_STEP);
-    let (mut sum, mut count, mut x) = (0, 0, 0);
+    let (mut sum, mut x) = (0, 0);
     while let Some((upper, lower)) = upper.get(x).zip(lower.get(x)) {
-        sum += u32::from(upper.abs_diff(*lower));
-        count += 1;
+        sum += u32::from(*upper).abs_diff(u32::from(*lower));
         x += step;
     }
-    Some((sum, count))
+    Some((sum, upper.len().div_ceil(step) as u32))
 }
 
 #[cfg(test)]
