@@ -1,7 +1,7 @@
 //! Boards for tests: emulated where a compiler and QEMU can be had.
 
 use core::any::Any;
-use linestereo::Matcher;
+use linestereo::{Matcher, ObjectDepth, Params, Region};
 use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
@@ -75,18 +75,24 @@ impl Twin {
         Self(Box::new(mps2_an386::Workspace::new()))
     }
 
-    /// Matches a pair.
-    pub fn run(
+    /// Matches a pair that stands alone.
+    pub fn run(&mut self, params: &Params, left: &GrayImage, right: &GrayImage) -> Result<FrameResult, RunError> {
+        let mut matcher = params.matcher(left.dims).map_err(|_| RunError::Size(left.dims))?;
+        self.run_next(&mut matcher, [left, right], &[]).map(|(result, _)| result)
+    }
+
+    /// Matches the next pair of a rig, and finds the depths of these objects in it.
+    pub fn run_next(
         &mut self,
-        params: &linestereo::Params,
-        left: &GrayImage,
-        right: &GrayImage,
-    ) -> Result<FrameResult, RunError> {
+        matcher: &mut Matcher,
+        pair: [&GrayImage; 2],
+        objects: &[Region<'_>],
+    ) -> Result<(FrameResult, Vec<ObjectDepth>), RunError> {
         match self.0.downcast_mut::<mps2_an500::Workspace>() {
-            Some(large) => run(large, params, left, right),
+            Some(large) => run(large, matcher, pair, objects),
             None => match self.0.downcast_mut::<mps2_an386::Workspace>() {
-                Some(small) => run(small, params, left, right),
-                None => Err(RunError::Size(left.dims)),
+                Some(small) => run(small, matcher, pair, objects),
+                None => Err(RunError::Size(pair[0].dims)),
             },
         }
     }
@@ -94,18 +100,18 @@ impl Twin {
 
 fn run(
     memory: &mut impl Memory,
-    params: &linestereo::Params,
-    left: &GrayImage,
-    right: &GrayImage,
-) -> Result<FrameResult, RunError> {
-    if !memory.fits(left.dims) {
-        return Err(RunError::Size(left.dims));
+    matcher: &mut Matcher,
+    pair: [&GrayImage; 2],
+    objects: &[Region<'_>],
+) -> Result<(FrameResult, Vec<ObjectDepth>), RunError> {
+    let dims = matcher.plan().dims();
+    if !memory.fits(dims) {
+        return Err(RunError::Size(dims));
     }
-    for (frame, image) in memory.frames().into_iter().zip([left, right]) {
+    for (frame, image) in memory.frames().into_iter().zip(pair) {
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
-    let plan = params.plan(left.dims).map_err(|_| RunError::Size(left.dims))?;
-    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
+    let mut matched = memory.run(matcher, None, None, &mut ())?;
     let mut points = Vec::new();
     matched.points(|point| points.push(point));
     let health = matched.health();
@@ -117,5 +123,7 @@ fn run(
         pair: Some(health.into()),
     };
     result.counts.points = result.points.len() as u32;
-    Ok(result)
+    let mut found = Vec::new();
+    matched.objects(objects, |object| found.push(object));
+    Ok((result, found))
 }

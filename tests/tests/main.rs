@@ -3,6 +3,7 @@
 mod baselines;
 mod block_matching;
 mod board;
+mod board_faults;
 mod board_objects;
 mod bounds;
 mod c_library;

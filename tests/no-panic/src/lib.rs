@@ -1,4 +1,4 @@
-//! The core's public entry points as exported functions, and a panic handler that calls a function which does not exist.
+//! Public entry points of core, rig and wire as exported functions, and a panic handler that calls a function which does not exist.
 //!
 //! `tests/tests/no_panic.rs` builds this and checks that no exported `proof_*` function can reach the handler.
 #![no_std]
@@ -17,7 +17,11 @@ use linestereo::{
 use linestereo::{HealthFlags, Match, Point};
 use linestereo_rig::{
     Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification, Remap,
-    RectifyError, RowError, View, mesh_nodes,
+    RectifyError, RigImage, RigImageError, RowError, View, mesh_nodes,
+};
+use linestereo_wire::{
+    Command, DecodeError, Decoder, EncodeError, FrameHead, MAX_COMMAND, MAX_PACKET, Message, ObjectRecord, ParamUpdate,
+    PointRecord, PointStream, Refusal, SendError, Setting, encode, send_frame, send_objects,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -267,4 +271,92 @@ pub fn proof_obstacles(
 ) -> usize {
     obstacles.update(plan, matches, points.iter().copied(), health, time_us);
     obstacles.sectors(plan, time_us).filter(|sector| matches!(sector, Sector::Obstacle { .. })).count()
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rig_image(bytes: &[u8]) -> Result<RigImage, RigImageError> {
+    RigImage::decode(bytes)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rig_params(image: &RigImage, params: Params) -> Result<Params, RigImageError> {
+    image.params(params)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_rig_bytes(image: &RigImage, sequence: u32) -> [u8; RigImage::BYTES] {
+    image.encode(sequence)
+}
+
+/// All that a board does with a rig's bytes before its first row.
+#[unsafe(no_mangle)]
+pub fn proof_rig_meshes(meshes: &mut [BoardMesh; 2], bytes: &[u8]) -> bool {
+    let Ok(image) = RigImage::decode(bytes) else { return false };
+    let [left, right] = meshes;
+    left.build(image.remap(), CameraSide::Left).is_ok() && right.build(image.remap(), CameraSide::Right).is_ok()
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_valid_spans<'a>(mesh: &BoardMesh, memory: &'a mut [Span]) -> &'a [Span] {
+    mesh.valid(memory)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_message(decoder: &mut Decoder<Message, MAX_PACKET>, byte: u8) -> Option<Result<Message, DecodeError>> {
+    decoder.push(byte)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_command(decoder: &mut Decoder<Command, MAX_COMMAND>, byte: u8) -> Option<Result<Command, DecodeError>> {
+    decoder.push(byte)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_end(
+    messages: &mut Decoder<Message, MAX_PACKET>,
+    commands: &mut Decoder<Command, MAX_COMMAND>,
+) -> [Option<DecodeError>; 2] {
+    [messages.finish(), commands.finish()]
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_update(update: &ParamUpdate, params: Params, dims: Dims) -> Result<(Params, Plan), Refusal> {
+    update.plan(params, dims)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_setting(number: u8, value: f32) -> Result<(), Refusal> {
+    Setting::check(number, value)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_packet<'a>(message: &Message, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
+    encode(message, buffer)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_command_packet<'a>(command: &Command, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
+    encode(command, buffer)
+}
+
+type Write = fn(&[u8]) -> Result<(), ()>;
+
+#[unsafe(no_mangle)]
+pub fn proof_send(
+    head: &FrameHead,
+    matches: &[Match],
+    points: &[Point],
+    objects: &[ObjectDepth],
+    mut write: Write,
+) -> Result<(), SendError<()>> {
+    send_frame(head, matches, &mut write)?;
+    let mut stream = PointStream::new(head.sequence);
+    points.iter().try_for_each(|point| stream.push(point, &mut write))?;
+    stream.finish(&mut write)?;
+    send_objects(head.sequence, objects, &mut write)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_records(point: &PointRecord, segment: &linestereo_wire::Segment, object: &ObjectRecord) -> (Point, Match, ObjectDepth) {
+    (point.into(), segment.into(), object.into())
 }

@@ -1,0 +1,144 @@
+//! What the core says against what arrives of it: objects, points, health and settings.
+
+use crate::support::*;
+use linestereo::health::{CameraHealth, Rows, Still, Tear};
+use linestereo::{Confidence, Depth, Dims, Disparity, HealthFlags, NoDepth, ObjectDepth, PairHealth, Point, Source};
+use linestereo_wire::*;
+
+/// Sends by `send` and gives the messages that arrive.
+fn received(send: impl FnOnce(&mut dyn FnMut(&[u8]) -> Result<(), ()>) -> Result<(), SendError<()>>) -> Vec<Message> {
+    let mut wire = Vec::new();
+    let sent = send(&mut |packet| {
+        wire.extend_from_slice(packet);
+        Ok(())
+    });
+    assert_eq!(sent, Ok(()));
+    decode(&wire).0.into_iter().map(Result::unwrap).collect()
+}
+
+/// An object of arbitrary bits; every third is refused.
+fn any_object(random: &mut Random, label: u16) -> ObjectDepth {
+    let disparity = Disparity::from_bits(random.next() as i16);
+    let reason = NoDepth::ALL[random.below(NoDepth::ALL.len())];
+    let has_depth = random.below(2) == 0;
+    let mut depth = || has_depth.then(|| Depth::from_bits(random.next() as i32));
+    let [depth, depth_sigma, nearest] = [depth(), depth(), depth()];
+    ObjectDepth {
+        label,
+        disparity: if label % 3 == 0 { Err(reason) } else { Ok(disparity) },
+        sigma: Disparity::from_bits(random.next() as i16),
+        slope_q10: [random.next() as i16, random.next() as i16],
+        spread: Disparity::from_bits(random.next() as i16),
+        depth,
+        depth_sigma,
+        nearest,
+        support: random.next() as u16,
+        confidence: Confidence::from_bits(random.next() as u16),
+    }
+}
+
+#[test]
+fn objects_of_any_bits_come_back_equal() {
+    let mut random = Random(31);
+    for length in [0, 1, OBJECTS_PER_PACKET, OBJECTS_PER_PACKET + 1, 60] {
+        let objects: Vec<_> = (0..length as u16).map(|label| any_object(&mut random, label)).collect();
+        let messages = received(|mut write| send_objects(9, &objects, &mut write));
+        assert_eq!(messages.len(), length.div_ceil(OBJECTS_PER_PACKET));
+        let mut back = Vec::new();
+        for message in messages {
+            let Message::Objects(Objects { sequence: 9, list }) = message else { panic!("{message:?}") };
+            back.extend(list.iter().map(ObjectDepth::from));
+        }
+        assert_eq!(back, objects);
+    }
+    // A reason of a later version is one that claims nothing.
+    let unknown = ObjectRecord { disparity_q6: Err(200), ..ObjectRecord::from(&any_object(&mut random, 1)) };
+    assert_eq!(ObjectDepth::from(&unknown).disparity, Err(NoDepth::LittleSupport));
+}
+
+#[test]
+fn points_of_any_bits_come_back_in_order() {
+    let mut random = Random(32);
+    for length in [0, 1, POINTS_PER_PACKET - 1, POINTS_PER_PACKET, POINTS_PER_PACKET + 1, 100] {
+        let mut point = || Point {
+            x: random.next() as u16,
+            y: random.next() as u16,
+            disparity: Disparity::from_bits(random.next() as i16),
+            confidence: Confidence::from_bits(random.next() as u16),
+            source: [Source::Side, Source::Segment(random.next() as u16), Source::Support][random.below(3)],
+        };
+        let points: Vec<Point> = (0..length).map(|_| point()).collect();
+        let messages = received(|mut write| {
+            let mut stream = PointStream::new(9);
+            points.iter().try_for_each(|point| stream.push(point, &mut write))?;
+            stream.finish(&mut write)
+        });
+        assert_eq!(messages.len(), length.div_ceil(POINTS_PER_PACKET));
+        let mut back = Vec::new();
+        for message in messages {
+            let Message::Points(Points { sequence: 9, first, list }) = message else { panic!("{message:?}") };
+            assert_eq!(first as usize, back.len());
+            back.extend(list.iter().map(Point::from));
+        }
+        assert_eq!(back, points);
+    }
+}
+
+#[test]
+fn the_health_of_a_pair_is_in_its_head() {
+    let camera = |level| CameraHealth { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let pair = PairHealth {
+        flags: HealthFlags::TORN,
+        cameras: [camera(1), camera(6)],
+        skew_us: Some(7),
+        rows: Some(Rows { offset_q8: -8, spread_q8: 9, samples: 10 }),
+        row_offset_q8: Some(-11),
+        row_drift_q8: Some(12),
+        least_disparity_q6: Some(-13),
+        still: Some(Still { still_permille: 14, pattern_permille: -15 }),
+        tear: Some(Tear { row: 16, shift: -17 }),
+        ..PairHealth::default()
+    };
+    let dims = Dims { width: 96, height: 64 };
+    let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default()).with_pair(&pair);
+    assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
+    let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let expected = PairReport {
+        cameras: [camera(1), camera(6)],
+        skew_us: Some(7),
+        rows: Some(RowsReport { offset_q8: -8, spread_q8: 9, samples: 10 }),
+        row_offset_q8: Some(-11),
+        row_drift_q8: Some(12),
+        least_disparity_q6: Some(-13),
+        range: None,
+        still: Some(StillReport { still_permille: 14, pattern_permille: -15 }),
+        tear: Some(TearReport { row: 16, shift: -17 }),
+    };
+    assert_eq!(head.pair, Some(expected));
+}
+
+#[test]
+fn settings_take_their_range_and_nothing_else() {
+    for (number, setting) in (0..).zip(Setting::ALL) {
+        let Setting { name, least, largest, is_whole } = setting;
+        for (value, is_taken) in [
+            (least, true),
+            (largest, true),
+            (least - 0.5, false),
+            (largest + 0.5, false),
+            (f32::NAN, false),
+            (f32::INFINITY, false),
+            (0.5 * least + 0.5 * largest + 0.25, !is_whole),
+        ] {
+            assert_eq!(setting.takes(value), is_taken, "{name} {value}");
+            let refused = |why: Refusal| matches!(why, Refusal::Setting { number: of, .. } if of == number);
+            match Setting::check(number, value) {
+                Ok(()) => assert!(is_taken, "{name} {value}"),
+                Err(why) => assert!(!is_taken && refused(why), "{name} {value}"),
+            }
+        }
+        assert_eq!(Setting::number(name.to_ascii_uppercase().as_bytes()), Some(number));
+    }
+    assert_eq!(Setting::check(SETTINGS as u8, 0.0), Err(Refusal::Unsupported));
+    assert_eq!(Setting::number(b"cel"), None);
+}
