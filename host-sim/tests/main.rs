@@ -29,6 +29,7 @@ mod region_files;
 mod registry;
 mod report_page;
 mod rig_commands;
+mod room;
 mod run;
 mod scale;
 mod scene;

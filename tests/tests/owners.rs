@@ -39,3 +39,21 @@ fn the_most_probable_segment_of_each_object_has_its_depth() {
     }
     assert!(answers > 7 * SEEDS.count(), "{answers} answers prove little");
 }
+
+/// Rooms in which an edge of the leaning pole, 3.5 px wide, was matched at the disparity of the board behind it.
+const POLES: [u64; 8] = [13, 72, 82, 101, 106, 118, 142, 180];
+
+#[test]
+fn an_edge_of_a_thin_pole_is_not_where_the_board_behind_it_is() {
+    let mut edges = 0;
+    for seed in POLES {
+        let (room, pair, truth, matches) = matched(seed);
+        let label = 1 + room.objects.iter().position(|&name| name == "leaning pole").unwrap() as u8;
+        for middle in matches.iter().map(OwnedMiddle::new).filter(|middle| pair.label(middle.pixel) == Some(label)) {
+            let error = middle.error(&truth).unwrap();
+            assert!(error.abs() <= 1.0, "seed {seed}: {error:+.2} px, {middle:?}");
+            edges += 1;
+        }
+    }
+    assert!(edges >= POLES.len(), "{edges} edges prove little");
+}

@@ -3,11 +3,14 @@
 //! In: the line of a left segment, the disparity of its window, the band of rows. Out: the disparity by the edge itself, sub-pixel. Evidence,
 //! not a requirement: an edge between two surfaces may have another gradient in the right image.
 //!
+//! A strip narrower than a side's window is a requirement: what the window matches may lie behind it. Both edges of the strip are in the right
+//! image, as far apart, or the side does not have the disparity.
+//!
 //! # Cost
-//! Some 130 instructions a row, at most [`FEATURE_ROWS`] a segment.
+//! Some 130 instructions a row, at most [`FEATURE_ROWS`] a segment; as many for each side that is tested for a strip.
 
 use super::band::{Band, SampledRows};
-use crate::kernel::FLAT;
+use crate::kernel::{FLAT, STRIP};
 use crate::lines::Segment;
 use crate::units::quotient;
 
@@ -92,4 +95,39 @@ pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'
         }
     }
     (2 * found >= rows.count() && found > 0).then(|| (disparity << 6) + quotient(sum_q6, found))
+}
+
+/// Distances from the edge at which a strip may end, px: nearer the gradient of the edge itself reaches, farther a window shows the strip alone.
+const STRIP_ENDS: core::ops::Range<usize> = 2..6;
+
+/// True when a strip begins at the edge on this side (`sign` -1 or 1) whose other edge is missing in the right image at the disparities `line_q6`
+/// of the first and the last row, 1/64 px: an edge of the other sign with a third of the gradient in the left image, but not half of that in the right.
+pub(crate) fn lacks_other_edge(line: &SteepLine, rising: bool, sign: i32, line_q6: [i32; 2], band: &Band<'_>) -> bool {
+    let other_sign = |gradient: u8| {
+        let gradient = i32::from(gradient) - i32::from(FLAT);
+        if rising { -gradient } else { gradient }
+    };
+    let (first, last) = line.rows();
+    let [from_q6, to_q6] = line_q6;
+    let mut own = 0;
+    // At each distance: left, and right at one disparity less, the same, one more.
+    let mut ends = [[0; 4]; STRIP_ENDS.end];
+    for y in SampledRows::new((first, last), FEATURE_ROWS) {
+        let x = line.column(y);
+        let d_q6 = from_q6 + quotient((to_q6 - from_q6) * (y - first), last - first);
+        let start = if sign < 0 { x - STRIP as i32 + 1 } else { x };
+        let Some(strip) = band.strip(start, y, ((d_q6 + 32) >> 6) - 1) else { continue };
+        // Strips are mirrored: the edge is their last pixel on the right side, their first on the left one.
+        let place = |distance: usize| if sign < 0 { distance } else { STRIP - 1 - distance };
+        own -= strip.reference.get(place(0)).map_or(0, |&gradient| other_sign(gradient));
+        for (distance, [left, right @ ..]) in ends.iter_mut().enumerate().skip(STRIP_ENDS.start) {
+            let at = place(distance);
+            *left += strip.reference.get(at).map_or(0, |&gradient| other_sign(gradient));
+            for (sum, &gradient) in right.iter_mut().zip(strip.other.get(at..).unwrap_or(&[])) {
+                *sum += other_sign(gradient);
+            }
+        }
+    }
+    let strongest = ends.iter().max_by_key(|[left, ..]| *left);
+    strongest.is_some_and(|&[left, a, b, c]| 3 * left > own.max(1) && 2 * a.max(b).max(c) < left)
 }

@@ -8,7 +8,7 @@
 //! census:  Hamming distances at points beside the edge, lower side; has to be unique and within the margin of the window
 //! halves:  a disparity for each half gives the line of disparity along the segment
 //! feature: the edge in the right image, near the window's disparity
-//! owners:  sides whose own window, edge left out, is unique at this disparity
+//! owners:  sides whose own window, edge left out, is unique at this disparity; a strip narrower than that has both of its edges in the right image
 //! ```
 //!
 //! # Bounds
@@ -42,6 +42,8 @@ const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
 const SIDES_APART: i32 = 11;
 /// Columns of the census points of each side, relative to the edge.
 const CENSUS_COLUMNS: [[i32; 2]; 2] = [[-5, -2], [2, 5]];
+/// [`SegmentKind::EdgeRatio`] up to which the edge's own strip places it, Q8.
+const UNIQUE_EDGE_Q8: i32 = 64;
 /// Search range of a half around the whole segment's disparity, px.
 const HALF_REACH: i32 = 4;
 
@@ -132,9 +134,13 @@ pub(crate) fn match_near_vertical(
     let line_q6 = windows.line_q6(upper_q6, lower_q6, extent.rows);
     let at = window.best.at;
     let [left, right] = windows.evaluate_sides(at, upper_q6, lower_q6);
+    let may_own = |sign: i32| {
+        shared.get(SegmentKind::EdgeRatio) <= UNIQUE_EDGE_Q8
+            || !feature::lacks_other_edge(&extent.line, segment.rising, sign, line_q6, band)
+    };
     let evidence = [
-        hypothesis(shared, &left, &right, census_left, at, windows.rows, -256),
-        hypothesis(shared, &right, &left, census_right, at, windows.rows, 256),
+        hypothesis(shared, &left, &right, census_left, at, windows.rows, -256).filter(|_| may_own(-1)),
+        hypothesis(shared, &right, &left, census_right, at, windows.rows, 256).filter(|_| may_own(1)),
     ];
     let mut sides = work.rate(evidence, |_| line_q6, context.models.of(false));
     if sides.iter().all(Option::is_none) {

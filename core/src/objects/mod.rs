@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! cover:   the region's pixels, its centre
-//! region_support: hypotheses whose windows lie in it, each with a weight
+//! region_support: hypotheses whose windows lie in it, or whose edges where it is thinner than windows, each with a weight
 //! surface: the plane of disparity with the largest support (in a box: the nearest one with enough support)
 //! refusal: where its weight is small, where it lies on the outline only, where a second surface or the support points contradict it, where it has
 //!          no parallax
@@ -363,6 +363,32 @@ mod tests {
         assert_eq!(both(&own), Err(NoDepth::TwoSurfaces));
         assert!(both(&own[..1]).is_ok(), "one of seven");
         assert!(boxed(&corner.map(|([x, y], d)| ([x - 45, y - 45], d)), None).is_ok(), "in the middle");
+    }
+
+    #[test]
+    fn a_thin_region_has_the_depth_of_its_edge_before_what_is_behind() {
+        // A pole of four columns, its left edge at 100, with its disparity on the right side.
+        let runs: [Run; 60] =
+            core::array::from_fn(|row| Run { label: 4, y: 70 + row as u16, span: Span { start: 100, end: 104 } });
+        let pole = Region::masked(4, &runs, DIMS).unwrap();
+        let depth = |nearby_q8: [i16; 4], inner: usize, region: &Region<'_>| {
+            let edge = Side { nearby_q8, edge_score_q8: 1800, ..side(20 * 64, 1200) };
+            let mut sides = [None, None];
+            sides[inner] = Some(edge);
+            evaluate(&[candidate([100, 80, 100, 110], sides)], region).disparity
+        };
+        let (before, behind) = ([0, 64, 0, 0], [0, 0, 64, 0]);
+        assert_eq!(depth(before, 1, &pole), Ok(Disparity::from_num(20)));
+        assert_eq!(depth(behind, 1, &pole), Err(NoDepth::LittleSupport), "behind what is beside it");
+        assert_eq!(depth([0; 4], 1, &pole), Err(NoDepth::LittleSupport), "where what is beside it is");
+        assert_eq!(depth(before, 0, &pole), Err(NoDepth::LittleSupport), "of the other side");
+        let boxed = Region::boxed(4, pole.area(), DIMS).unwrap();
+        assert_eq!(depth(before, 1, &boxed), Err(NoDepth::LittleSupport), "a box");
+        // Wider above: the pole is a part of something else.
+        let wide = |run: Run| Run { span: Span { end: if run.y < 76 { 140 } else { 104 }, ..run.span }, ..run };
+        let part = runs.map(wide);
+        let part = Region::masked(4, &part, DIMS).unwrap();
+        assert_eq!(depth(before, 1, &part), Err(NoDepth::LittleSupport), "a thin part");
     }
 
     #[test]

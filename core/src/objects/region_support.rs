@@ -10,6 +10,8 @@
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
 //!     blank, is matched at the disparity of the surface beside the region
 //! the other side lies outside, and no support point in the region agrees: a half
+//! a mask too thin for any window, at most 4 px wide on average: its upright edges, 2 but not 4 px inside of which it lies, where they are before
+//!     the support points beside them
 //! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
 //! in a box, surfaces near its centre are preferred: a second weight, by which the surface is selected, falls to 3/8 at the border
 //! ```
@@ -36,6 +38,10 @@ const LEAST_WEIGHT: u16 = 13;
 const LEAST_INSIDE: u16 = 2;
 /// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal edges.
 const WINDOW_MIDDLE: i32 = 4;
+/// Distance from the edge to the pixel next to it that shows one surface alone, px.
+const NEXT_TO_EDGE: i32 = 2;
+/// Share of support points that say farther, less that of those that say nearer, above which an outline is before what surrounds it, Q8.
+const BEFORE_Q8: i16 = 16;
 /// Most support points of a region that are used.
 const MOST_POINTS: usize = OBJECT_POINTS;
 /// Probability, Q16, that a support point has to exceed: 0.8.
@@ -68,12 +74,12 @@ pub(crate) fn gather(
     list_points(support, (cover, area), neighbours, &mut found);
     let points = found.hypotheses;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
-        let inside = pixels_inside(&candidate.segment, |x, y| cover.contains(x, y));
+        let inside = pixels_inside(&candidate.segment, WINDOW_MIDDLE, |x, y| cover.contains(x, y));
         let [a, b] = inside;
         let is_outline = [b == 0, a == 0];
         let agree = is_agreed(candidate);
         let mut weights = [0; 2];
-        let (model, _) = models.of(candidate.segment.near_horizontal);
+        let (model, edge_model) = models.of(candidate.segment.near_horizontal);
         let sampled = candidate.sides.iter().zip(inside).zip(is_outline);
         for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(sampled) {
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
@@ -88,6 +94,13 @@ pub(crate) fn gather(
             };
             found.weight_q8 += if full > 2 * LEAST_WEIGHT { u32::from(*weight) } else { 0 };
             found.outline_weight_q8 += u32::from(full - *weight);
+        }
+        if let Some((index, side)) = thin_side(candidate, inside, cover) {
+            let weight = weigh(edge_probability(edge_model, side), 3);
+            if let Some(slot) = weights.get_mut(index) {
+                *slot = weight;
+                found.weight_q8 += u32::from(weight);
+            }
         }
         if weights != [0; 2]
             && let Some(neighbour) = neighbours.get_mut(found.hypotheses)
@@ -150,6 +163,27 @@ fn probability(model: &Model, side: &Side) -> u16 {
     model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
 }
 
+/// The side of an upright edge on which a thin region lies, and its index, where the edge lies before what is beside it. One that
+/// does not is rather mistaken for the surface behind.
+fn thin_side<'a>(candidate: &'a Candidate, windows: [u16; 2], cover: &Cover<'_>) -> Option<(usize, &'a Side)> {
+    if !cover.is_thin || candidate.segment.near_horizontal || windows != [0; 2] {
+        return None;
+    }
+    let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, |x, y| cover.contains(x, y)) {
+        [3, 0] => 0,
+        [0, 3] => 1,
+        _ => return None,
+    };
+    let side = candidate.sides.get(index)?.as_ref()?;
+    let [_, farther, nearer, _] = side.nearby_q8;
+    (farther - nearer > BEFORE_Q8).then_some((index, side))
+}
+
+/// Probability that the edge itself has the side's disparity, by its own evidence and the support points around it, Q16.
+fn edge_probability(edge_model: &Model, side: &Side) -> u16 {
+    edge_model.probability_q16(edge_model.with_nearby_q8(side.edge_score_q8, side.nearby_q8))
+}
+
 /// True when the segment's bounding box meets the area.
 fn touches(segment: &Segment, area: Area) -> bool {
     let (x0, y0, x1, y1) = segment.ends_q5();
@@ -160,14 +194,14 @@ fn touches(segment: &Segment, area: Area) -> bool {
 
 /// True when a window of the segment can count for a region with this area.
 pub(crate) fn supports_area(segment: &Segment, area: Area) -> bool {
-    pixels_inside(segment, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
+    pixels_inside(segment, WINDOW_MIDDLE, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
 }
 
-/// Number, 0 ..= 3, of pixels in the middle of each side's window that belong to the region.
+/// Number, 0 ..= 3, of pixels on each side, so far away from the edge, one more beside near-horizontal edges, that belong to the region.
 #[inline]
-fn pixels_inside(segment: &Segment, contains: impl Fn(i32, i32) -> bool) -> [u16; 2] {
+fn pixels_inside(segment: &Segment, away: i32, contains: impl Fn(i32, i32) -> bool) -> [u16; 2] {
     let (x0, y0, x1, y1) = segment.ends_q5();
-    let (dx, dy) = if segment.near_horizontal { (0, WINDOW_MIDDLE + 1) } else { (WINDOW_MIDDLE, 0) };
+    let (dx, dy) = if segment.near_horizontal { (0, away + 1) } else { (away, 0) };
     let (mut before, mut after) = (0, 0);
     for sixteenth in [3, 8, 13] {
         let at = |a: i32, b: i32| (a + (((b - a) * sixteenth) >> 4) + 16) >> 5;

@@ -4,13 +4,16 @@ use super::engine_for;
 use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::evaluate::{FrameScore, OwnedMiddle, Summary};
+use crate::evaluate::{
+    FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, OwnedMiddle, Summary, score_objects,
+};
 use crate::input::Truth;
 use crate::output::{OutputFiles, OutputPath};
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
-use linestereo::{Depth, Dims, INFINITE_DEPTH, Match, Rejection};
+use linestereo::{Dims, Match, Rejection, Rig};
+use linestereo_baselines::GrayImage;
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -41,28 +44,11 @@ impl Default for Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let room = scene::build(Kind::Demo, DIMS, args.seed);
-    let sensor = Sensor { noise: args.noise, seed: args.seed, ..Sensor::default() };
-    let rendering = scene::render(&room, DIMS, &sensor);
-    let max_disparity = scene::search_range(&rendering);
-    let rig = room.pair.rig()?;
-    let mut engine = engine_for(max_disparity, Some(rig), DIMS)?;
-    let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;
-
-    let picture = draw::png(&draw::overlay(&rendering.left, &result, Some(&rig), max_disparity))?;
+    let shown = Demonstration::new(args.seed, args.noise)?;
+    let picture = shown.picture()?;
+    let mut text = shown.text;
     let mut output = OutputFiles::new();
     output.add(&args.out, &picture)?;
-
-    let mut text = format!(
-        "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
-         The most probable segment of each object, at its middle:\n\n",
-        room.pair.focal_px,
-        room.pair.baseline_m,
-        max_disparity - 1,
-    );
-    let truth = truth_of(&rendering);
-    text.push_str(&object_table(&room, &rendering, &truth, &result));
-    text.push_str(&summary(&truth, &result));
     let _ = writeln!(text, "\nPicture: {} (red near, blue far)", args.out.display());
     text.push_str(
         "Your own rectified pair: linestereo run LEFT RIGHT --overlay depth.png; everything else: linestereo --help\n",
@@ -70,46 +56,80 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
-/// The truth of a rendering.
-fn truth_of(rendering: &Rendering) -> Truth {
-    Truth::new(rendering.left.dims, rendering.disparity.clone(), rendering.visible.clone())
+/// The room, matched and scored.
+#[derive(Clone, Debug)]
+pub struct Demonstration {
+    /// The table of objects, and the summary.
+    pub text: String,
+    /// The answer about each object in view, in the order of the table.
+    pub objects: Vec<ObjectScore>,
+    left: GrayImage,
+    result: FrameResult,
+    rig: Rig,
+    max_disparity: u16,
 }
 
-fn object_table(room: &Scene, rendering: &Rendering, truth: &Truth, result: &FrameResult) -> String {
+impl Demonstration {
+    /// Renders the room of a seed with noise of this standard deviation in grey levels, and matches it.
+    pub fn new(seed: u64, noise: f64) -> Result<Self> {
+        let room = scene::build(Kind::Demo, DIMS, seed);
+        let sensor = Sensor { noise, seed, ..Sensor::default() };
+        let rendering = scene::render(&room, DIMS, &sensor);
+        let max_disparity = scene::search_range(&rendering);
+        let rig = room.pair.rig()?;
+        let mut engine = engine_for(max_disparity, Some(rig), DIMS)?;
+        let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;
+
+        let truth = Truth::new(DIMS, rendering.disparity.clone(), rendering.visible.clone());
+        let objects = score_objects(&mut engine, &object_cases(&room, &rendering, &truth));
+        let mut text = format!(
+            "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
+             The depth of each object, told its pixels as by a detector:\n\n",
+            room.pair.focal_px,
+            room.pair.baseline_m,
+            max_disparity - 1,
+        );
+        text.push_str(&object_table(&room, &objects));
+        text.push_str(&summary(&objects, &truth, &result));
+        Ok(Self { text, objects, left: rendering.left, result, rig, max_disparity })
+    }
+
+    /// The segments over the left image, as a PNG.
+    fn picture(&self) -> Result<Vec<u8>> {
+        Ok(draw::png(&draw::overlay(&self.left, &self.result, Some(&self.rig), self.max_disparity))?)
+    }
+}
+
+/// Every object in view, told the core by its pixels.
+fn object_cases(room: &Scene, rendering: &Rendering, truth: &Truth) -> Vec<ObjectCase> {
+    let of_label = |(name, label): (&&str, u8)| {
+        let pixels = rendering.labels.iter().map(|&at| at == label).collect();
+        ObjectCase::of_mask(name, label.into(), pixels, DIMS, truth)
+    };
+    room.objects.iter().zip(1_u8..).filter_map(of_label).collect()
+}
+
+/// A line an object. True is the range of its pixels without the 5 % at either end, by which answers are scored.
+fn object_table(room: &Scene, objects: &[ObjectScore]) -> String {
     let mut text =
-        "object         segments   disparity     true    error      depth      true   probability\n".to_owned();
-    for (object, label) in room.objects.iter().zip(1_u8..) {
-        // Matches are listed the most confident first.
-        let of_object = result.matches.iter().filter_map(|segment| {
-            let middle = OwnedMiddle::new(segment);
-            (rendering.label(middle.pixel) == Some(label)).then_some((segment, middle.disparity, middle.error(truth)?))
-        });
-        let mut of_object = of_object.peekable();
-        let first = of_object.peek().copied();
-        let _ = write!(text, "{object:<14} {:8}", of_object.count());
-        let Some((segment, disparity, error)) = first else {
-            text.push_str("   none that is credible\n");
+        "object         disparity          true, 5 to 95 %       depth            true   probability\n".to_owned();
+    for object in objects {
+        let _ = write!(text, "{:<14}", object.name);
+        if let Some(reason) = object.refused {
+            let _ = writeln!(text, "   no depth: {reason}");
             continue;
-        };
+        }
+        let (low, high) = object.range;
+        let [depth, near, far] = [object.disparity, high, low].map(|disparity| room.pair.depth(disparity.into()));
         let _ = writeln!(
             text,
-            "{disparity:9.2} px {:5.2} px {error:+8.2} {:>10} {:7.2} m {:13.3}",
-            disparity - error,
-            segment.depth.map_or_else(|| "-".to_owned(), |[near, far]| middle_depth(near, far)),
-            room.pair.depth(disparity - error),
-            segment.confidence.to_num::<f64>(),
+            " {:6.2} px   {low:6.2} to {high:5.2} px{}   {depth:6.2} m   {near:5.2} to {far:.2} m {:13.3}",
+            object.disparity,
+            if object.wrong { ", wrong" } else { "       " },
+            object.confidence,
         );
     }
     text
-}
-
-/// Depth in the middle of a straight segment: 1/z is linear along its image.
-fn middle_depth(first: Depth, last: Depth) -> String {
-    if first == INFINITE_DEPTH || last == INFINITE_DEPTH {
-        return "infinite".to_owned();
-    }
-    let [first, last] = [first, last].map(|depth| depth.to_num::<f64>());
-    format!("{:.2} m", 2.0 / (1.0 / first + 1.0 / last))
 }
 
 /// Share of the segments with truth whose owner's surface is at most this far from their disparity, percent.
@@ -119,11 +139,17 @@ fn share_within(limit: f64, truth: &Truth, segments: &[Match]) -> Option<f64> {
     (!errors.is_empty()).then(|| 100.0 * within as f64 / errors.len() as f64)
 }
 
-fn summary(truth: &Truth, result: &FrameResult) -> String {
+fn summary(objects: &[ObjectScore], truth: &Truth, result: &FrameResult) -> String {
+    let of_objects = ObjectSummary::pool(Outline::Given, objects);
     let summary = Summary::pool([&FrameScore::new("demo", truth, result)]);
     let number = |value: Option<f64>, unit: &str| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"));
     let counts = &result.counts;
     let mut text = String::from("\n");
+    let _ = writeln!(
+        text,
+        "Objects:  {} of {} have a depth; {} of them more than 1 px outside of what is true of the object",
+        of_objects.covered, of_objects.objects, of_objects.wrong,
+    );
     let _ = writeln!(
         text,
         "Segments: {} matched of {}; {} within 1 px of the surface that they are of, {} within 2 px",

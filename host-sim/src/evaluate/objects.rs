@@ -6,7 +6,7 @@
 
 use super::packed::{packed, unpacked};
 use crate::engine::Engine;
-use crate::input::{FrameError, Scene, load_values};
+use crate::input::{FrameError, Scene, Truth, load_values};
 use crate::results::outline::{Mask, RefinedOutline, refine};
 use crate::statistics::{interpolated_quantile, median};
 use crate::untrusted::{self, SETTINGS_BYTES};
@@ -78,6 +78,39 @@ enum Given {
 }
 
 impl ObjectCase {
+    /// An object of these pixels, given to the core as they are; `None` where none of them has truth.
+    #[must_use]
+    pub fn of_mask(name: &str, label: u16, pixels: Vec<bool>, dims: Dims, truth: &Truth) -> Option<Self> {
+        let mask = Arc::new(Mask::new(dims, pixels));
+        let given = (Outline::Given, Given::Runs(mask.runs(label)));
+        Self::new(name.to_owned(), truth, given, label, &mask, dims)
+    }
+
+    fn new(
+        name: String,
+        truth: &Truth,
+        (outline, given): (Outline, Given),
+        label: u16,
+        mask: &Arc<Mask>,
+        dims: Dims,
+    ) -> Option<Self> {
+        let width = usize::from(dims.width);
+        let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
+        let mut values: Vec<f32> =
+            own.filter_map(|(i, _)| truth.disparity((i % width) as i32, (i / width) as i32)).collect();
+        values.sort_by(f32::total_cmp);
+        Some(Self {
+            name,
+            outline,
+            dims,
+            label,
+            given,
+            range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
+            median: interpolated_quantile(&values, 0.5)?,
+            mask: Arc::clone(mask),
+        })
+    }
+
     /// Region given to the core; `None` where erosion left nothing.
     #[must_use]
     pub fn region(&self) -> Option<Region<'_>> {
@@ -370,22 +403,8 @@ fn case(
     given: Given,
     mask: &Arc<Mask>,
 ) -> Option<ObjectCase> {
-    let truth = scene.truth.as_ref()?;
-    let width = usize::from(scene.left.dims.width);
-    let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
-    let mut values: Vec<f32> =
-        own.filter_map(|(i, _)| truth.disparity((i % width) as i32, (i / width) as i32)).collect();
-    values.sort_by(f32::total_cmp);
-    Some(ObjectCase {
-        name: format!("{} {object}", scene.name),
-        outline,
-        dims: scene.left.dims,
-        label,
-        given,
-        range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
-        median: interpolated_quantile(&values, 0.5)?,
-        mask: Arc::clone(mask),
-    })
+    let name = format!("{} {object}", scene.name);
+    ObjectCase::new(name, scene.truth.as_ref()?, (outline, given), label, mask, scene.left.dims)
 }
 
 #[derive(Deserialize)]
