@@ -4,13 +4,14 @@ use linestereo::Dims;
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 use linestereo_sim::calibration::{
-    Board, BoardFinder, BoardPair, ChessFinder, Estimate, EstimateError, LensModel, NotFound, Options, Verdict, assess,
-    estimate, find_pairs,
+    Board, BoardFinder, BoardPair, Estimate, EstimateError, JunctionFinder, LensModel, NotFound, Options, Pattern,
+    Verdict, assess, estimate, find_pairs,
 };
 use linestereo_sim::input::load_gray;
 use linestereo_sim::input::rig_file::quaternion;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
+use std::collections::HashMap;
 use std::path::Path;
 
 const VGA: Dims = Dims { width: 640, height: 480 };
@@ -116,7 +117,7 @@ fn boards(rig: &Calibration, board: &Board, count: usize, noise: f64, random: &m
             let mut noisy = |corners: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
                 corners.into_iter().map(|at| at.map(|v| v + noise * random.normal())).collect()
             };
-            pairs.push(BoardPair { name: pairs.len().to_string(), corners: [noisy(left), noisy(right)] });
+            pairs.push(BoardPair::whole(pairs.len().to_string(), [noisy(left), noisy(right)]));
         }
     }
     pairs
@@ -144,7 +145,7 @@ fn truth(rig: &Calibration, name: &str) -> f64 {
 }
 
 /// Errors in stated standard deviations, by name; what was held has none.
-fn scores(rig: &Calibration, estimate: &Estimate) -> Vec<(String, f64)> {
+pub(crate) fn scores(rig: &Calibration, estimate: &Estimate) -> Vec<(String, f64)> {
     let free = estimate.parameters.iter().filter(|parameter| parameter.sigma > 0.0);
     free.map(|p| (p.name.clone(), (p.value - truth(rig, &p.name)) / p.sigma)).collect()
 }
@@ -256,7 +257,7 @@ fn few_parallel_boards_are_not_called_good() {
             let [left, right] = [left.collect::<Vec<_>>(), right.collect()];
             let mut noisy =
                 |corners: Vec<[f64; 2]>| corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect();
-            BoardPair { name: i.to_string(), corners: [noisy(left), noisy(right)] }
+            BoardPair::whole(i.to_string(), [noisy(left), noisy(right)])
         })
         .collect();
     // Either no numbers at all, or a verdict that says what to do.
@@ -305,6 +306,9 @@ impl Photographer {
 
     /// The plane of the board is given by the first corner and the directions of rows and columns, in this camera's coordinates.
     fn take(&self, board: &Board, plane: [[f64; 3]; 3]) -> GrayImage {
+        if board.pattern() != Pattern::Chessboard {
+            return self.take_plane(plane, painted(board));
+        }
         self.take_plane(plane, |[x, y]| {
             let (col, row) = (x / 0.025 + 1.0, y / 0.025 + 1.0);
             let outside = |v: f64, corners: usize| v < 0.0 || v >= corners as f64 + 1.0;
@@ -337,62 +341,105 @@ impl Photographer {
     }
 }
 
+/// Greys of a board with markers, by metres from its first corner; buckets of 2 cm hold what is black there.
+fn painted(board: &Board) -> impl Fn([f64; 2]) -> f64 {
+    const BUCKET: f64 = 0.02;
+    let bucket = |at: f64| (at / BUCKET).floor() as i32;
+    let mut buckets: HashMap<[i32; 2], Vec<[f64; 4]>> = HashMap::new();
+    for black in board.black() {
+        let [x, y, width, height] = black;
+        let cells = (bucket(y)..=bucket(y + height)).flat_map(|j| (bucket(x)..=bucket(x + width)).map(move |i| [i, j]));
+        cells.for_each(|cell| buckets.entry(cell).or_default().push(black));
+    }
+    let [left, top, width, height] = board.extent();
+    let rim = 0.01;
+    move |[x, y]| {
+        let inside = |at: f64, first: f64, length: f64| (first - rim..first + length + rim).contains(&at);
+        if !inside(x, left, width) || !inside(y, top, height) {
+            return 180.0;
+        }
+        let covers = |[l, t, w, h]: &[f64; 4]| (*l..l + w).contains(&x) && (*t..t + h).contains(&y);
+        if buckets.get(&[bucket(x), bucket(y)]).is_some_and(|black| black.iter().any(covers)) { 40.0 } else { 210.0 }
+    }
+}
+
 fn mirrored(image: &GrayImage) -> GrayImage {
     let width = usize::from(image.dims.width);
     let pixels = image.pixels.chunks_exact(width).flat_map(|row| row.iter().rev().copied()).collect();
     GrayImage { dims: image.dims, pixels }
 }
 
+/// The rig of drawn photos: 320x240, or so many times that.
+pub(crate) fn drawn_rig(scale: u16) -> Calibration {
+    let dims = Dims { width: 320 * scale, height: 240 * scale };
+    let lens = Lens::BrownConrady { k: [-0.28, 0.1, 0.0], p: [3e-4, -2e-4] };
+    let scaled = |at: f64| (at + 0.5) * f64::from(scale) - 0.5;
+    let camera = |focal: f64, centre: [f64; 2]| {
+        Camera::new(dims, [focal * f64::from(scale); 2], centre.map(scaled), 0.0, lens).unwrap()
+    };
+    let cameras = [camera(260.0, [161.0, 118.0]), camera(258.0, [158.0, 122.0])];
+    Calibration::new(cameras[0], cameras[1], quaternion([0.01, 0.02, -0.01]), [-0.06, 0.0, 0.0]).unwrap()
+}
+
+/// A board in view of a drawn rig: in each camera's coordinates its first corner and the directions of its rows and columns.
+pub(crate) type Planes = [[[f64; 3]; 3]; 2];
+
 /// Photos of one rig at 320x240.
 pub(crate) fn photos(board: &Board, count: usize, seed: u64) -> (Calibration, Vec<[GrayImage; 2]>) {
-    let dims = Dims { width: 320, height: 240 };
-    let lens = Lens::BrownConrady { k: [-0.28, 0.1, 0.0], p: [3e-4, -2e-4] };
-    let camera = |focal: f64, centre: [f64; 2]| Camera::new(dims, [focal; 2], centre, 0.0, lens).unwrap();
-    let rig = Calibration::new(
-        camera(260.0, [161.0, 118.0]),
-        camera(258.0, [158.0, 122.0]),
-        quaternion([0.01, 0.02, -0.01]),
-        [-0.06, 0.0, 0.0],
-    );
-    let rig = rig.unwrap();
-    let photographers = CameraSide::BOTH.map(|eye| Photographer::new(&rig, eye));
+    let rig = drawn_rig(1);
+    let photos = photos_of(&rig, board, count, seed, 1.0);
+    (rig, photos.into_iter().map(|(_, photos)| photos).collect())
+}
+
+/// Photos of boards of which this share of the corners, at least, is in both images.
+pub(crate) fn photos_of(
+    rig: &Calibration,
+    board: &Board,
+    count: usize,
+    seed: u64,
+    share: f64,
+) -> Vec<(Planes, [GrayImage; 2])> {
+    let photographers = CameraSide::BOTH.map(|eye| Photographer::new(rig, eye));
     let random = &mut Random(seed);
     let mut photos = Vec::new();
+    let points = board.points();
+    let last = points[points.len() - 1];
+    let step = board.square();
     while photos.len() < count {
         let mut angle = |limit: f64| random.uniform(-limit, limit);
         let rotation = rows_of(quaternion([angle(0.5), angle(0.5), angle(0.3)]));
         let depth = random.uniform(0.28, 0.45);
-        let middle = turned(rotation, [0.0125 * (board.cols() - 1) as f64, 0.0125 * (board.rows() - 1) as f64, 0.0]);
+        let middle = turned(rotation, [last[0] / 2.0, last[1] / 2.0, 0.0]);
         let place = [random.uniform(-0.35, 0.45) * depth, random.uniform(-0.3, 0.3) * depth];
         let placed = Placed { rotation, shift: [place[0] - middle[0], place[1] - middle[1], depth - middle[2]] };
-        let far = [-1.0, board.cols() as f64].map(|c| [-1.0, board.rows() as f64].map(|r| [0.025 * c, 0.025 * r]));
-        let whole = far.iter().flatten().all(|&at| {
+        let seen = |at: [f64; 2]| {
             let point = placed.in_left(at);
             CameraSide::BOTH.into_iter().all(|eye| {
-                let point = if eye == CameraSide::Left { point } else { in_right(&rig, point) };
+                let point = if eye == CameraSide::Left { point } else { in_right(rig, point) };
                 rig.camera(eye).project(point).is_some_and(|at| rig.camera(eye).is_inside(at))
             })
-        });
+        };
+        let far = [-step, last[0] + step].map(|x| [-step, last[1] + step].map(|y| [x, y]));
+        let inside = points.iter().filter(|&&at| seen(at)).count() as f64 / points.len() as f64;
+        let whole = if share < 1.0 { inside >= share } else { far.iter().flatten().all(|&at| seen(at)) };
         if !whole {
             continue;
         }
         let corner = placed.in_left([0.0, 0.0]);
         let column = |i: usize| [0, 1, 2].map(|row: usize| placed.rotation[row][i]);
         let spin = |v: [f64; 3]| turned(rows_of(rig.rotation()), v);
-        let left = photographers[0].take(board, [corner, column(0), column(1)]);
-        let right = photographers[1].take(board, [in_right(&rig, corner), spin(column(0)), spin(column(1))]);
-        photos.push([left, right]);
+        let planes = [[corner, column(0), column(1)], [in_right(rig, corner), spin(column(0)), spin(column(1))]];
+        let photo = |eye: usize| photographers[eye].take(board, planes[eye]);
+        photos.push((planes, [photo(0), photo(1)]));
     }
-    (rig, photos)
+    photos
 }
 
 /// The boards found in photos, as the command finds them.
-fn found(board: &Board, photos: &[[GrayImage; 2]]) -> Vec<BoardPair> {
-    let find = |image: &GrayImage| ChessFinder.find(image, board);
+pub(crate) fn found(board: &Board, photos: &[[GrayImage; 2]]) -> Vec<BoardPair> {
+    let find = |image: &GrayImage| JunctionFinder.find(image, board);
     let pair = |(index, [left, right]): (usize, &[GrayImage; 2])| {
-        let left = find(left).ok()?;
-        let right = find(right).ok()?.turned_like(&left);
-        Some(BoardPair { name: index.to_string(), corners: [left.into_inner(), right.into_inner()] })
+        Some(BoardPair::new(index.to_string(), find(left).ok()?, find(right).ok()?))
     };
     photos.iter().enumerate().filter_map(pair).collect()
 }
@@ -432,10 +479,10 @@ fn mirrored_photos_and_wrong_sizes_are_named() {
     }
     for (cols, rows) in [(10, 7), (8, 5), (7, 6)] {
         let wrong = Board::new(cols, rows, 0.025).unwrap();
-        assert_eq!(ChessFinder.find(&photos[0][0], &wrong), Err(NotFound::OtherSize(9, 6)), "{cols}x{rows}");
+        assert_eq!(JunctionFinder.find(&photos[0][0], &wrong), Err(NotFound::OtherSize(9, 6)), "{cols}x{rows}");
     }
     let empty = GrayImage { dims: VGA, pixels: vec![99; 640 * 480] };
-    assert_eq!(ChessFinder.find(&empty, &board()), Err(NotFound::Nothing));
+    assert_eq!(JunctionFinder.find(&empty, &board()), Err(NotFound::Nothing));
 }
 
 fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {

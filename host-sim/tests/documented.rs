@@ -1,11 +1,11 @@
 //! Every command line of README.md, docs/ and the examples of `--help`: run, or listed here with the reason why it is not.
 
-use crate::calibration::{Photographer, in_right, photos};
+use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::rectify::RIG;
 use crate::support::succeed;
 use linestereo_baselines::GrayImage;
 use linestereo_rig::{Calibration, CameraSide};
-use linestereo_sim::calibration::Board;
+use linestereo_sim::calibration::{Board, Dictionary};
 use linestereo_sim::scene::{Pattern, Texture};
 use std::collections::BTreeMap;
 use std::fs;
@@ -137,12 +137,16 @@ const EXTRINSICS: &str = "%YAML:1.0\n---\n\
 /// Photos of a chessboard, `left01.png` and `right01.png` and so on, and the rig that took them.
 fn photographed(folder: &Path) -> Calibration {
     let (rig, photos) = photos(&Board::new(9, 6, 0.025).unwrap(), 12, 3);
+    saved(&photos, folder);
+    rig
+}
+
+fn saved(photos: &[[GrayImage; 2]], folder: &Path) {
     fs::create_dir_all(folder).unwrap();
     for ([left, right], number) in photos.iter().zip(1..) {
         save(left, &folder.join(format!("left{number:02}.png")));
         save(right, &folder.join(format!("right{number:02}.png")));
     }
-    rig
 }
 
 /// Files of the names that the documentation uses: drawn pairs, recordings, rigs, photos, regions.
@@ -230,6 +234,10 @@ fn prepared() -> TempDir {
         fs::create_dir_all(path(folder)).unwrap();
     }
     photographed(&path("photos"));
+    let charuco = Board::charuco([8, 6], 0.028, 0.021, Dictionary::named("DICT_5X5_100").unwrap(), false).unwrap();
+    let marked: Vec<[GrayImage; 2]> =
+        photos_of(&drawn_rig(2), &charuco, 8, 5, 0.5).into_iter().map(|(_, photos)| photos).collect();
+    saved(&marked, &path("marked"));
     folder
 }
 

@@ -18,6 +18,7 @@ mod frames_get;
 mod hostile_recordings;
 mod interchange;
 mod layouts;
+mod marked_boards;
 mod monitor;
 mod on_board;
 mod photograph;

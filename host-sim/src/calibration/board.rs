@@ -1,22 +1,34 @@
-//! The chessboard that is photographed, and how its corners are numbered.
+//! The board that is photographed, and how its corners are numbered.
 //!
-//! Inner corners are counted row by row from a corner chosen so that the numbering runs clockwise in the image (columns, then a right turn,
+//! Corners of a board with markers are counted row by row from the upper left of the upright print: the markers tell. Inner corners of a
+//! chessboard are counted row by row from a corner chosen so that the numbering runs clockwise in the image (columns, then a right turn,
 //! then rows: a board is never seen from behind) and, where the colours tell, so that the first four corners enclose a dark square.
 //! A board with an odd and an even number of corners has one such numbering. On others two or four are left: the one whose rows
 //! run most to the right is taken, and the right image follows the left one ([`BoardCorners::turned_like`]).
 
+use super::markers::{Dictionary, Pattern};
 use core::fmt;
 use linestereo_baselines::GrayImage;
+use std::collections::BTreeMap;
 
 /// Corners along one side: fewer say too little about a lens, more are a slip of the hand.
 const SIDE: core::ops::RangeInclusive<u8> = 3..=60;
 
-/// A flat chessboard.
+/// Squares and tags along one side of boards with markers.
+const SQUARES: core::ops::RangeInclusive<u8> = 3..=60;
+const TAGS: core::ops::RangeInclusive<u8> = 2..=30;
+/// Side of a marker as the share of its square: below, it has no pixels left; above, its square has no white rim.
+const MARKER: core::ops::RangeInclusive<f64> = 0.3..=0.95;
+/// Gap between tags as the share of their side.
+const SPACING: core::ops::RangeInclusive<f64> = 0.1..=1.0;
+
+/// A flat board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Board {
     cols: u8,
     rows: u8,
     square_m: f64,
+    pattern: Pattern,
 }
 
 /// Why there is no such board.
@@ -26,13 +38,30 @@ pub enum BoardError {
     Side(u8),
     /// The squares' side is outside 0.0001 ..= 10 m.
     Square(f64),
+    /// A side has fewer or more squares than a board with markers may have.
+    Squares(u8),
+    /// A side has fewer or more tags than a board may have.
+    Tags(u8),
+    /// A marker's side is outside 0.3 ..= 0.95 of its square's.
+    Marker(f64),
+    /// The gap between tags is outside 0.1 ..= 1 of their side.
+    Spacing(f64),
+    /// The board has more markers than the dictionary: needed, there.
+    Dictionary(usize, usize),
 }
 
 impl fmt::Display for BoardError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Side(side) => write!(f, "a board has 3 to 60 inner corners along each side, not {side}"),
-            Self::Square(side) => write!(f, "squares of {} mm are outside 0.1 mm to 10 m", 1e3 * side),
+            Self::Square(side) => write!(f, "squares or tags of {} mm are outside 0.1 mm to 10 m", 1e3 * side),
+            Self::Squares(side) => write!(f, "a ChArUco board has 3 to 60 squares along each side, not {side}"),
+            Self::Tags(side) => write!(f, "an AprilGrid has 2 to 30 tags along each side, not {side}"),
+            Self::Marker(share) => write!(f, "a marker's side is 0.3 to 0.95 of its square's, not {share:.2}"),
+            Self::Spacing(share) => write!(f, "the gap between tags is 0.1 to 1 of their side, not {share}"),
+            Self::Dictionary(needed, there) => {
+                write!(f, "the board needs {needed} markers, the dictionary has {there}")
+            }
         }
     }
 }
@@ -45,50 +74,112 @@ impl Board {
         if let Some(side) = [cols, rows].into_iter().find(|side| !SIDE.contains(side)) {
             return Err(BoardError::Side(side));
         }
-        if !(1e-4..=10.0).contains(&square_m) {
-            return Err(BoardError::Square(square_m));
-        }
-        Ok(Self { cols, rows, square_m })
+        Self { cols, rows, square_m, pattern: Pattern::Chessboard }.checked()
     }
 
-    /// Inner corners in a row.
+    /// A ChArUco board from its squares along each side, as OpenCV counts them, and the sides of a square and of a marker in metres.
+    pub fn charuco(
+        [cols, rows]: [u8; 2],
+        square_m: f64,
+        marker_m: f64,
+        dictionary: Dictionary,
+        legacy: bool,
+    ) -> Result<Self, BoardError> {
+        if let Some(side) = [cols, rows].into_iter().find(|side| !SQUARES.contains(side)) {
+            return Err(BoardError::Squares(side));
+        }
+        let marker = marker_m / square_m;
+        let pattern = Pattern::Charuco { dictionary, marker, legacy };
+        let board = Self { cols: cols - 1, rows: rows - 1, square_m, pattern }.checked()?;
+        if !MARKER.contains(&marker) {
+            return Err(BoardError::Marker(marker));
+        }
+        Ok(board)
+    }
+
+    /// An AprilGrid from its tags along each side, the side of a tag in metres, and the gap between tags as a share of it.
+    pub fn april_grid([cols, rows]: [u8; 2], tag_m: f64, spacing: f64) -> Result<Self, BoardError> {
+        if let Some(side) = [cols, rows].into_iter().find(|side| !TAGS.contains(side)) {
+            return Err(BoardError::Tags(side));
+        }
+        if !SPACING.contains(&spacing) {
+            return Err(BoardError::Spacing(spacing));
+        }
+        Self { cols: 2 * cols, rows: 2 * rows, square_m: tag_m, pattern: Pattern::AprilGrid { spacing } }.checked()
+    }
+
+    fn checked(self) -> Result<Self, BoardError> {
+        if !(1e-4..=10.0).contains(&self.square_m) {
+            return Err(BoardError::Square(self.square_m));
+        }
+        let needed = self.markers().len();
+        match self.pattern.dictionary() {
+            Some(dictionary) if dictionary.len() < needed => Err(BoardError::Dictionary(needed, dictionary.len())),
+            _ => Ok(self),
+        }
+    }
+
+    /// What is printed on it.
+    #[must_use]
+    pub fn pattern(&self) -> Pattern {
+        self.pattern
+    }
+
+    /// Side of a square, of an AprilGrid of a tag, m.
+    #[must_use]
+    pub fn square(&self) -> f64 {
+        self.square_m
+    }
+
+    /// Corners in a row.
     #[must_use]
     pub fn cols(&self) -> usize {
         self.cols.into()
     }
 
-    /// Inner corners in a column.
+    /// Corners in a column.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows.into()
     }
 
-    /// Inner corners.
+    /// All corners.
     #[must_use]
     pub fn corners(&self) -> usize {
         self.cols() * self.rows()
     }
 
-    /// Places of the inner corners on the board, row by row, in metres.
+    /// Places of the corners on the board, row by row, in metres from the first.
     #[must_use]
     pub fn points(&self) -> Vec<[f64; 2]> {
-        let place = |index: usize| [index % self.cols(), index / self.cols()].map(|step| step as f64 * self.square_m);
+        let steps = |step: usize| match self.pattern {
+            Pattern::AprilGrid { spacing } => (step / 2) as f64 * (1.0 + spacing) + (step % 2) as f64,
+            _ => step as f64,
+        };
+        let place = |index: usize| [index % self.cols(), index / self.cols()].map(|step| steps(step) * self.square_m);
         (0..self.corners()).map(place).collect()
     }
 }
 
+/// As the command line takes it.
 impl fmt::Display for Board {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}x{}", self.cols, self.rows)
+        match self.pattern {
+            Pattern::Chessboard => write!(f, "{}x{}", self.cols, self.rows),
+            Pattern::Charuco { .. } => write!(f, "charuco:{}x{}", self.cols + 1, self.rows + 1),
+            Pattern::AprilGrid { .. } => write!(f, "aprilgrid:{}x{}", self.cols / 2, self.rows / 2),
+        }
     }
 }
 
-/// All inner corners of a board in one image, row by row, px.
+/// Corners of a board in one image, px: all of a chessboard's, row by row; of a board with markers those that are seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardCorners {
     cols: usize,
     rows: usize,
     corners: Vec<[f64; 2]>,
+    /// Their numbers on the board, ascending, where markers tell.
+    numbers: Option<Vec<usize>>,
 }
 
 impl BoardCorners {
@@ -98,7 +189,7 @@ impl BoardCorners {
         if cols < 2 || rows < 2 || corners.len() != cols * rows {
             return None;
         }
-        let mut found = Self { cols, rows, corners };
+        let mut found = Self { cols, rows, corners, numbers: None };
         if found.area() < 0.0 {
             found = found.mirrored();
         }
@@ -109,11 +200,24 @@ impl BoardCorners {
         chosen.iter().max_by(rightmost).cloned()
     }
 
+    /// Numbered corners of a board with markers.
+    pub(super) fn numbered(board: &Board, corners: BTreeMap<usize, [f64; 2]>) -> Self {
+        let (numbers, corners) = corners.into_iter().unzip();
+        Self { cols: board.cols(), rows: board.rows(), corners, numbers: Some(numbers) }
+    }
+
+    /// Corners that are seen.
+    #[expect(clippy::len_without_is_empty, reason = "without corners there are none of these")]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
     /// The numbering nearest to that of the other image among those the board's own symmetry leaves open.
     #[must_use]
     pub fn turned_like(self, other: &Self) -> Self {
-        if (self.cols + self.rows) % 2 == 1 {
-            return self; // the colours have told
+        if (self.cols + self.rows) % 2 == 1 || self.numbers.is_some() {
+            return self; // the colours or the markers have told
         }
         let [x, y] = other.direction();
         let along = |option: &Self| option.direction()[0] * x + option.direction()[1] * y;
@@ -124,10 +228,10 @@ impl BoardCorners {
         allowed.map(|(_, option)| option).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(self)
     }
 
-    /// The corners, row by row.
+    /// Numbers of the corners on the board, ascending, and the corners.
     #[must_use]
-    pub fn into_inner(self) -> Vec<[f64; 2]> {
-        self.corners
+    pub fn into_inner(self) -> (Vec<usize>, Vec<[f64; 2]>) {
+        (self.numbers.unwrap_or_else(|| (0..self.corners.len()).collect()), self.corners)
     }
 
     fn at(&self, col: usize, row: usize) -> [f64; 2] {
@@ -151,13 +255,13 @@ impl BoardCorners {
 
     fn mirrored(&self) -> Self {
         let corners = (0..self.corners.len()).map(|i| self.at(self.cols - 1 - i % self.cols, i / self.cols)).collect();
-        Self { corners, ..*self }
+        Self { corners, numbers: None, ..*self }
     }
 
     fn quarter_turn(&self) -> Self {
         let (cols, rows) = (self.rows, self.cols);
         let corners = (0..cols * rows).map(|i| self.at(i / cols, self.rows - 1 - i % cols)).collect();
-        Self { cols, rows, corners }
+        Self { cols, rows, corners, numbers: None }
     }
 
     /// This numbering and those a quarter, a half and three quarters of a turn away, as far as they keep the sides.

@@ -1,20 +1,22 @@
-//! A photo -> the board's inner corners.
+//! A photo -> the board's corners.
 //!
-//! In: a grey image and the board's size. Out: all its inner corners to a few hundredths of a pixel, numbered as [`board`](super::board)
-//! says, or why not.
+//! In: a grey image and the board. Out: all inner corners of a chessboard, or those corners of a board with markers that are seen, to a few
+//! hundredths of a pixel, numbered as [`board`](super::board) says, or why not.
 //!
 //! ```text
 //! for each way of looking (scales, ring sizes, ChESS or Radon), the cheapest first:
 //!     X-junctions -> grids of them                 chess-corners, calib-targets-chessboard
 //!     a grid that holds the whole board, and no other place for it -> each corner to sub-pixel precision
 //! else: the largest grid seen says what is wrong
+//! boards with markers: the first ways that show some of it; which corners they are, markers say (charuco, april)
 //! ```
 //!
 //! # Cost
 //! 5 to 20 ms for VGA where the first way succeeds, up to a second where none does.
 
 use super::board::{Board, BoardCorners};
-use super::corner;
+use super::markers::Pattern;
+use super::{april, charuco, corner};
 use crate::untrusted;
 use calib_targets_chessboard::{
     ChessboardDetection, ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
@@ -26,7 +28,7 @@ use std::collections::BTreeMap;
 
 /// Finds a board in an image.
 pub trait BoardFinder: Sync {
-    /// All inner corners of the board, or why they are not there.
+    /// The corners of the board, or why they are not there.
     fn find(&self, image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound>;
 }
 
@@ -39,6 +41,10 @@ pub enum NotFound {
     Part(usize),
     /// A whole board of another size: inner corners along the longer and the shorter side.
     OtherSize(usize, usize),
+    /// A part of a board without markers of the dictionary: so many corners of it.
+    NoMarkers(usize),
+    /// Markers of the dictionary, but not where they are on the board.
+    OtherLayout,
 }
 
 impl fmt::Display for NotFound {
@@ -47,13 +53,15 @@ impl fmt::Display for NotFound {
             Self::Nothing => write!(f, "no board"),
             Self::Part(corners) => write!(f, "only {corners} corners of the board"),
             Self::OtherSize(cols, rows) => write!(f, "a board of {cols}x{rows} inner corners"),
+            Self::NoMarkers(corners) => write!(f, "{corners} corners, but no markers of the dictionary"),
+            Self::OtherLayout => write!(f, "markers that are not those of the board"),
         }
     }
 }
 
-/// [`BoardFinder`] over the crates `chess-corners` and `calib-targets-chessboard`.
+/// [`BoardFinder`] over the crates `chess-corners` and `calib-targets-chessboard`, and for markers `calib-targets-aruco`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ChessFinder;
+pub struct JunctionFinder;
 
 /// Images of a shorter side, px, hold no board: the detector's rings reach 10 px to each side.
 const LEAST_SIDE: u16 = 32;
@@ -65,18 +73,25 @@ const LARGEST_RADON: usize = 1_000_000;
 /// A line of the grid beside the board may hold this share of false corners; with more, the board is larger than said.
 const FALSE_SHARE: f64 = 0.5;
 
-impl BoardFinder for ChessFinder {
+/// Ways of looking of which the one that shows most of a board with markers is taken; more only where these show nothing.
+const TOGETHER: usize = 4;
+
+impl BoardFinder for JunctionFinder {
     fn find(&self, image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
         if image.dims.width.min(image.dims.height) < LEAST_SIDE {
             return Err(NotFound::Nothing);
         }
-        untrusted::guarded(|| found(image, board)).unwrap_or(Err(NotFound::Nothing))
+        let found = match board.pattern() {
+            Pattern::Chessboard => untrusted::guarded(|| found(image, board)),
+            _ => untrusted::guarded(|| marked(image, board)),
+        };
+        found.unwrap_or(Err(NotFound::Nothing))
     }
 }
 
 /// The board by the first way of looking that shows all of it.
 fn found(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
-    let view = GrayImageView { width: image.dims.width.into(), height: image.dims.height.into(), data: &image.pixels };
+    let view = view(image);
     let mut why = NotFound::Nothing;
     for (config, least) in ways(image.pixels.len()) {
         let junctions = detect_corners(&view, &config);
@@ -92,6 +107,37 @@ fn found(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
         }
     }
     Err(why)
+}
+
+/// The corners of a board with markers that the first successful ways of looking show.
+fn marked(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
+    let mut best: Result<BoardCorners, NotFound> = Err(NotFound::Nothing);
+    for (index, (config, least)) in ways(image.pixels.len()).into_iter().enumerate() {
+        if best.as_ref().is_ok_and(|best| index >= TOGETHER || best.len() == board.corners()) {
+            break;
+        }
+        let junctions = detect_corners(&view(image), &config);
+        let found = match board.pattern() {
+            Pattern::Charuco { dictionary, marker, .. } => {
+                let mut params = ChessboardParams::default();
+                params.min_corner_strength = least;
+                let grids = ChessboardDetector::new(params).map(|detector| detector.detect_all(&junctions));
+                let grids: Vec<Grid> = grids.unwrap_or_default().iter().map(Grid::new).collect();
+                charuco::numbered(image, board, (dictionary, marker), &grids)
+            }
+            _ => april::numbered(image, board, &junctions),
+        };
+        best = match (best, found) {
+            (Ok(best), Ok(found)) => Ok(if found.len() > best.len() { found } else { best }),
+            (Err(why), Err(other)) => Err(more_telling(why, other)),
+            (Ok(found), _) | (_, Ok(found)) => Ok(found),
+        };
+    }
+    best
+}
+
+fn view(image: &GrayImage) -> GrayImageView<'_> {
+    GrayImageView { width: image.dims.width.into(), height: image.dims.height.into(), data: &image.pixels }
 }
 
 /// Ways of looking with their least responses, cheap before dear.
@@ -118,18 +164,20 @@ fn ways(pixels: usize) -> Vec<(DetectorConfig, f32)> {
 }
 
 /// A whole board of another size says most, then the largest part of one.
-fn more_telling(one: NotFound, other: NotFound) -> NotFound {
+pub(super) fn more_telling(one: NotFound, other: NotFound) -> NotFound {
     let rank = |why: NotFound| match why {
         NotFound::Nothing => (0, 0),
         NotFound::Part(corners) => (1, corners),
-        NotFound::OtherSize(cols, rows) => (2, cols * rows),
+        NotFound::NoMarkers(corners) => (2, corners),
+        NotFound::OtherLayout => (3, 0),
+        NotFound::OtherSize(cols, rows) => (4, cols * rows),
     };
     if rank(other) > rank(one) { other } else { one }
 }
 
 /// Numbered junctions.
-struct Grid {
-    at: BTreeMap<(i32, i32), [f64; 2]>,
+pub(super) struct Grid {
+    pub(super) at: BTreeMap<(i32, i32), [f64; 2]>,
     cols: i32,
     rows: i32,
 }
@@ -143,6 +191,19 @@ impl Grid {
         let cols = at.keys().map(|key| key.0 + 1).max().unwrap_or(0);
         let rows = at.keys().map(|key| key.1 + 1).max().unwrap_or(0);
         Self { at, cols, rows }
+    }
+
+    /// Rows follow columns clockwise, as in a board that is seen from the front.
+    pub(super) fn clockwise(&self) -> Self {
+        let side = |from: (i32, i32), to: (i32, i32)| {
+            let [from, to] = [self.at.get(&from)?, self.at.get(&to)?];
+            Some([to[0] - from[0], to[1] - from[1]])
+        };
+        let turn = self.at.keys().filter_map(|&(u, v)| {
+            let [right, down] = [side((u, v), (u + 1, v))?, side((u, v), (u, v + 1))?];
+            Some(right[0] * down[1] - right[1] * down[0])
+        });
+        if turn.sum::<f64>() < 0.0 { self.transposed() } else { Self { at: self.at.clone(), ..*self } }
     }
 
     fn transposed(&self) -> Self {
@@ -241,7 +302,7 @@ mod tests {
         for (width, height) in (1..48).flat_map(|side| [(side, 16), (side, 100), (16, side), (100, side)]) {
             let dims = Dims { width, height };
             let pixels = (0..usize::from(width) * usize::from(height)).map(|i| ((i * i * 37) >> 3) as u8).collect();
-            assert!(ChessFinder.find(&GrayImage { dims, pixels }, &board).is_err(), "{dims}");
+            assert!(JunctionFinder.find(&GrayImage { dims, pixels }, &board).is_err(), "{dims}");
         }
     }
 }

@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector3};
 const FOCALS: (f64, f64) = (0.25, 4.0);
 const TRIED: u32 = 33;
 /// A homography has eight numbers; a few more points than that needs.
-const LEAST_POINTS: usize = 8;
+pub(super) const LEAST_POINTS: usize = 8;
 /// Errors above this say only "wrong", px.
 const FAR_OFF: f64 = 20.0;
 
@@ -86,7 +86,7 @@ pub(super) fn facing(camera: &Intrinsics, view: &Sightings) -> Pose {
 }
 
 /// The plane-to-plane map, by the least eigenvector of normalised equations.
-fn homography(pairs: &[([f64; 2], [f64; 2])]) -> Option<Matrix3<f64>> {
+pub(super) fn homography(pairs: &[([f64; 2], [f64; 2])]) -> Option<Matrix3<f64>> {
     let from = normaliser(pairs.iter().map(|pair| pair.0))?;
     let to = normaliser(pairs.iter().map(|pair| pair.1))?;
     let mut normal = SMatrix::<f64, 9, 9>::zeros();

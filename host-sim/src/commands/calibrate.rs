@@ -1,16 +1,17 @@
-//! `linestereo calibrate`: photos of a chessboard to a calibrated rig.
+//! `linestereo calibrate`: photos of a board to a calibrated rig.
 
 use super::asked_for;
+use super::board_options::{BoardOptions, BoardSize, parse_board};
 use super::pairs::bar;
 use crate::calibration::{
-    Board, BoardCorners, BoardFinder, BoardPair, ChessFinder, Estimate, LEAST_VIEWS, LensModel, NotFound, Options,
-    PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
+    Board, BoardCorners, BoardFinder, BoardPair, Estimate, JunctionFinder, LEAST_CORNERS, LEAST_VIEWS, LensModel,
+    NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use crate::draw;
 use crate::input::load_gray;
 use crate::input::rig_file::{Quality, RigFile};
 use crate::output::{OutputFiles, OutputPath, spare};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::ProgressBar;
@@ -25,17 +26,26 @@ Examples:
       left01.jpg, right01.jpg and so on in photos/, 9x6 inner corners (10x7 squares)
   linestereo calibrate photos --board 9x6 --square-mm 25 --lens fisheye --report report.png
       a wide lens; what was seen and what is left, as a picture
+  linestereo calibrate marked --board charuco:8x6 --square-mm 28 --marker-mm 21 --dictionary DICT_5X5_100 --out rig.toml
+      a ChArUco board of 8x6 squares
+
+Boards (`linestereo print-board` writes them):
+  9x6            chessboard by its inner corners, one less than squares; all of it in both images
+  charuco:8x6    ChArUco by its squares, as OpenCV counts them: upper left square black, or --legacy-pattern. Parts of it are enough
+  aprilgrid:6x6  Kalibr's AprilGrid by its tags: family 36h11, numbered row by row from the lower left, a black square at each
+                 corner of a tag; OpenCV's GridBoard has none of these and is not found. Parts of it are enough
 
 Taking the photos:
-  Glue the printed board to something flat. Fix the focus. Take 15 to 25 pairs, both cameras at the same moment, with the whole
-  board in both images: near and far, in all corners of the images, tilted by 20 to 45 degrees to all sides.
+  Glue the printed board to something flat. Fix the focus. Take 15 to 25 pairs, both cameras at the same moment: near and far, in all
+  corners of the images, tilted by 20 to 45 degrees to all sides. A chessboard has to be whole in both images. Of a board with markers
+  8 corners in each are enough: let it reach beyond the images' borders.
 
 Verdict:
   good      RMS up to 0.5 px, rows up to 0.25 px apart, 10 views or more, focal lengths and baseline known to 0.5 %
   usable    twice that
   repeat    anything worse; the reason and the remedy stand below it";
 
-/// Calibrate two cameras and the pose between them from photos of a chessboard.
+/// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.
 ///
 /// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/ and right/ (cam0, cam1).
 #[derive(Debug, clap::Args)]
@@ -43,12 +53,11 @@ Verdict:
 pub struct Args {
     /// Folder of the photos: PNG, JPEG, PGM or PPM.
     folder: PathBuf,
-    /// Inner corners along both sides of the board: one less than squares.
-    #[arg(long, value_name = "COLSxROWS", value_parser = parse_board)]
-    board: [u8; 2],
-    /// Side of a square.
-    #[arg(long, value_name = "MM")]
-    square_mm: f64,
+    /// Inner corners along both sides of a chessboard: one less than squares; squares of a ChArUco board; tags of an AprilGrid.
+    #[arg(long, value_name = "[KIND:]COLSxROWS", value_parser = parse_board)]
+    board: BoardSize,
+    #[command(flatten)]
+    board_options: BoardOptions,
     /// Write the rig to this file.
     #[arg(long, value_name = "rig.toml")]
     out: Option<OutputPath>,
@@ -97,9 +106,7 @@ enum Aspect {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let [cols, rows] = args.board;
-    let board = Board::new(cols, rows, args.square_mm / 1e3)
-        .map_err(|error| anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"))?;
+    let board = args.board_options.board(args.board)?;
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
     let photos = pairs.iter().flat_map(|pair| &pair.files).map(PathBuf::as_path);
     spare(asked_for([&args.out, &args.json, &args.report]), photos)?;
@@ -128,7 +135,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.out {
         let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();
         let quality = Quality {
-            source: format!("{used} pairs of photos of a {board} chessboard, squares of {} mm", args.square_mm),
+            source: format!("{used} pairs of photos of a {}", args.board_options.described(&board)),
             views: used as u32,
             stereo_rms_px: estimate.rms,
             vertical_residual_px: assessment.rectified.as_ref().map_or(f64::NAN, |rectified| rectified.vertical),
@@ -176,7 +183,7 @@ fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)>
     let work = || {
         let mut done = Vec::new();
         while let Some(&path) = files.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let found = load_gray(path).map(|image| (path, image.dims, ChessFinder.find(&image, board)));
+            let found = load_gray(path).map(|image| (path, image.dims, JunctionFinder.find(&image, board)));
             let failed = found.is_err();
             done.push(found);
             bar.inc(1);
@@ -217,14 +224,16 @@ fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)>
 fn seen_by_both(pairs: &[PhotoPair], found: &[Found]) -> (Vec<BoardPair>, String) {
     let (mut views, mut missing) = (Vec::new(), String::new());
     for (pair, found) in pairs.iter().zip(found) {
-        if let [Ok(left), Ok(right)] = found {
-            let right = right.clone().turned_like(left);
-            views.push(BoardPair { name: pair.name.clone(), corners: [left.clone().into_inner(), right.into_inner()] });
-            continue;
-        }
-        for (path, found) in pair.files.iter().zip(found) {
-            if let Err(why) = found {
-                let _ = writeln!(missing, "  {}: {why}, pair left out", path.display());
+        let enough = found.each_ref().map(|found| match found {
+            Ok(corners) if corners.len() < LEAST_CORNERS => Err(NotFound::Part(corners.len())),
+            other => other.clone(),
+        });
+        match enough {
+            [Ok(left), Ok(right)] => views.push(BoardPair::new(pair.name.clone(), left, right)),
+            found => {
+                for (path, why) in pair.files.iter().zip(found.iter().map(Result::as_ref).map(Result::err)) {
+                    let _ = why.map(|why| writeln!(missing, "  {}: {why}, pair left out", path.display()));
+                }
             }
         }
     }
@@ -249,6 +258,9 @@ fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> Strin
         );
     }
     let photos = |eye: usize| found.iter().filter(|found| found[eye].is_ok()).count();
+    if board.pattern() != Pattern::Chessboard {
+        return marked_too_few(board, pairs, usable, failures(), [photos(0), photos(1)]);
+    }
     format!(
         "the {board} board is whole in both photos of {usable} pairs only ({} left, {} right photos of {pairs}), {LEAST_VIEWS} are \
          needed; check --board (inner corners, one less than squares) and take sharp photos of the whole board",
@@ -257,7 +269,36 @@ fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> Strin
     )
 }
 
-fn parse_board(text: &str) -> Result<[u8; 2], String> {
-    let sides = text.split_once('x').and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
-    sides.ok_or_else(|| "give inner corners as COLSxROWS, for example 9x6".to_owned())
+/// The same of a board with markers.
+fn marked_too_few<'a>(
+    board: &Board,
+    pairs: usize,
+    usable: usize,
+    failures: impl Iterator<Item = &'a NotFound> + Clone,
+    [left, right]: [usize; 2],
+) -> String {
+    let count = |kind: fn(&NotFound) -> bool| failures.clone().filter(|why| kind(why)).count();
+    let [unmarked, other] =
+        [count(|why| matches!(why, NotFound::NoMarkers(_))), count(|why| matches!(why, NotFound::OtherLayout))];
+    let advice = match board.pattern() {
+        _ if other > unmarked => {
+            format!(
+                "{other} photos show markers in other places: check the size after --board, --legacy-pattern of an old ChArUco board"
+            )
+        }
+        Pattern::Charuco { dictionary, .. } if unmarked > 0 => {
+            let name = dictionary.name();
+            format!(
+                "{unmarked} photos show a chessboard without markers of {name}: check --dictionary and --marker-mm, turn mirroring off"
+            )
+        }
+        _ if unmarked > 0 => {
+            format!("{unmarked} photos show corners, but no tags of 36h11: check the board, turn mirroring off")
+        }
+        _ => "take sharp photos with the board larger in the image".to_owned(),
+    };
+    format!(
+        "{LEAST_CORNERS} corners of the {board} board are in both photos of {usable} pairs only ({left} left, {right} right photos of \
+         {pairs} show some), {LEAST_VIEWS} are needed; {advice}"
+    )
 }

@@ -7,6 +7,7 @@
 mod arguments;
 mod batch;
 pub mod bench_board;
+mod board_options;
 pub mod calibrate;
 pub mod compare;
 pub mod convert_rig;
@@ -27,6 +28,7 @@ mod pairs;
 pub mod photograph;
 pub mod plan_rig;
 mod player;
+pub mod print_board;
 pub mod quality;
 mod recording;
 mod rectified_view;
@@ -103,6 +105,7 @@ enum Command {
     Photograph(photograph::Args),
     ConvertRig(convert_rig::Args),
     PlanRig(plan_rig::Args),
+    PrintBoard(print_board::Args),
     Quality(Box<quality::Args>),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
@@ -151,6 +154,7 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Photograph(args)) => photograph::run(args),
         Some(Command::ConvertRig(args)) => convert_rig::run(args),
         Some(Command::PlanRig(args)) => plan_rig::run(args),
+        Some(Command::PrintBoard(args)) => print_board::run(args),
         Some(Command::Quality(args)) => quality::run(args),
         Some(Command::Completions(args)) => shell::completions(args, arguments::prepared(Cli::command())),
         Some(Command::Man(args)) => shell::man(args, arguments::prepared(Cli::command())),

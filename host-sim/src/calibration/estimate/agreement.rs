@@ -2,6 +2,7 @@
 
 use super::super::board::Board;
 use super::super::initial::{self, Sightings};
+use super::super::markers::Pattern;
 use super::super::model::{Intrinsics, Pose};
 use super::outcome::{Dropped, EstimateError, LEAST_VIEWS};
 use super::residuals::{median, root_mean_square};
@@ -40,7 +41,9 @@ pub(super) fn agreed_rig(
         }
         return Ok(rig);
     }
-    let mirrored = [false, true].into_iter().find_map(|rows| {
+    // Markers in mirrored photos are not read: what was numbered by them is not mirrored.
+    let sides: &[bool] = if board.pattern() == Pattern::Chessboard { &[false, true] } else { &[] };
+    let mirrored = sides.iter().find_map(|&rows| {
         let seen: Vec<Sightings> = seen.iter().map(|seen| unmirrored(board, dims, seen, rows)).collect();
         let to = seen.iter().map(|seen| initial::pose(&camera, dims, seen)).collect::<Option<Vec<_>>>()?;
         let (rig, off) = nearest_rig(&camera, &from, &to, &seen.iter().collect::<Vec<_>>());

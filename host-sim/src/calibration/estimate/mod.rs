@@ -26,7 +26,9 @@ mod residuals;
 mod single;
 
 pub use free::Options;
-pub use outcome::{BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_VIEWS, Parameter, ViewReport};
+pub use outcome::{
+    BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Parameter, ViewReport,
+};
 
 use super::board::Board;
 use super::bundle::{BoardView, Bundle};
@@ -47,7 +49,10 @@ pub fn estimate(board: &Board, dims: Dims, pairs: &[BoardPair], options: &Option
     }
     let places = board.points();
     let seen = |eye: usize| -> Vec<Sightings> {
-        let sightings = |pair: &BoardPair| places.iter().copied().zip(pair.corners[eye].iter().copied()).collect();
+        let sightings = |pair: &BoardPair| {
+            let seen = pair.numbers[eye].iter().map(|&number| places[number]);
+            seen.zip(pair.corners[eye].iter().copied()).collect()
+        };
         pairs.iter().map(sightings).collect()
     };
     let sightings = [seen(0), seen(1)];

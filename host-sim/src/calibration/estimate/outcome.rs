@@ -1,5 +1,7 @@
 //! Input and result of an estimate: boards, numbers with their spread, views, why there is none.
 
+use super::super::board::BoardCorners;
+use super::super::initial::LEAST_POINTS;
 use crate::input::rig_file::side_name;
 use core::fmt;
 use linestereo_rig::{Calibration, CalibrationError, CameraError, CameraSide};
@@ -7,13 +9,34 @@ use linestereo_rig::{Calibration, CalibrationError, CameraError, CameraSide};
 /// Views without which nothing is estimated.
 pub const LEAST_VIEWS: usize = 5;
 
-/// A board seen in both photos of a pair: all its corners, row by row, px. Corners have the same place in both.
+/// Corners of a board without which a photo says too little of it.
+pub const LEAST_CORNERS: usize = LEAST_POINTS;
+
+/// A board seen in both photos of a pair, px. Corners have the same place in both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardPair {
     /// For messages.
     pub name: String,
+    /// Numbers of the corners on the board, ascending: left, right.
+    pub numbers: [Vec<usize>; 2],
     /// Left, right.
     pub corners: [Vec<[f64; 2]>; 2],
+}
+
+impl BoardPair {
+    /// From what was found in both photos.
+    #[must_use]
+    pub fn new(name: String, left: BoardCorners, right: BoardCorners) -> Self {
+        let right = right.turned_like(&left);
+        let ((left_numbers, left), (right_numbers, right)) = (left.into_inner(), right.into_inner());
+        Self { name, numbers: [left_numbers, right_numbers], corners: [left, right] }
+    }
+
+    /// All corners, row by row.
+    #[must_use]
+    pub fn whole(name: String, corners: [Vec<[f64; 2]>; 2]) -> Self {
+        Self { name, numbers: corners.each_ref().map(|corners| (0..corners.len()).collect()), corners }
+    }
 }
 
 /// An estimated number.

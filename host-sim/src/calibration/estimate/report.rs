@@ -76,7 +76,8 @@ fn view_reports(
                 errors[eye].push(CornerError { view: index, corner, at: *at, error: [error[0], error[1]] });
             }
         }
-        views[index].bad_corners = 2 * places.len() - view.seen[0].len() - view.seen[1].len();
+        let given = pairs[index].corners.iter().map(Vec::len).sum::<usize>();
+        views[index].bad_corners = given - view.seen[0].len() - view.seen[1].len();
         views[index].tilt = (view.pose.rotation() * Vector3::z()).z.clamp(-1.0, 1.0).acos().to_degrees();
     }
     (views, errors)
