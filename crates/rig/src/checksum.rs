@@ -9,22 +9,22 @@ pub const CRC_BYTES: usize = size_of::<u32>();
 /// The polynomial, its bits mirrored.
 const POLYNOMIAL: u32 = 0xedb8_8320;
 
-/// Remainder of four bits.
-const fn remainder(bits: u32) -> u32 {
-    let (mut remainder, mut step) = (bits, 0);
-    while step < 4 {
-        remainder = remainder >> 1 ^ if remainder & 1 == 0 { 0 } else { POLYNOMIAL };
-        step += 1;
+/// Remainders of four bits.
+static REMAINDERS: [u32; 16] = {
+    let mut table = [0; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut remainder = bits;
+        let mut step = 0;
+        while step < 4 {
+            remainder = remainder >> 1 ^ if remainder & 1 == 0 { 0 } else { POLYNOMIAL };
+            step += 1;
+        }
+        table[bits as usize] = remainder;
+        bits += 1;
     }
-    remainder
-}
-
-/// Remainders of all four bits.
-#[rustfmt::skip]
-static REMAINDERS: [u32; 16] = [
-    remainder(0), remainder(1), remainder(2), remainder(3), remainder(4), remainder(5), remainder(6), remainder(7),
-    remainder(8), remainder(9), remainder(10), remainder(11), remainder(12), remainder(13), remainder(14), remainder(15),
-];
+    table
+};
 
 /// A checksum in the making.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl Checksum {
         for &byte in bytes {
             self.0 ^= u32::from(byte);
             for _ in 0..2 {
-                self.0 = self.0 >> 4 ^ REMAINDERS.get((self.0 & 15) as usize).copied().unwrap_or(0);
+                self.0 = self.0 >> 4 ^ REMAINDERS[(self.0 & 15) as usize];
             }
         }
     }
