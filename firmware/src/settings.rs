@@ -18,7 +18,7 @@ use crate::vehicle::{VEHICLE, Vehicle};
 use linestereo::{Confidence, Params, Parts};
 use linestereo_mavlink::Policy;
 use linestereo_rig::RigImageError;
-use linestereo_rig::checksum::{CRC_BYTES, Checksum};
+use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use linestereo_wire::{MAX_REGIONS, RegionBox, Regions, SETTINGS, SettingValues};
 
 /// Numbers of the first settings, which a rig brings along: its disparity range.
@@ -128,7 +128,7 @@ impl KeptSettings {
             *place = word.to_le_bytes();
         }
         if let Some((content, crc)) = bytes.get_mut(..Self::BYTES).and_then(<[u8]>::split_last_chunk_mut) {
-            *crc = Checksum::of(content).to_le_bytes();
+            *crc = CRC_32.checksum(content).to_le_bytes();
         }
     }
 
@@ -143,7 +143,7 @@ impl KeptSettings {
         if magic != u32::from_le_bytes(MAGIC) {
             return Err(RigImageError::Foreign);
         }
-        if Checksum::of(content) != u32::from_le_bytes(*crc) {
+        if CRC_32.checksum(content) != u32::from_le_bytes(*crc) {
             return Err(RigImageError::Damaged);
         }
         let [found, _] = halves(layout);

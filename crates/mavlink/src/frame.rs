@@ -1,5 +1,7 @@
 //! A message -> the bytes of its frame.
 
+use crc::{CRC_16_MCRF4XX, Crc, Table};
+
 /// Bytes of the longest payload here, OBSTACLE_DISTANCE.
 const MAX_PAYLOAD: usize = 167;
 /// Bytes before a payload.
@@ -8,16 +10,15 @@ const HEAD: usize = 10;
 pub const MAX_FRAME: usize = HEAD + MAX_PAYLOAD + 2;
 /// A frame of version 2 begins.
 pub(crate) const MAGIC: u8 = 0xfd;
+const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
 
-/// Checksum of a frame behind its first byte, with the byte of its message: CRC-16/MCRF4XX, a byte at a time without a table, as MAVLink's own
-/// `crc_accumulate`.
+/// Checksum of a frame behind its first byte, with the byte of its message.
 #[inline(never)]
 pub(crate) fn checksum(bytes: &[u8], extra: u8) -> u16 {
-    bytes.iter().chain(&[extra]).fold(u16::MAX, |crc, &byte| {
-        let low = byte ^ crc as u8;
-        let low = u16::from(low ^ low << 4);
-        crc >> 8 ^ low << 8 ^ low << 3 ^ low >> 4
-    })
+    let mut digest = CRC.digest();
+    digest.update(bytes);
+    digest.update(&[extra]);
+    digest.finalize()
 }
 
 /// A message that can be sent.

@@ -32,7 +32,7 @@
 
 use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{CameraError, Lens};
-use crate::checksum::{CRC_BYTES, Checksum};
+use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::rectification::{RectifyError, View};
 use crate::remap::{Remap, RemapCamera, RemapError};
 use core::fmt;
@@ -148,7 +148,7 @@ impl RigImageHead {
         let image = bytes.get(..length.into()).unwrap_or_default();
         let is_whole = image
             .split_last_chunk::<CRC_BYTES>()
-            .is_some_and(|(bytes, crc)| Checksum::of(bytes) == u32::from_le_bytes(*crc));
+            .is_some_and(|(bytes, crc)| CRC_32.checksum(bytes) == u32::from_le_bytes(*crc));
         Ok(Self { version, length, sequence, is_whole })
     }
 
@@ -215,7 +215,7 @@ impl RigImage {
         let mut bytes = [0; Self::BYTES];
         if let Some((content, crc)) = bytes.split_last_chunk_mut::<CRC_BYTES>() {
             let _ = postcard::to_slice(&numbers, content); // exactly as long as its content: a test holds it
-            *crc = Checksum::of(content).to_le_bytes();
+            *crc = CRC_32.checksum(content).to_le_bytes();
         }
         bytes
     }

@@ -13,7 +13,8 @@
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use core::marker::PhantomData;
-use linestereo_rig::checksum::{CRC_BYTES, Checksum};
+use crc::Digest;
+use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -58,7 +59,7 @@ impl core::error::Error for EncodeError {}
 pub fn encode<'a, T: Record>(record: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
     // A full buffer is the only error there is: every length is known, and nothing here serializes by hand.
     let full = |_| EncodeError::BufferTooSmall;
-    let mut payload = Payload { cobs: CobsEncoder::new(buffer), checksum: Checksum::new() };
+    let mut payload = Payload { cobs: CobsEncoder::new(buffer), digest: CRC_32.digest() };
     payload.try_push(T::TAG).map_err(full)?;
     let end = postcard::serialize_with_flavor(record, payload).map_err(full)?;
     *buffer.get_mut(end).ok_or(EncodeError::BufferTooSmall)? = DELIMITER;
@@ -68,7 +69,7 @@ pub fn encode<'a, T: Record>(record: &T, buffer: &'a mut [u8]) -> Result<&'a [u8
 /// Where postcard puts its bytes, so that one buffer is enough.
 struct Payload<'a> {
     cobs: CobsEncoder<'a>,
-    checksum: Checksum,
+    digest: Digest<'static, u32>,
 }
 
 impl Flavor for Payload<'_> {
@@ -80,12 +81,12 @@ impl Flavor for Payload<'_> {
 
     #[inline(never)] // of every number of every record
     fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
-        self.checksum.update(bytes);
+        self.digest.update(bytes);
         self.cobs.push(bytes).map_err(|_| postcard::Error::SerializeBufferFull)
     }
 
     fn finalize(mut self) -> postcard::Result<usize> {
-        let crc = self.checksum.value().to_le_bytes();
+        let crc = self.digest.finalize().to_le_bytes();
         self.cobs.push(&crc).map_err(|_| postcard::Error::SerializeBufferFull)?;
         Ok(self.cobs.finalize())
     }
@@ -256,7 +257,7 @@ impl<T: Record, const N: usize> Decoder<T, N> {
     fn record(&self) -> Result<T, DecodeError> {
         let received = self.payload.get(..self.length).unwrap_or(&[]);
         let (payload, crc) = received.split_last_chunk::<CRC_BYTES>().ok_or(DecodeError::Checksum)?;
-        if Checksum::of(payload) != u32::from_le_bytes(*crc) {
+        if CRC_32.checksum(payload) != u32::from_le_bytes(*crc) {
             return Err(DecodeError::Checksum);
         }
         match payload.split_first() {
