@@ -1,6 +1,6 @@
 //! A region's pixels as a bit mask: membership of a pixel in constant time.
 //!
-//! In: a region, and words for a bit per pixel of the image. Out: membership of a pixel, the region's centre and half size.
+//! In: a region, and words for a bit per pixel of the image. Out: membership of a pixel, the region's centre, half size, and thinness.
 //!
 //! # Bounds
 //! Sums of columns and rows over at most 2^21 pixels of at most 2^12: below 2^34, `i64`.
@@ -21,7 +21,12 @@ pub(crate) struct Cover<'a> {
     pub(crate) centre: [i32; 2],
     /// Half of the area's width and height, px, at least 1.
     pub(crate) half_size: [i32; 2],
+    /// True for a mask of at most [`THIN`] px a row on average: no window beside an edge lies in it.
+    pub(crate) is_thin: bool,
 }
+
+/// Largest mean width of a thin mask, px: the distance from an edge to the middle of a window.
+const THIN: i64 = 4;
 
 impl<'a> Cover<'a> {
     /// The cover of a region in an image of this width; overwrites `marks`.
@@ -32,7 +37,9 @@ impl<'a> Cover<'a> {
         let centre = [middle(area.left, area.right), middle(area.top, area.bottom)];
         let half = |from: u16, to: u16| ((i32::from(to) - i32::from(from) + 1) >> 1).max(1);
         let half_size = [half(area.left, area.right), half(area.top, area.bottom)];
-        let Shape::Mask(runs) = region.shape() else { return Self { area, width, bits: None, centre, half_size } };
+        let Shape::Mask(runs) = region.shape() else {
+            return Self { area, width, bits: None, centre, half_size, is_thin: false };
+        };
 
         let words = (usize::from(area.top) * width) >> 5..=(usize::from(area.bottom) * width) >> 5;
         for word in marks.iter_mut().take(*words.end() + 1).skip(*words.start()) {
@@ -50,7 +57,8 @@ impl<'a> Cover<'a> {
         }
         let mean = |sum: i64, of: i64| i32::try_from(sum.checked_div(of).unwrap_or(0)).unwrap_or(0);
         let centre = [mean(columns, 2 * pixels), mean(rows, pixels)];
-        Self { area, width, bits: Some(marks), centre, half_size }
+        let is_thin = pixels <= THIN * (i64::from(area.bottom) - i64::from(area.top));
+        Self { area, width, bits: Some(marks), centre, half_size, is_thin }
     }
 
     /// True for a box.

@@ -384,6 +384,11 @@ mod tests {
         assert_eq!(depth(before, 0, &pole), Err(NoDepth::LittleSupport), "of the other side");
         let boxed = Region::boxed(4, pole.area(), DIMS).unwrap();
         assert_eq!(depth(before, 1, &boxed), Err(NoDepth::LittleSupport), "a box");
+        // Wider above: the pole is a part of something else.
+        let wide = |run: Run| Run { span: Span { end: if run.y < 76 { 140 } else { 104 }, ..run.span }, ..run };
+        let part = runs.map(wide);
+        let part = Region::masked(4, &part, DIMS).unwrap();
+        assert_eq!(depth(before, 1, &part), Err(NoDepth::LittleSupport), "a thin part");
     }
 
     #[test]

@@ -12,7 +12,7 @@
 //!                    beside a blank face over its border
 //!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.4 a point is on the plane: periodic texture and damaged
 //!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
-//!     none of them where most of the weight is that of edges of a thin region: points in it show what is behind
+//!     none of them for a mask of at most 4 px a row: points in it show what is behind
 //! parallax:    at least 0.75 px
 //! ```
 //! Constants are round numbers at which no right answer of 14 undamaged QVGA scenes is lost; tried on the same at 224 px, on eight scenes at a third of
@@ -54,8 +54,8 @@ pub(super) fn refusal(
         .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(NoDepth::NoParallax))
         .or_else(|| {
             // The windows of points in a thin region show what is behind it.
-            let is_thin = 2 * found.thin_weight_q8 > found.weight_q8;
-            if is_thin { None } else { Agreement::of(surface, cover, support, (area, dims)).refusal(cover.is_box()) }
+            let agreement = || Agreement::of(surface, cover, support, (area, dims)).refusal(cover.is_box());
+            if cover.is_thin { None } else { agreement() }
         })
 }
 

@@ -10,8 +10,8 @@
 //! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
 //!     blank, is matched at the disparity of the surface beside the region
 //! the other side lies outside, and no support point in the region agrees: a half
-//! an upright edge, the region 2 but not 4 px inside of it, before the support points beside it: the edge's own weight, where the region is too
-//!     thin for any window. A mask alone: a box of a pole holds more than the pole
+//! a mask too thin for any window, at most 4 px wide on average: its upright edges, 2 but not 4 px inside of which it lies, where they are before
+//!     the support points beside them
 //! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
 //! in a box, surfaces near its centre are preferred: a second weight, by which the surface is selected, falls to 3/8 at the border
 //! ```
@@ -60,8 +60,6 @@ pub(crate) struct RegionSupport {
     pub(crate) weight_q8: u32,
     /// Weight that outlines lost, Q8.
     pub(crate) outline_weight_q8: u32,
-    /// Weight of the edges of parts that are thinner than a window, Q8: a part of `weight_q8`.
-    pub(crate) thin_weight_q8: u32,
 }
 
 /// Lists the hypotheses of the region at the front of `neighbours`: support points in it, then segments.
@@ -102,7 +100,6 @@ pub(crate) fn gather(
             if let Some(slot) = weights.get_mut(index) {
                 *slot = weight;
                 found.weight_q8 += u32::from(weight);
-                found.thin_weight_q8 += u32::from(weight);
             }
         }
         if weights != [0; 2]
@@ -166,10 +163,10 @@ fn probability(model: &Model, side: &Side) -> u16 {
     model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
 }
 
-/// The side of an upright edge on which the region is thinner than a window, and its index, where the edge lies before what is beside it. One that
+/// The side of an upright edge on which a thin region lies, and its index, where the edge lies before what is beside it. One that
 /// does not is rather mistaken for the surface behind.
 fn thin_side<'a>(candidate: &'a Candidate, windows: [u16; 2], cover: &Cover<'_>) -> Option<(usize, &'a Side)> {
-    if cover.is_box() || candidate.segment.near_horizontal || windows != [0; 2] {
+    if !cover.is_thin || candidate.segment.near_horizontal || windows != [0; 2] {
         return None;
     }
     let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, |x, y| cover.contains(x, y)) {
