@@ -373,8 +373,7 @@ mod tests {
         let pole = Region::masked(4, &runs, DIMS).unwrap();
         let depth = |nearby_q8: [i16; 4], inner: usize, region: &Region<'_>| {
             let edge = Side { nearby_q8, edge_score_q8: 1800, ..side(20 * 64, 1200) };
-            let mut sides = [None, None];
-            sides[inner] = Some(edge);
+            let sides = if inner == 0 { [Some(edge), None] } else { [None, Some(edge)] };
             evaluate(&[candidate([100, 80, 100, 110], sides)], region).disparity
         };
         let (before, behind) = ([0, 64, 0, 0], [0, 0, 64, 0]);

@@ -136,14 +136,13 @@ impl Agreement {
         }
         let is_part = 8 * inside.on < 7 * inside.all;
         let product = |of: u32, by: u32| u64::from(of) * u64::from(by);
+        let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
         // 0.4
         let is_poor = 10 * inside.on < 4 * 256 * inside.points;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
             Some(NoDepth::TwoSurfaces)
-        } else if is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all) {
-            Some(NoDepth::OnlyOutline)
-        } else if is_poor && 3 * around.on > around.all {
+        } else if is_beside || is_poor && 3 * around.on > around.all {
             Some(NoDepth::OnlyOutline)
         } else {
             // 0.7
