@@ -216,3 +216,36 @@ fn contradict((a, a_side): (&Neighbour, usize), (b, b_side): (&Neighbour, usize)
     let (da, db) = (i32::from(hypothesis_a.d_q6), i32::from(hypothesis_b.d_q6));
     (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6 && (da - db).abs() > OTHER_SURFACE_Q6
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Middle of an upright segment, with a hypothesis of its right side alone.
+    fn neighbour(x: i16, y: i16, disparity: i16, weight_q8: u16) -> Neighbour {
+        let right = SideHypothesis { d_q6: disparity << 6, weight_q8, support: 0 };
+        Neighbour { x, y, top: y - 4, near_horizontal: false, hypotheses: [SideHypothesis::EMPTY, right] }
+    }
+
+    #[test]
+    fn one_position_cannot_have_two_disparities() {
+        let contradicts = |other: Neighbour| {
+            let mut found = heapless::Vec::<_, 4>::new();
+            for_each_contradiction(&[neighbour(100, 50, 10, 256), other], 2, |a, b| found.push((a, b)).unwrap());
+            assert!(found.is_empty() || found == [((0, 1), (1, 1))], "{found:?}");
+            !found.is_empty()
+        };
+        assert!(contradicts(neighbour(105, 50, 15, 256)));
+        assert!(!contradicts(neighbour(105, 50, 15, 0)), "nothing is said");
+        // Of the disparity, of the column in the right image, of the row.
+        let at_and_beyond_limits = [
+            (neighbour(103, 50, 13, 256), neighbour(102, 50, 12, 256)),
+            (neighbour(107, 50, 15, 256), neighbour(108, 50, 15, 256)),
+            (neighbour(103, 50, 15, 256), neighbour(102, 50, 15, 256)),
+            (neighbour(105, 56, 15, 256), neighbour(105, 57, 15, 256)),
+        ];
+        for (within, beyond) in at_and_beyond_limits {
+            assert_eq!([within, beyond].map(contradicts), [true, false], "{within:?}");
+        }
+    }
+}

@@ -77,3 +77,54 @@ fn peak(votes: &[u32; BINS]) -> i32 {
     let (weight, centre_q5) = best;
     if weight >= MIN_VOTES && weight * BINS as u32 >= total * 5 * 3 / 2 { centre_q5 } else { 0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ImagePosition, Position};
+
+    #[test]
+    fn votes_that_agree_are_an_offset_and_spread_ones_are_none() {
+        assert_eq!(peak(&[3; BINS]), 0);
+        for (middle, offset_q5) in [(25, 36), (7, -36)] {
+            let mut votes = [1; BINS];
+            votes[middle - 2..=middle + 2].copy_from_slice(&[2, 6, 9, 6, 2]);
+            assert_eq!(peak(&votes), offset_q5);
+        }
+        let alone = |count| peak(&core::array::from_fn(|bin| if bin == 20 { count } else { 0 }));
+        assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [0, 16]);
+    }
+
+    /// From `x` on, px; the row in 1/32 px.
+    fn flat(x: u16, row_q5: u16, length: u16) -> Segment {
+        let end = |x| ImagePosition { x: Position::from_num(x), y: Position::from_bits(row_q5) };
+        Segment { ends: [end(x), end(x + length)], rising: true, contrast: 40, near_horizontal: true }
+    }
+
+    #[test]
+    fn edges_vote_for_their_rows_and_what_is_another_edge_does_not() {
+        const EDGES: usize = 10;
+        let rows: [u16; EDGES] = core::array::from_fn(|i| 320 * (i as u16 + 1));
+        let left = rows.map(|row| flat(100, row, 20));
+        for moved_q5 in [-32, 0, 32] {
+            // Each true edge has two companions a row further that differ from it in one thing.
+            let edge = |row: u16, by: i16| flat(90, row.saturating_add_signed(moved_q5 + by), 20);
+            let others: [fn(Segment) -> Segment; 5] = [
+                |edge| Segment { rising: false, ..edge },
+                |edge| Segment { near_horizontal: false, ..edge },
+                |edge| Segment { contrast: 60, ..edge },
+                |edge| flat(20, edge.ends[0].y.to_bits(), 20), // beyond the range
+                |edge| flat(90, edge.ends[0].y.to_bits(), 26),
+            ];
+            for other in others {
+                let mut right = [edge(rows[0], 0); 3 * EDGES];
+                for (slot, i) in right.iter_mut().zip(0..) {
+                    let true_one = edge(rows[i / 3], 0);
+                    *slot = if i % 3 == 0 { true_one } else { other(edge(rows[i / 3], 32)) };
+                }
+                right.sort_unstable_by_key(|segment| segment.ends_q5().1);
+                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (moved_q5, 0));
+            }
+        }
+    }
+}

@@ -102,6 +102,7 @@ fn the_health_of_a_pair_is_in_its_head() {
     let dims = Dims { width: 96, height: 64 };
     let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default()).with_pair(&pair);
     assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
+    assert_eq!(head.health.of_pair(), HealthFlags::TORN);
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
     let expected = PairReport {
         cameras: [camera(1), camera(6)],
