@@ -12,7 +12,7 @@
 //! # Source
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
-use super::budget::Budget;
+use super::budget::{Budget, Taken};
 use super::{Chain, LineParams, Room};
 use crate::area::Area;
 use crate::image::{Gray, Span};
@@ -84,10 +84,11 @@ struct Anchor {
 }
 
 impl<'a, const DOWN: bool> Edges<'a, DOWN> {
+    /// Edges of an image or of areas of it; `beyond` is what those of the other direction took of their budget.
     pub(crate) fn new(
         image: Gray<'a>,
         areas: Option<&'a [Area]>,
-        (params, scan): (&LineParams, i32),
+        (params, scan, beyond): (&LineParams, i32, u32),
         marks: &'a mut [u32],
     ) -> Self {
         let dims = image.dims();
@@ -96,15 +97,14 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
         let (steps, breadth) = if DOWN { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        let budget = Budget::new(dims, areas, (DOWN, scan > SCAN_STEP), scan * STRETCH);
+        let budget = Budget::new(dims, areas, (DOWN, scan > SCAN_STEP), scan * STRETCH).without(beyond);
         let LineParams { anchor, edge, .. } = *params;
         Self { pixels, stride, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
     }
 
-    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the number of edges that it did not allow, and the units
-    /// taken.
+    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the units taken.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> (u16, u32) {
+    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> Taken {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
@@ -135,7 +135,7 @@ impl<'a, const DOWN: bool> Edges<'a, DOWN> {
             }
             t += self.scan;
         }
-        (self.budget.cut, self.budget.taken)
+        self.budget.taken()
     }
 
     /// A bit for each stretch of a row: set where it has pixels of the areas.

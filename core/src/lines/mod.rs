@@ -158,15 +158,16 @@ pub fn detect(
     };
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
-    let (mut edges, mut units) = (0_u16, 0);
+    let (mut edges, mut units, mut beyond) = (0_u16, 0, 0);
     if let Some(scan) = params.row_scan {
-        (edges, units) = Edges::<true>::new(image, areas, (params, scan), marks)
+        let taken = Edges::<true>::new(image, areas, (params, scan, 0), marks)
             .for_each_chain(&mut room, |chain| runs(chain, Direction::Down));
+        (edges, units, beyond) = (taken.cut, taken.units, taken.beyond_share);
     }
     if let Some(scan) = params.column_scan {
-        let (cut, taken) = Edges::<false>::new(image, areas, (params, scan), marks)
+        let taken = Edges::<false>::new(image, areas, (params, scan, beyond), marks)
             .for_each_chain(&mut room, |chain| runs(chain, Direction::Along));
-        (edges, units) = (edges.saturating_add(cut), units + taken);
+        (edges, units) = (edges.saturating_add(taken.cut), units + taken.units);
     }
     Detection { segments: list.dropped, edges, units }
 }
