@@ -15,19 +15,17 @@
 //! A pair that a board or the PC has rectified is looked at as rectified: what is at the same pixel of both sensors is not at the same pixel then.
 //!
 //! # Bounds
-//! Gradients are at most 255: 8 products 520 200, sums of both energies of 144 points 1.5e8.
+//! Gradients are at most 255: 8 products 520 200, sums of both energies of 256 points 2.7e8.
 //!
 //! # Cost
-//! At most [`POINTS`] points, 850 instructions each.
+//! At most some [`POINTS`] points, 850 instructions each.
 
 use crate::image::Gray;
 use crate::support::Support;
 use crate::units::Confidence;
 
-/// Most points that are looked at, evenly spread over the matched ones.
-const POINTS: usize = 144;
-/// Least distance of these in the list of matched points: next to each other they look at the same pixels.
-const LEAST_STEP: usize = 4;
+/// Number of points that are looked at, about.
+const POINTS: usize = 256;
 /// Least number of points for either measurement.
 const MIN_POINTS: u32 = 24;
 /// Largest disparity of a point without parallax, 1/64 px.
@@ -86,20 +84,19 @@ impl Sums {
 
 /// Measures the likeness; `None` with too few credible points.
 pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Option<Still> {
-    let matched = support.points.iter().enumerate().filter(|(_, point)| point.is_matched());
-    let step = matched.clone().count().div_ceil(POINTS).max(LEAST_STEP);
+    let step = support.len().div_ceil(POINTS).max(1);
     let (mut raw, mut weak) = (Sums::default(), Sums::default());
     let (mut at_left, mut at_right) = (Gradients::<GRADIENTS>::NONE, Gradients::<{ GRADIENTS + 2 * LAG }>::NONE);
     let (mut credible, mut still, mut compared) = (0, 0, 0);
-    for (index, point) in matched.step_by(step) {
+    for ((x, y), point) in support.iter().step_by(step).filter(|(_, point)| point.is_matched()) {
         let disparity_q6 = point.disparity().to_bits();
         if point.confidence() >= CREDIBLE {
             credible += 1;
             still += u32::from(disparity_q6.unsigned_abs() < STILL_Q6);
         }
         if disparity_q6 >= PARALLAX_Q6
-            && at_left.read(left, support.grid.pixel(index), 0).is_some()
-            && at_right.read(right, support.grid.pixel(index), LAG).is_some()
+            && at_left.read(left, (x, y), 0).is_some()
+            && at_right.read(right, (x, y), LAG).is_some()
         {
             compared += 1;
             raw.add(&at_left.raw, &at_right.raw);

@@ -280,6 +280,11 @@ impl<'a> Support<'a> {
         Self { grid: Grid::new(params, dims), detail_q8, points }
     }
 
+    /// Number of points, matched or not.
+    pub(crate) fn len(&self) -> usize {
+        self.points.len()
+    }
+
     /// Rows of points `apart` rows from each other: pixel row of the upper one, its points, those of the lower one.
     pub(crate) fn row_pairs(
         &self,
