@@ -18,7 +18,7 @@
 //! Gradients are at most 255: 8 products 520 200, sums of both energies of 256 points 2.7e8.
 //!
 //! # Cost
-//! At most some [`POINTS`] points, 500 instructions each.
+//! At most some [`POINTS`] points, 850 instructions each.
 
 use crate::image::Gray;
 use crate::support::Support;

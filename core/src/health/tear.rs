@@ -11,7 +11,7 @@
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
 //! # Cost
-//! Some 60 000 instructions of a QVGA pair, and 20 000 for every pair of rows of points with such a peak, at most [`MOST`].
+//! Some 75 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
 
 use crate::image::Gray;
 use crate::support::Support;

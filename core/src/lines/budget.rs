@@ -4,6 +4,7 @@
 //!
 //! ```text
 //! a budget per image and direction; a unit is some 65 instructions of a Cortex-M7: a test of the ridge takes 3, a position kept 1
+//! what edges down the rows take beyond two thirds of their budget, those along the columns have less: no scene has as many of both
 //! a part of it from the start, for what lies within REACH of the pixels searched; the rest with the pixels, as they are searched, so that
 //!     neither the bottom nor the right is starved
 //! an edge is started while there is something left, and drawn as a whole: what it takes beyond is paid before the next one starts
@@ -13,11 +14,12 @@
 //! 1320 * 1320 px at 270 / 1024 units and [`FIXED`]: 4.8e8 in Q10. Areas are inside the image, at most sixteen: sums below 2.8e7. An edge takes at most 640 * 4 + 7 units: 2.7e6.
 //!
 //! # Cost
-//! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along
-//! and, in the right image, 11 k: 3.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
+//! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along,
+//! 32 k of both, and, in the right image, 11 k: 2.8 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
 use crate::area::Area;
 use crate::image::Dims;
+use crate::units::quotient;
 
 /// Units of a test of the ridge.
 const TEST: i32 = 3;
@@ -41,15 +43,25 @@ const ALONG: Rate = Rate { start_q10: 70, searched_q10: 200 };
 /// Edges along the columns where scans are further apart (`is_sparse`). Captured pairs take up to 0.12.
 const ALONG_SPARSE: Rate = Rate { start_q10: 40, searched_q10: 104 };
 
+/// Work of the edges of one direction.
+pub(crate) struct Taken {
+    /// Units taken.
+    pub(crate) units: u32,
+    /// Those beyond two thirds of the budget.
+    pub(crate) beyond_share: u32,
+    /// Edges that were not allowed.
+    pub(crate) cut: u16,
+}
+
 /// Budget of the edges of one direction.
 pub(super) struct Budget {
+    /// All of it, Q10.
+    total_q10: i32,
     left_q10: i32,
     /// Units that a stretch adds, Q10.
     stretch_q10: i32,
-    /// Units taken.
-    pub(super) taken: u32,
-    /// Edges that were not allowed.
-    pub(super) cut: u16,
+    taken: u32,
+    cut: u16,
 }
 
 impl Budget {
@@ -69,7 +81,20 @@ impl Budget {
         let (searched, reached) =
             if areas.is_some() { (sum(0), sum(REACH)) } else { (grown(whole, 0), grown(whole, 0)) };
         let left_q10 = (FIXED << 10) + reached * start_q10 + (reached - searched) * searched_q10;
-        Self { left_q10, stretch_q10: stretch * searched_q10, taken: 0, cut: 0 }
+        let total_q10 = left_q10 + searched * searched_q10;
+        Self { total_q10, left_q10, stretch_q10: stretch * searched_q10, taken: 0, cut: 0 }
+    }
+
+    /// The budget without so many units, evenly over the image.
+    pub(super) fn without(self, units: u32) -> Self {
+        let kept_q8 = 256 - quotient((units as i32) << 10, self.total_q10 >> 8).min(256);
+        Self { left_q10: (self.left_q10 >> 8) * kept_q8, stretch_q10: (self.stretch_q10 * kept_q8) >> 8, ..self }
+    }
+
+    /// What has been taken and cut.
+    pub(super) fn taken(&self) -> Taken {
+        let share = (self.total_q10 >> 10).unsigned_abs() * 2 / 3;
+        Taken { units: self.taken, beyond_share: self.taken.saturating_sub(share), cut: self.cut }
     }
 
     /// Adds what a stretch that is searched brings, pixels between its scan and the next one included.

@@ -12,7 +12,7 @@
 //! # Source
 //! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
 
-use super::budget::Budget;
+use super::budget::{Budget, Taken};
 use super::{Chain, LineParams, Room};
 use crate::area::Area;
 use crate::image::{Gray, Span};
@@ -87,10 +87,11 @@ struct Anchor {
 }
 
 impl<'a> Edges<'a> {
+    /// Edges of an image or of areas of it; `beyond` is what those of the other direction took of their budget.
     pub(crate) fn new(
         image: Gray<'a>,
         areas: Option<&'a [Area]>,
-        (params, scan): (&LineParams, i32),
+        (params, scan, beyond): (&LineParams, i32, u32),
         direction: Direction,
         marks: &'a mut [u32],
     ) -> Self {
@@ -101,16 +102,15 @@ impl<'a> Edges<'a> {
         let (steps, breadth) = if down { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        let budget = Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH);
+        let budget = Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH).without(beyond);
         let LineParams { anchor, edge, .. } = *params;
         let (along, across) = if down { (stride, 1) } else { (1, stride) };
         Self { down, pixels, along, across, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
     }
 
-    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the number of edges that it did not allow, and the units
-    /// taken.
+    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the units taken.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> (u16, u32) {
+    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> Taken {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
@@ -141,7 +141,7 @@ impl<'a> Edges<'a> {
             }
             t += self.scan;
         }
-        (self.budget.cut, self.budget.taken)
+        self.budget.taken()
     }
 
     /// A bit for each stretch of a row: set where it has pixels of the areas.

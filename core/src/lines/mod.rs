@@ -158,12 +158,12 @@ pub fn detect(
     };
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
-    let (mut edges, mut units) = (0_u16, 0);
+    let (mut edges, mut units, mut beyond) = (0_u16, 0, 0);
     for (direction, scan) in [(Direction::Down, params.row_scan), (Direction::Along, params.column_scan)] {
         let Some(scan) = scan else { continue };
-        let (cut, taken) = Edges::new(image, areas, (params, scan), direction, marks)
+        let taken = Edges::new(image, areas, (params, scan, beyond), direction, marks)
             .for_each_chain(&mut room, |chain| runs(chain, direction));
-        (edges, units) = (edges.saturating_add(cut), units + taken);
+        (edges, units, beyond) = (edges.saturating_add(taken.cut), units + taken.units, taken.beyond_share);
     }
     Detection { segments: list.dropped, edges, units }
 }
