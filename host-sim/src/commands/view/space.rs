@@ -43,7 +43,7 @@ impl Space {
         let placed: Vec<Value> = of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
         let product = self.rig.focal_baseline_q16() as f64 / 65536.0;
         let rig = json!({"product": product, "offset": self.rig.offset_q6() as f64 / 64.0});
-        let directions = Directions::new(self.sectors.clone(), matches, points, health.of_pair()).list();
+        let directions = Directions::new(self.sectors, matches, points, health.of_pair()).list();
         Ok(vec![
             ("above", json!({"points": placed, "rig": rig, "yaw_deg": self.yaw_deg}).to_string()),
             ("sectors", serde_json::to_string(&directions)?),
