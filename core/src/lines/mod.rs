@@ -317,7 +317,8 @@ mod tests {
             let mut keep = KeepLongest { out: &mut list, dropped: 0 };
             found.into_iter().for_each(|rows| keep.push(upright(rows)));
             assert_eq!(keep.dropped, 2);
-            let mut kept = [0, 1, 2].map(|i| list[i].extent_q5() >> 5);
+            let mut kept = [0; 3];
+            kept.iter_mut().zip(&list).for_each(|(slot, segment)| *slot = segment.extent_q5() >> 5);
             kept.sort_unstable();
             assert_eq!(kept, longest);
         }

@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(peak(&[3; BINS]), 0);
         for (middle, offset_q5) in [(25, 36), (7, -36)] {
             let mut votes = [1; BINS];
-            votes[middle - 2..=middle + 2].copy_from_slice(&[2, 6, 9, 6, 2]);
+            votes.iter_mut().skip(middle - 2).zip([2, 6, 9, 6, 2]).for_each(|(slot, count)| *slot = count);
             assert_eq!(peak(&votes), offset_q5);
         }
         let alone = |count| peak(&core::array::from_fn(|bin| if bin == 20 { count } else { 0 }));
@@ -117,10 +117,10 @@ mod tests {
                 |edge| flat(90, edge.ends[0].y.to_bits(), 26),
             ];
             for other in others {
-                let mut right = [edge(rows[0], 0); 3 * EDGES];
-                for (slot, i) in right.iter_mut().zip(0..) {
-                    let true_one = edge(rows[i / 3], 0);
-                    *slot = if i % 3 == 0 { true_one } else { other(edge(rows[i / 3], 32)) };
+                let mut right = [flat(0, 0, 1); 3 * EDGES];
+                for (three, row) in right.chunks_exact_mut(3).zip(rows) {
+                    let another = other(edge(row, 32));
+                    three.copy_from_slice(&[edge(row, 0), another, another]);
                 }
                 right.sort_unstable_by_key(|segment| segment.ends_q5().1);
                 assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (moved_q5, 0));

@@ -103,6 +103,7 @@ fn the_health_of_a_pair_is_in_its_head() {
     let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default()).with_pair(&pair);
     assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
     assert_eq!(head.health.of_pair(), HealthFlags::TORN);
+    assert_eq!(format!("{:?}", head.health), "Health(free_running+torn)");
     let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
     let expected = PairReport {
         cameras: [camera(1), camera(6)],
