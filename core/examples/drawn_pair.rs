@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
 
     // A wall with bars of many widths, as seen by two cameras.
-    let grey = |x: usize, y: usize| if (x * x / 400 + y / 30) % 2 == 0 { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
+    let grey = |x: usize, y: usize| if (x * x / 400 + y / 30).is_multiple_of(2) { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
     let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
     let (left, right) = (image(0), image(12));
     let pair = Pair { left: Gray::new(&left, DIMS, 160)?, right: Gray::new(&right, DIMS, 160)?, times_us: None };

@@ -25,7 +25,7 @@ fn any_object(random: &mut Random, label: u16) -> ObjectDepth {
     let [depth, depth_sigma, nearest] = [depth(), depth(), depth()];
     ObjectDepth {
         label,
-        disparity: if label % 3 == 0 { Err(reason) } else { Ok(disparity) },
+        disparity: if label.is_multiple_of(3) { Err(reason) } else { Ok(disparity) },
         sigma: Disparity::from_bits(random.next() as i16),
         slope_q10: [random.next() as i16, random.next() as i16],
         spread: Disparity::from_bits(random.next() as i16),
