@@ -82,7 +82,8 @@ impl Samples {
 /// Computes the statistics of an image; one whose samples differ by at most `flat` grey levels is flat.
 pub(super) fn check(image: Gray<'_>, flat: u8) -> CameraCheck {
     let dims = image.dims();
-    let step = |side: u16, most: u16| usize::from(side.div_ceil(most));
+    // At least 1: an iterator with steps of 0 panics.
+    let step = |side: u16, most: u16| usize::from(side.div_ceil(most).max(1));
     let (across, down) = (step(dims.width, COLUMNS), step(dims.height, ROWS));
     let rows = (down / 2..dims.height.into()).step_by(down).filter_map(|y| {
         let span = image.valid_columns(y as i32);

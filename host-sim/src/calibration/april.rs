@@ -7,7 +7,7 @@
 
 use super::board::{Board, BoardCorners};
 use super::corner;
-use super::finder::NotFound;
+use super::grid::NotFound;
 use super::initial::homography;
 use super::markers::RIMS;
 use super::reader::{Reader, turned};

@@ -7,7 +7,7 @@
 
 use super::board::{Board, BoardCorners};
 use super::corner;
-use super::finder::{Grid, NotFound, more_telling};
+use super::grid::{Grid, NotFound, more_telling};
 use super::markers::{Dictionary, RIMS};
 use super::reader::Reader;
 use linestereo_baselines::GrayImage;

@@ -15,48 +15,18 @@
 //! 5 to 20 ms for VGA where the first way succeeds, up to a second where none does.
 
 use super::board::{Board, BoardCorners};
+use super::grid::{Grid, NotFound, more_telling};
 use super::markers::Pattern;
 use super::{april, charuco, corner};
 use crate::untrusted;
-use calib_targets_chessboard::{
-    ChessboardDetection, ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
-};
+use calib_targets_chessboard::{ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners};
 use chess_corners::{ChessRing, ImageRefiner, OnRefinerReject, UpscaleConfig};
-use core::fmt;
 use linestereo_baselines::GrayImage;
-use std::collections::BTreeMap;
 
 /// Finds a board in an image.
 pub trait BoardFinder: Sync {
     /// The corners of the board, or why they are not there.
     fn find(&self, image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound>;
-}
-
-/// Why a board is not found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotFound {
-    /// Nothing that looks like a board.
-    Nothing,
-    /// A part of a board: so many corners of it.
-    Part(usize),
-    /// A whole board of another size: inner corners along the longer and the shorter side.
-    OtherSize(usize, usize),
-    /// A part of a board without markers of the dictionary: so many corners of it.
-    NoMarkers(usize),
-    /// Markers of the dictionary, but not where they are on the board.
-    OtherLayout,
-}
-
-impl fmt::Display for NotFound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nothing => write!(f, "no board"),
-            Self::Part(corners) => write!(f, "only {corners} corners of the board"),
-            Self::OtherSize(cols, rows) => write!(f, "a board of {cols}x{rows} inner corners"),
-            Self::NoMarkers(corners) => write!(f, "{corners} corners, but no markers of the dictionary"),
-            Self::OtherLayout => write!(f, "markers that are not those of the board"),
-        }
-    }
 }
 
 /// [`BoardFinder`] over the crates `chess-corners` and `calib-targets-chessboard`, and for markers `calib-targets-aruco`.
@@ -70,8 +40,6 @@ const LEAST_RESPONSE: f32 = 15.0;
 /// Images of more pixels are not enlarged, or not looked at by the slow Radon transform.
 const LARGEST_ENLARGED: usize = 400_000;
 const LARGEST_RADON: usize = 1_000_000;
-/// A line of the grid beside the board may hold this share of false corners; with more, the board is larger than said.
-const FALSE_SHARE: f64 = 0.5;
 
 /// Ways of looking of which the one that shows most of a board with markers is taken; more only where these show nothing.
 const TOGETHER: usize = 4;
@@ -161,88 +129,6 @@ fn ways(pixels: usize) -> Vec<(DetectorConfig, f32)> {
         ways.push((DetectorConfig::radon(), 0.0));
     }
     ways
-}
-
-/// A whole board of another size says most, then the largest part of one.
-pub(super) fn more_telling(one: NotFound, other: NotFound) -> NotFound {
-    let rank = |why: NotFound| match why {
-        NotFound::Nothing => (0, 0),
-        NotFound::Part(corners) => (1, corners),
-        NotFound::NoMarkers(corners) => (2, corners),
-        NotFound::OtherLayout => (3, 0),
-        NotFound::OtherSize(cols, rows) => (4, cols * rows),
-    };
-    if rank(other) > rank(one) { other } else { one }
-}
-
-/// Numbered junctions.
-pub(super) struct Grid {
-    pub(super) at: BTreeMap<(i32, i32), [f64; 2]>,
-    cols: i32,
-    rows: i32,
-}
-
-impl Grid {
-    fn new(detection: &ChessboardDetection) -> Self {
-        let place = |corner: &calib_targets_chessboard::ChessboardCorner| {
-            ((corner.grid.u, corner.grid.v), [f64::from(corner.position.x), f64::from(corner.position.y)])
-        };
-        let at: BTreeMap<_, _> = detection.corners.iter().map(place).collect();
-        let cols = at.keys().map(|key| key.0 + 1).max().unwrap_or(0);
-        let rows = at.keys().map(|key| key.1 + 1).max().unwrap_or(0);
-        Self { at, cols, rows }
-    }
-
-    /// Rows follow columns clockwise, as in a board that is seen from the front.
-    pub(super) fn clockwise(&self) -> Self {
-        let side = |from: (i32, i32), to: (i32, i32)| {
-            let [from, to] = [self.at.get(&from)?, self.at.get(&to)?];
-            Some([to[0] - from[0], to[1] - from[1]])
-        };
-        let turn = self.at.keys().filter_map(|&(u, v)| {
-            let [right, down] = [side((u, v), (u + 1, v))?, side((u, v), (u, v + 1))?];
-            Some(right[0] * down[1] - right[1] * down[0])
-        });
-        if turn.sum::<f64>() < 0.0 { self.transposed() } else { Self { at: self.at.clone(), ..*self } }
-    }
-
-    fn transposed(&self) -> Self {
-        let at = self.at.iter().map(|(&(u, v), &place)| ((v, u), place)).collect();
-        Self { at, cols: self.rows, rows: self.cols }
-    }
-
-    /// Share of the junctions of this rectangle that are there.
-    fn filled(&self, left: i32, top: i32, cols: i32, rows: i32) -> f64 {
-        let there = (top..top + rows).flat_map(|v| (left..left + cols).map(move |u| (u, v)));
-        there.filter(|key| self.at.contains_key(key)).count() as f64 / f64::from(cols * rows)
-    }
-
-    /// The rectangle without border lines that are mostly empty.
-    fn trimmed(&self) -> (i32, i32, i32, i32) {
-        let (mut left, mut top, mut cols, mut rows) = (0, 0, self.cols, self.rows);
-        loop {
-            if cols <= 1 || rows <= 1 {
-                return (left, top, cols, rows);
-            }
-            let borders = [
-                self.filled(left, top, 1, rows),
-                self.filled(left + cols - 1, top, 1, rows),
-                self.filled(left, top, cols, 1),
-                self.filled(left, top + rows - 1, cols, 1),
-            ];
-            let Some(empty) =
-                (0..4).filter(|&i| borders[i] <= FALSE_SHARE).min_by(|&a, &b| borders[a].total_cmp(&borders[b]))
-            else {
-                return (left, top, cols, rows);
-            };
-            match empty {
-                0 => (left, cols) = (left + 1, cols - 1),
-                1 => cols -= 1,
-                2 => (top, rows) = (top + 1, rows - 1),
-                _ => rows -= 1,
-            }
-        }
-    }
 }
 
 /// The board's corners if the grid holds exactly one whole board.

@@ -1,7 +1,8 @@
 //! From photos of a board to a calibrated pair, and the file that keeps it.
 //!
 //! ```text
-//! folder -> pairs of photos (photos) -> corners of the board (board, finder, corner; of boards with markers: markers, reader, charuco, april)
+//! folder -> pairs of photos (photos) -> corners of the board (board, finder, grid, corner; of boards with markers: markers, reader,
+//!                                                      charuco, april; printed)
 //!        -> cameras, pose and their spread (initial, model, bundle, estimate)
 //!        -> what they are worth (quality) -> a report (summary)
 //! ```
@@ -13,10 +14,12 @@ mod charuco;
 mod corner;
 mod estimate;
 mod finder;
+mod grid;
 mod initial;
 mod markers;
 mod model;
 mod photos;
+mod printed;
 mod quality;
 mod reader;
 mod summary;
@@ -26,9 +29,11 @@ pub use estimate::{
     BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Options, Parameter,
     ViewReport, estimate,
 };
-pub use finder::{BoardFinder, JunctionFinder, NotFound};
-pub use markers::{Dictionary, Pattern, Rectangle};
+pub use finder::{BoardFinder, JunctionFinder};
+pub use grid::NotFound;
+pub use markers::{Dictionary, Pattern};
 pub use model::LensModel;
 pub use photos::{PhotoError, PhotoPair, find_pairs};
+pub use printed::Rectangle;
 pub use quality::{Assessment, Coverage, Finding, Rectified, Verdict, assess};
 pub use summary::{json, summary};

@@ -57,7 +57,8 @@ fn seconds_of_a_pico_2() {
     run.assert_all_accepted();
     assert_eq!(run.result["erases"], 1);
     let rectified = frames.iter().filter(|head| head.capture_time_us > 3_200_000);
-    assert!(rectified.clone().count() > 8 && rectified.clone().all(|head| head.segments > 100), "{frames:?}");
+    // Raw rows give some 13 segments, since they are not those of one point; edges of this dense pattern have a budget.
+    assert!(rectified.clone().count() > 8 && rectified.clone().all(|head| head.segments > 65), "{frames:?}");
     let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
     assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
 
