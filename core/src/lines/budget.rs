@@ -91,7 +91,7 @@ impl Budget {
         Self { left_q10: (self.left_q10 >> 8) * kept_q8, stretch_q10: (self.stretch_q10 * kept_q8) >> 8, ..self }
     }
 
-    /// What has been taken and cut.
+    /// Units taken and edges cut so far.
     pub(super) fn taken(&self) -> Taken {
         let share = (self.total_q10 >> 10).unsigned_abs() * 2 / 3;
         Taken { units: self.taken, beyond_share: self.taken.saturating_sub(share), cut: self.cut }

@@ -1,4 +1,4 @@
-//! What the core says against what arrives of it: objects, points, health and settings.
+//! Records made of the core's results, sent and read back: objects, points, health and settings.
 
 use crate::support::*;
 use linestereo::health::{CameraHealth, Rows, Still, Tear};

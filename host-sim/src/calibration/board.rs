@@ -119,7 +119,7 @@ impl Board {
         }
     }
 
-    /// What is printed on it.
+    /// Squares and markers that are printed on it.
     #[must_use]
     pub fn pattern(&self) -> Pattern {
         self.pattern

@@ -1,4 +1,4 @@
-//! What is printed on a board: squares, and markers that number its corners.
+//! Kinds of boards, and the dictionaries of the markers that number their corners.
 //!
 //! ```text
 //! ChArUco     OpenCV's: markers in the white squares, numbered row by row. The upper left square is black, but white in the legacy pattern

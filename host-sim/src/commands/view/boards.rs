@@ -39,7 +39,7 @@ struct Show<'a> {
     told: Instant,
     /// When the last photograph was asked for.
     photographed: Option<Instant>,
-    /// What the options say of its frames, as soon as their size is known.
+    /// Set-up of its frames by the options; `None` until their size is known.
     setup: Option<Setup<'a>>,
     space: Option<Space>,
     /// With --rig.
