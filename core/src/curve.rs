@@ -135,6 +135,7 @@ impl Curve {
     }
 
     /// The first lowest entry within `centre +- reach`.
+    #[inline(never)]
     pub(crate) fn minimum_near(&self, centre: i32, reach: i32) -> Minimum {
         minimum_near(centre, reach, |d| self.at(d))
     }
@@ -147,6 +148,7 @@ impl Curve {
     }
 
     /// Lowest cost outside the neighbourhood of `at`: the second-best.
+    #[inline(never)]
     pub(crate) fn second_best(&self, at: i32) -> u16 {
         let costs = self.whole();
         let index = |d: i32| usize::try_from(d - self.first).unwrap_or(0).min(costs.len());

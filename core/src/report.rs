@@ -89,6 +89,12 @@ impl Report<'_> {
         });
     }
 
+    /// Most probable first.
+    #[inline(never)]
+    fn sort_order(&mut self) {
+        sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
+    }
+
     fn list_matches(&mut self, matches: &mut VecView<Match>, counts: &mut Counts) {
         let least = self.least();
         self.order.clear();
@@ -103,7 +109,7 @@ impl Report<'_> {
                 None => counts.reject(Rejection::LowConfidence),
             }
         }
-        sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
+        self.sort_order();
         for (rank, ranked) in (0..).zip(self.order.iter()) {
             let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else { continue };
             let Some(found) = to_match(candidate, self.params, self.models) else { continue };
@@ -121,7 +127,7 @@ impl Report<'_> {
                 let _ = self.order.push(Ranked { probability_q16: side.probability_q16, candidate: i });
             }
         }
-        sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
+        self.sort_order();
         self.marks.fill(0);
         let (least, support) = (self.least(), self.support);
         for ranked in self.order.iter() {

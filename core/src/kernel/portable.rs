@@ -64,7 +64,7 @@ pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
     Some(census_of(row(0)?, row(2)?, row(4)?))
 }
 
-#[inline]
+#[inline(always)]
 pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8; 5], &[f, _, g, _, h]: &[u8; 5]) -> u8 {
     // Bit by bit: a loop is not unrolled where code is to be small, and takes twice as long.
     let bit = |neighbour: u8, place: u32| u8::from(neighbour < centre) << place;

@@ -162,6 +162,7 @@ impl<'a> Edges<'a> {
     }
 
     /// The part of a stretch that is valid, if it is in one piece.
+    #[inline(always)]
     fn valid_part(&self, t: i32, mut from: i32, mut to: i32) -> Option<(i32, i32)> {
         if self.valid.is_empty() {
             return Some((from, to));

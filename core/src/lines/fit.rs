@@ -64,6 +64,7 @@ impl Sums {
     }
 
     /// The line as `(u at t = 0 in Q5, slope in Q12 px per step)`.
+    #[inline(always)]
     fn line(&self) -> (i32, i32) {
         let denominator = self.n * self.tt - self.t * self.t; // < 64 * 85344 = 5.5e6
         let numerator = self.n * self.tu - self.t * self.u;

@@ -22,12 +22,14 @@ pub(crate) fn census(image: Gray<'_>, y: i32, columns: Range<i32>, out: &mut [u8
     fill(image, [y - 2, y, y + 2], columns, out, census_row);
 }
 
+/// Both kernels share one copy of it.
+#[inline(never)]
 fn fill(
     image: Gray<'_>,
     rows: [i32; 3],
     columns: Range<i32>,
     out: &mut [u8],
-    kernel: impl FnOnce([&[u8]; 3], &mut [u8]),
+    kernel: fn([&[u8]; 3], &mut [u8]),
 ) {
     let dims = image.dims();
     let inside = |x: i32| x.max(0).min(dims.width.into());

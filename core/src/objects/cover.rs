@@ -67,7 +67,7 @@ impl<'a> Cover<'a> {
     }
 
     /// True when the pixel belongs to the region.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn contains(&self, x: i32, y: i32) -> bool {
         if !self.area.contains(x, y) {
             return false;

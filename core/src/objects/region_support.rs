@@ -74,7 +74,7 @@ pub(crate) fn gather(
     list_points(support, (cover, area), neighbours, &mut found);
     let points = found.hypotheses;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
-        let inside = pixels_inside(&candidate.segment, WINDOW_MIDDLE, |x, y| cover.contains(x, y));
+        let inside = pixels_inside(&candidate.segment, WINDOW_MIDDLE, &|x, y| cover.contains(x, y));
         let [a, b] = inside;
         let is_outline = [b == 0, a == 0];
         let agree = is_agreed(candidate);
@@ -169,7 +169,7 @@ fn thin_side<'a>(candidate: &'a Candidate, windows: [u16; 2], cover: &Cover<'_>)
     if !cover.is_thin || candidate.segment.near_horizontal || windows != [0; 2] {
         return None;
     }
-    let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, |x, y| cover.contains(x, y)) {
+    let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, &|x, y| cover.contains(x, y)) {
         [3, 0] => 0,
         [0, 3] => 1,
         _ => return None,
@@ -194,12 +194,12 @@ fn touches(segment: &Segment, area: Area) -> bool {
 
 /// True when a window of the segment can count for a region with this area.
 pub(crate) fn supports_area(segment: &Segment, area: Area) -> bool {
-    pixels_inside(segment, WINDOW_MIDDLE, |x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
+    pixels_inside(segment, WINDOW_MIDDLE, &|x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
 }
 
 /// Number, 0 ..= 3, of pixels on each side, so far away from the edge, one more beside near-horizontal edges, that belong to the region.
-#[inline]
-fn pixels_inside(segment: &Segment, away: i32, contains: impl Fn(i32, i32) -> bool) -> [u16; 2] {
+#[inline(never)]
+fn pixels_inside(segment: &Segment, away: i32, contains: &dyn Fn(i32, i32) -> bool) -> [u16; 2] {
     let (x0, y0, x1, y1) = segment.ends_q5();
     let (dx, dy) = if segment.near_horizontal { (0, away + 1) } else { (away, 0) };
     let (mut before, mut after) = (0, 0);

@@ -141,11 +141,11 @@ pub(crate) fn find(
     let count = weigh_agreement(neighbours, order, &mut hypotheses);
     let sampled = hypotheses.get(..count)?;
     let chosen = choose(sampled, is_box)?;
-    let near = fit(neighbours, centre, |x, y, d_q6| chosen.agrees(x, y, d_q6))?;
+    let near = fit(neighbours, centre, &|x, y, d_q6| chosen.agrees(x, y, d_q6))?;
     let [x0, y0] = centre;
     let on = |plane: &Plane, x: i32, y: i32, d_q6: i32| (d_q6 - plane.at_q6(x - x0, y - y0)).abs() <= TOLERANCE_Q6;
-    let plane = fit(neighbours, centre, |x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
-    let mut surface = describe(neighbours, centre, &plane, |x, y, d_q6| on(&plane, x, y, d_q6))?;
+    let plane = fit(neighbours, centre, &|x, y, d_q6| on(&near, x, y, d_q6)).unwrap_or(near);
+    let mut surface = describe(neighbours, centre, &plane, &|x, y, d_q6| on(&plane, x, y, d_q6))?;
     let far = sampled.iter().filter(|h| (h.d_q6 - plane.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
     surface.second_weight_q8 =
         far.max_by_key(|h| h.by_weight()).map_or(0, |second| separate_weight(neighbours, chosen, second));
@@ -158,7 +158,7 @@ fn separate_weight(neighbours: &[Neighbour], chosen: &Hypothesis, second: &Hypot
     visit(
         neighbours,
         [0; 2],
-        |x, y, d_q6| chosen.agrees(x, y, d_q6) && second.agrees(x, y, d_q6),
+        &|x, y, d_q6| chosen.agrees(x, y, d_q6) && second.agrees(x, y, d_q6),
         |_, _, _, w| common += w,
     );
     if common.unsigned_abs() * 8 >= second.weight_q8 { 0 } else { second.weight_q8 }
@@ -214,7 +214,7 @@ fn choose(sampled: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
 fn visit(
     neighbours: &[Neighbour],
     [x0, y0]: [i32; 2],
-    belongs: impl Fn(i32, i32, i32) -> bool,
+    belongs: &dyn Fn(i32, i32, i32) -> bool,
     mut visit: impl FnMut(i32, i32, i32, i32),
 ) -> u16 {
     let mut count = 0_u16;
@@ -276,10 +276,10 @@ impl Sums {
 }
 
 /// The plane through the hypotheses that belong, by least squares; `None` when none does.
-fn fit(neighbours: &[Neighbour], centre: [i32; 2], belongs: impl Fn(i32, i32, i32) -> bool) -> Option<Plane> {
+fn fit(neighbours: &[Neighbour], centre: [i32; 2], belongs: &dyn Fn(i32, i32, i32) -> bool) -> Option<Plane> {
     let mut sums = Sums::default();
     let [mut uv, mut ud, mut vd] = [0_i64; 3];
-    visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
+    visit(neighbours, centre, belongs, |u, v, d_q6, w| {
         sums.add(u, v, d_q6, w);
         let wu = i64::from(w * u);
         uv += wu * i64::from(v);
@@ -322,11 +322,11 @@ fn describe(
     neighbours: &[Neighbour],
     centre: [i32; 2],
     plane: &Plane,
-    belongs: impl Fn(i32, i32, i32) -> bool,
+    belongs: &dyn Fn(i32, i32, i32) -> bool,
 ) -> Option<Surface> {
     let mut sums = Sums::default();
     let (mut low, mut high, mut spread) = (i32::MAX, i32::MIN, 0);
-    let support = visit(neighbours, centre, &belongs, |u, v, d_q6, w| {
+    let support = visit(neighbours, centre, belongs, |u, v, d_q6, w| {
         sums.add(u, v, d_q6, w);
         low = low.min(d_q6);
         high = high.max(d_q6);

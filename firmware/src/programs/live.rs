@@ -471,6 +471,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     /// Microseconds since the start. Right as long as the clock does not wrap between two questions.
+    #[inline(never)]
     fn time(&mut self) -> u64 {
         let now = self.clock.now();
         self.time_us += self.clock.microseconds(self.last, now);
