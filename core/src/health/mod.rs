@@ -368,4 +368,121 @@ mod tests {
         assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
         assert_eq!(told(LEAST_SAMPLES - 1, u16::MAX), None);
     }
+
+    #[test]
+    fn few_are_matched_below_a_share_of_those_compared() {
+        let limits = HealthLimits { matched_permille: 100, unwitnessed_permille: 200, ..HealthLimits::DEFAULT };
+        let few = |segments: u16, less_prominent: u16, matched: u16, rows_are_known| {
+            let mut counts = Counts::default();
+            (counts.segments_left, counts.matched) = (segments, matched);
+            counts.reject_many(Rejection::LessProminent, less_prominent);
+            are_few(&counts, &limits, rows_are_known)
+        };
+        assert_eq!([3, 4].map(|matched| few(50, 10, matched, true)), [true, false]);
+        assert_eq!([7, 8].map(|matched| few(50, 10, matched, false)), [true, false]);
+        assert_eq!([23, 24].map(|compared| few(compared, 0, 0, true)), [false, true], "of fewer nothing is said");
+    }
+
+    #[test]
+    fn the_range_is_small_with_enough_windows_beyond_it() {
+        let limits = HealthLimits { min_beyond_range: 3, beyond_range_permille: 20, ..HealthLimits::DEFAULT };
+        let small = |beyond, windows| {
+            let mut range = RangeCheck::default();
+            (range.beyond, range.windows) = (beyond, windows);
+            is_small(&range, &limits)
+        };
+        assert_eq!([small(2, 10), small(3, 10), small(3, 150), small(3, 151)], [false, true, true, false]);
+    }
+
+    #[test]
+    fn the_third_smallest_disparity_is_that_of_the_larger_end() {
+        let matches = [[5, -7], [1, 9], [-3, -8], [2, 2], [-4, 70]].map(|d| rows::tests::matched([(0, 0); 2], d));
+        assert_eq!([2, 3, 4, 5].map(|count| third_least_q6(&matches[..count])), [None, Some(9), Some(5), Some(5)]);
+    }
+
+    #[test]
+    fn a_flag_stays_until_pairs_were_free_of_it() {
+        let (limits, mut monitor) = (HealthLimits { clear_after: 2, ..HealthLimits::DEFAULT }, HealthMonitor::new());
+        let (torn, none) = (HealthFlags::TORN, HealthFlags::GOOD);
+        // Raised, free of it, not tested, free of it, not tested.
+        let flags = [(torn, torn), (none, torn), (none, none), (none, torn), (none, none)]
+            .map(|(now, tested)| monitor.hold(&limits, now, tested));
+        assert_eq!(flags, [torn, torn, torn, none, none]);
+    }
+
+    #[test]
+    fn differences_of_rows_are_a_mean_at_first_and_exponential_later() {
+        let (limits, mut monitor) = (HealthLimits { row_pairs: (2, 4), ..HealthLimits::DEFAULT }, HealthMonitor::new());
+        let means = [256, 0, 64, 64, 64].map(|offset_q8| {
+            monitor.smooth(&limits, offset_q8);
+            [monitor.short_q16 >> 8, monitor.long_q16 >> 8]
+        });
+        assert_eq!(means, [[256, 256], [128, 128], [96, 106], [80, 96], [72, 88]]);
+    }
+
+    const DIMS: crate::Dims = crate::Dims { width: 16, height: 16 };
+
+    #[test]
+    fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
+        let pixels = [0; 256];
+        let images = [Gray::new(&pixels, DIMS, 16).unwrap(); 2];
+        let mut monitor = HealthMonitor { short_q16: 100 * 256 + 128, long_q16: 40 * 256, ..HealthMonitor::new() };
+        let mut reported = |pairs| {
+            let mut health = PairHealth::default();
+            monitor.pairs = pairs;
+            let flags = monitor.check_rows(&HealthLimits::DEFAULT, images, &[], &mut health);
+            assert_eq!(flags, (HealthFlags::GOOD, HealthFlags::GOOD), "no match measures them");
+            (health.row_offset_q8, health.row_drift_q8)
+        };
+        assert_eq!([0, 1, SETTLED - 1].map(&mut reported), [(None, None), (Some(101), None), (Some(101), None)]);
+        assert_eq!(reported(SETTLED), (Some(101), Some(61)));
+    }
+
+    /// Faults of the left camera beside a right one of level 100 and detail 10.
+    fn faults(health: CameraHealth, is_flat: bool) -> HealthFlags {
+        let check = |health, is_flat| camera::CameraCheck { health, is_flat, digest: 1 };
+        let usual = CameraHealth { level: 100, detail_q4: 160, view_permille: 1000, ..CameraHealth::default() };
+        HealthMonitor::new().fault(&HealthLimits::DEFAULT, &check(health, is_flat), &check(usual, false), 0)
+    }
+
+    #[test]
+    fn a_camera_is_covered_when_it_is_black_or_plain_beside_the_other() {
+        let camera =
+            |level, detail_q4| CameraHealth { level, detail_q4, view_permille: 1000, ..CameraHealth::default() };
+        let is_covered = |health| faults(health, false).contains(HealthFlags::LEFT_COVERED);
+        assert_eq!([11, 12].map(|level| is_covered(camera(level, 160))), [true, false], "black");
+        // A third of the other's detail, at half its level a sixth.
+        assert_eq!([53, 54].map(|detail_q4| is_covered(camera(100, detail_q4))), [true, false]);
+        assert_eq!([26, 27].map(|detail_q4| is_covered(camera(50, detail_q4))), [true, false]);
+        let overexposed = CameraHealth { white_permille: 251, ..camera(100, 0) };
+        assert_eq!(
+            [250, 251].map(|white_permille| is_covered(CameraHealth { white_permille, ..overexposed })),
+            [true, false]
+        );
+        assert_eq!(faults(camera(100, 0), true), HealthFlags::LEFT_DEAD, "flat is dead, not covered");
+    }
+
+    #[test]
+    fn levels_saturation_and_view_have_limits() {
+        let usual = CameraHealth { level: 100, detail_q4: 160, view_permille: 1000, ..CameraHealth::default() };
+        assert_eq!(faults(usual, false), HealthFlags::GOOD);
+        for (level, is_good) in [(19, false), (20, true), (235, true), (236, false)] {
+            assert_eq!(faults(CameraHealth { level, ..usual }, false) == HealthFlags::GOOD, is_good, "{level}");
+        }
+        for (black_permille, white_permille, flag) in
+            [(150, 100, HealthFlags::GOOD), (150, 101, HealthFlags::LEFT_SATURATED)]
+        {
+            assert_eq!(faults(CameraHealth { black_permille, white_permille, ..usual }, false), flag);
+        }
+        assert_eq!(faults(CameraHealth { view_permille: 500, ..usual }, false), HealthFlags::GOOD);
+        assert_eq!(faults(CameraHealth { view_permille: 499, ..usual }, false), HealthFlags::LEFT_VIEW);
+    }
+
+    #[test]
+    fn a_camera_is_frozen_beyond_the_pairs_that_may_repeat() {
+        let (limits, mut monitor) = (HealthLimits { frozen_pairs: 1, ..HealthLimits::DEFAULT }, HealthMonitor::new());
+        let left = [5, 5, 5, 6, 6].map(|digest| monitor.is_same(digest, 0, &limits));
+        assert_eq!(left, [false, false, true, false, false]);
+        assert!(!monitor.is_same(6, 1, &limits), "each camera has its own");
+    }
 }
