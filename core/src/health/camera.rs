@@ -172,6 +172,9 @@ mod tests {
         let (plain, other) = (of(&image(90, 10)), of(&image(90, 11)));
         assert_eq!(plain.health, CameraHealth { level: 90, view_permille: 1000, ..CameraHealth::default() });
         assert!(plain.is_flat && other.is_flat && plain.digest != other.digest);
+        let mut with_a_light = image(90, 10);
+        with_a_light[(4 + 8 * 5) * 320 + 3 + 7 * 10] = 120;
+        assert!(!of(&with_a_light).is_flat);
     }
 
     #[test]

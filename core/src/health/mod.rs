@@ -358,6 +358,7 @@ fn third_least_q6(matches: &[Match]) -> Option<i16> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::SupportPoint;
 
     #[test]
     fn few_matches_tell_rows_that_are_very_uneven_alone() {
@@ -438,6 +439,84 @@ mod tests {
         assert_eq!(reported(SETTLED), (Some(101), Some(61)));
     }
 
+    #[test]
+    fn even_rows_are_smoothed_and_uneven_ones_flagged() {
+        let limits = HealthLimits { min_row_samples: 4, ..HealthLimits::DEFAULT };
+        let of = |moved, from| {
+            let (mut monitor, mut health) = (HealthMonitor::new(), PairHealth::default());
+            let ([left, right], edges) = rows::tests::falling(moved, from);
+            let images = [rows::tests::view(&left), rows::tests::view(&right)];
+            let (now, _) = monitor.check_rows(&limits, images, &edges, &mut health);
+            (now, health.row_offset_q8)
+        };
+        let (off, far) = (HealthFlags::ROWS_OFF, HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR);
+        assert_eq!(
+            [0, 1, -2].map(|moved| of(moved, -100)),
+            [(HealthFlags::GOOD, Some(0)), (off, Some(256)), (far, Some(-512))]
+        );
+        assert_eq!(of(2, 45), (HealthFlags::ROWS_UNEVEN, None), "the lower two of four edges");
+    }
+
+    #[test]
+    fn exposures_differ_beyond_their_ratio() {
+        let differ = |left: u8, right: u8| {
+            let pixels =
+                [left, right].map(|level| -> [u8; 256] { core::array::from_fn(|i| level + (i % 2 * 8) as u8 - 4) });
+            let images = pixels.each_ref().map(|pixels| Gray::new(pixels, DIMS, 16).unwrap());
+            HealthMonitor::new().check_images(&HealthLimits::DEFAULT, images[0], images[1], None).now
+        };
+        let flag = HealthFlags::EXPOSURES_DIFFER;
+        let found = [differ(100, 100), differ(100, 175), differ(100, 176), differ(176, 100)];
+        assert_eq!(found, [HealthFlags::GOOD, HealthFlags::GOOD, flag, flag]);
+    }
+
+    #[test]
+    fn what_is_matched_has_limits_that_raise_flags_beyond_them() {
+        let noise = still::tests::noise(1);
+        let image = Gray::new(&noise, still::tests::DIMS, 128).unwrap();
+        // A quarter without parallax, the others at 10 px; both images are one.
+        let points: [_; still::tests::GRID] = core::array::from_fn(|i| SupportPoint {
+            disparity_q6: if i % 4 == 0 { 0 } else { 640 },
+            score_q8: 0,
+            probability_q16: 0xffff,
+            ..SupportPoint::none()
+        });
+        let matches = [rows::tests::matched([(0, 0); 2], [-64; 2]); 3];
+        let mut counts = Counts::default();
+        (counts.segments_left, counts.matched) = (100, 3);
+        let mut range = RangeCheck::default();
+        (range.beyond, range.windows) = (5, 100);
+        let support = Support::new(&crate::Params::default(), still::tests::DIMS, &points, 0);
+        let findings = Findings { matches: &matches, counts: &counts, support, range };
+        let raised = |limits: &HealthLimits, before| {
+            let mut health = PairHealth { now: before, ..PairHealth::default() };
+            HealthMonitor::new().check_matches(limits, [image; 2], &findings, &mut health);
+            (health.now, health.still.unwrap().pattern_permille)
+        };
+        let (_, pattern_permille) = raised(&HealthLimits::DEFAULT, HealthFlags::GOOD);
+        let limits = HealthLimits {
+            still_permille: 250,
+            pattern_permille,
+            least_disparity_q6: -64,
+            unwitnessed_permille: 30,
+            beyond_range_permille: 51,
+            ..HealthLimits::DEFAULT
+        };
+        let now = |limits| raised(&limits, HealthFlags::GOOD).0;
+        assert_eq!(now(limits), HealthFlags::GOOD);
+        assert_eq!(now(HealthLimits { still_permille: 249, ..limits }), HealthFlags::NO_PARALLAX);
+        assert_eq!(now(HealthLimits { pattern_permille: pattern_permille - 1, ..limits }), HealthFlags::SAME_PIXEL);
+        assert_eq!(now(HealthLimits { least_disparity_q6: -63, ..limits }), HealthFlags::BEYOND_INFINITY);
+        assert_eq!(now(HealthLimits { unwitnessed_permille: 31, ..limits }), HealthFlags::FEW_MATCHES);
+        let small = HealthLimits { beyond_range_permille: 50, ..limits };
+        assert_eq!(now(small), HealthFlags::RANGE_SMALL);
+        assert_eq!(
+            raised(&small, HealthFlags::LEFT_DEAD).0,
+            HealthFlags::LEFT_DEAD,
+            "a fault of a camera does the same"
+        );
+    }
+
     /// Faults of the left camera beside a right one of level 100 and detail 10.
     fn faults(health: CameraHealth, is_flat: bool) -> HealthFlags {
         let check = |health, is_flat| camera::CameraCheck { health, is_flat, digest: 1 };
@@ -453,6 +532,11 @@ mod tests {
         assert_eq!([11, 12].map(|level| is_covered(camera(level, 160))), [true, false], "black");
         // A third of the other's detail, at half its level a sixth.
         assert_eq!([53, 54].map(|detail_q4| is_covered(camera(100, detail_q4))), [true, false]);
+        assert_eq!(
+            [79, 80].map(|detail_q4| is_covered(camera(150, detail_q4))),
+            [true, false],
+            "the limit itself is none"
+        );
         assert_eq!([26, 27].map(|detail_q4| is_covered(camera(50, detail_q4))), [true, false]);
         let overexposed = CameraHealth { white_permille: 251, ..camera(100, 0) };
         assert_eq!(

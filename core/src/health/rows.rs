@@ -304,7 +304,7 @@ pub(super) mod tests {
     use crate::units::{Confidence, Disparity, Position};
 
     const DIMS: Dims = Dims { width: 64, height: 96 };
-    type Pixels = [u8; 64 * 96];
+    pub(in crate::health) type Pixels = [u8; 64 * 96];
 
     fn painted(level: impl Fn(i32, i32) -> u8) -> Pixels {
         let mut pixels = [0; 64 * 96];
@@ -314,7 +314,7 @@ pub(super) mod tests {
         pixels
     }
 
-    fn view(pixels: &Pixels) -> Gray<'_> {
+    pub(in crate::health) fn view(pixels: &Pixels) -> Gray<'_> {
         Gray::new(pixels, DIMS, 64).unwrap()
     }
 
@@ -452,22 +452,31 @@ pub(super) mod tests {
         [60, 140, 40, 180, 90][STEPS.iter().filter(|&&step| y >= step).count()]
     }
 
-    #[test]
-    fn edges_differ_by_the_rows_that_one_image_is_moved_by() {
-        // They fall by a row in four columns, so that a wrong column is a wrong row as well.
+    /// Edges that fall by a row in four columns, so that a wrong column is a wrong row as well; the right image is moved down, from a row on.
+    pub(in crate::health) fn falling(moved: i32, from: i32) -> ([Pixels; 2], [Match; STEPS.len()]) {
         let left = painted(|x, y| steps(y - x / 4));
+        let right = painted(|x, y| {
+            let y = y - (x + 6) / 4;
+            steps(if y < from { y } else { y - moved })
+        });
         let edges = STEPS.map(|row| {
             let end = |x: u16| (32 * x, 32 * (row as u16 + x / 4));
             matched([end(8), end(56)], [6 << 6; 2])
         });
+        ([left, right], edges)
+    }
+
+    #[test]
+    fn edges_differ_by_the_rows_that_one_image_is_moved_by() {
         for moved in -4..=4 {
-            let right = painted(|x, y| steps(y - moved - (x + 6) / 4));
+            let ([left, right], edges) = falling(moved, -100);
             let found = measure(view(&left), view(&right), &edges);
             assert_eq!(found, Some(Rows { offset_q8: 256 * moved as i16, spread_q8: 0, samples: 4 }));
         }
+        let ([left, right], edges) = falling(0, 0);
         let upright = matched([(320, 320), (320, 1280)], [0; 2]);
-        assert_eq!(measure(view(&left), view(&left), &[upright]), None);
-        assert_eq!(measure(view(&[50; 64 * 96]), view(&left), &edges), None, "no edge there");
+        assert_eq!(measure(view(&left), view(&right), &[upright]), None);
+        assert_eq!(measure(view(&[50; 64 * 96]), view(&right), &edges), None, "no edge there");
     }
 
     #[test]

@@ -97,16 +97,16 @@ fn pixels<const N: usize>(image: Gray<'_>, x: i32, y: u16) -> Option<&[u8; N]> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::health::HealthLimits;
     use crate::image::{Dims, Span};
     use crate::params::Params;
     use crate::support::SupportPoint;
 
-    const DIMS: Dims = Dims { width: 128, height: 96 };
+    pub(in crate::health) const DIMS: Dims = Dims { width: 128, height: 96 };
     /// As many as of images of this size.
-    const GRID: usize = 16 * 12;
+    pub(in crate::health) const GRID: usize = 16 * 12;
 
     #[test]
     fn the_excess_is_what_no_other_lag_explains() {
@@ -129,7 +129,7 @@ mod tests {
         assert_eq!([3, 4, 6, 7].map(|x| at(image, x).is_some()), [false, true, true, false]);
     }
 
-    fn noise(seed: u32) -> [u8; 128 * 96] {
+    pub(in crate::health) fn noise(seed: u32) -> [u8; 128 * 96] {
         let mut state = seed;
         [(); 128 * 96].map(|()| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -180,15 +180,20 @@ mod tests {
     const DIMS: Dims = Dims { width: 320, height: 32 };
     type Pixels = [u8; 320 * 32];
 
-    /// Pillars of random levels, noise of a level; from row 10 on moved to the right.
-    fn torn(by: i32) -> Pixels {
+    /// Pillars of random levels below this one, noise of a level; each row is moved to the right.
+    fn pillars(levels: u32, moved: impl Fn(i32) -> i32) -> Pixels {
         let mut pixels = [0; 320 * 32];
         for (pixel, i) in pixels.iter_mut().zip(0..) {
-            let (x, y) = (i % 320, i / 320);
-            let pillar = (if y < 10 { x } else { x - by }).div_euclid(5) as u32;
-            *pixel = 100 + (pillar.wrapping_mul(2_654_435_761) >> 26) as u8 + (i * 7 % 3 / 2) as u8;
+            let pillar = (i % 320 - moved(i / 320)).div_euclid(5) as u32;
+            let level = (pillar.wrapping_mul(2_654_435_761) >> 16) * levels >> 16;
+            *pixel = 100 + level as u8 + (i * 7 % 3 / 2) as u8;
         }
         pixels
+    }
+
+    /// From the row behind this one on moved to the right.
+    fn torn(below: i32, by: i32) -> Pixels {
+        pillars(64, |y| if y > below { by } else { 0 })
     }
 
     fn view(pixels: &Pixels) -> Gray<'_> {
@@ -197,7 +202,7 @@ mod tests {
 
     #[test]
     fn a_row_below_which_one_image_is_moved_is_torn() {
-        let (whole, torn) = (torn(0), torn(6));
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
         let row = |left, right, rows, shift| torn_row([view(left), view(right)], rows, shift);
         // The left image moved to the right has larger disparities, the right one smaller.
         assert_eq!(row(&torn, &whole, (2, 20), 6), Some(9));
@@ -207,6 +212,11 @@ mod tests {
             assert_eq!(row(&torn, &whole, rows, shift), None, "{rows:?} by {shift}");
         }
         assert_eq!(row(&whole, &whole, (2, 20), 6), None);
+        // Levels below 6 differ by 2 on average, and noise by less than one.
+        let [faint, clear] = [6, 16].map(|levels| pillars(levels, |y| if y > 9 { 6 } else { 0 }));
+        assert_eq!([row(&faint, &whole, (2, 20), 6), row(&clear, &whole, (2, 20), 6)], [None, Some(9)]);
+        let slanted = pillars(64, |y| 6 * y);
+        assert_eq!(row(&slanted, &slanted, (2, 20), 6), None, "each row is the one above, moved");
     }
 
     #[test]
@@ -231,8 +241,24 @@ mod tests {
     }
 
     #[test]
+    fn four_rows_beyond_those_of_points_are_looked_at() {
+        // The row of points at 4 px has no disparity, those at 12 px and at 20 px have different ones.
+        let found = |below: i32| {
+            let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
+                0 => SupportPoint::none(),
+                1 => SupportPoint { disparity_q6: 640, score_q8: 0, ..SupportPoint::none() },
+                _ => SupportPoint { disparity_q6: 1024, score_q8: 0, ..SupportPoint::none() },
+            });
+            let (left, right) = (torn(below, 6), torn(below, 0));
+            find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0)).is_some()
+        };
+        // The first of them has none before it to stand out from.
+        assert_eq!([8, 9, 15, 23].map(found), [false, true, true, true]);
+    }
+
+    #[test]
     fn points_lead_to_the_row() {
-        let (whole, torn) = (torn(0), torn(6));
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
         // Rows of points at 4, 12, 20 and 28 px: those from the second on see the shift.
         let found = |left, right, shift: i16, odd: bool| {
             let points: [_; 40 * 4] = core::array::from_fn(|i| {
