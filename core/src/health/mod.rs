@@ -458,6 +458,20 @@ mod tests {
     }
 
     #[test]
+    fn images_captured_too_far_apart_are_refused() {
+        let pixels: [u8; 256] = core::array::from_fn(|i| 100 + (i % 2 * 8) as u8);
+        let image = Gray::new(&pixels, DIMS, 16).unwrap();
+        let (limits, mut monitor) = (HealthLimits { skew_us: 500, ..HealthLimits::DEFAULT }, HealthMonitor::new());
+        let mut refused = |times_us| {
+            let health = monitor.check_images(&limits, image, image, times_us);
+            (health.is_refused(), health.skew_us)
+        };
+        assert_eq!([None, Some([9, 509])].map(&mut refused), [(false, None), (false, Some(500))]);
+        assert_eq!(refused(Some([510, 9])), (true, Some(501)));
+        assert_eq!(refused(Some([7, 7])), (false, Some(0)), "by its own times alone");
+    }
+
+    #[test]
     fn exposures_differ_beyond_their_ratio() {
         let differ = |left: u8, right: u8| {
             let pixels =

@@ -480,6 +480,16 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_weak_edge_is_no_sample() {
+        // Of a step of s levels the gradients are 64 s / 3 times 1, 3, 3, 1: their root is 95 s, and 887 is asked for.
+        let is_sample = |step: u8| {
+            let pixels = painted(|_, y| if y < 35 { 100 } else { 100 + step });
+            measure(view(&pixels), view(&pixels), &[matched([(320, 35 * 32), (1600, 35 * 32)], [0; 2])]).is_some()
+        };
+        assert_eq!([9, 10].map(is_sample), [false, true]);
+    }
+
+    #[test]
     fn pixels_that_are_not_valid_are_not_compared() {
         let edge = |x0: u16, x1: u16, row: u16| matched([(32 * x0, 32 * row), (32 * x1, 32 * row)], [6 << 6; 2]);
         let pixels = painted(|_, y| steps(y));
