@@ -360,8 +360,10 @@ pub(super) mod tests {
 
     #[test]
     fn a_disparity_changes_by_a_pixel_a_pixel_at_most() {
-        let edge = Edge::of(&matched([(0, 0), (320, 0)], [0, 6400])).unwrap();
-        assert_eq!([1, 2, 10].map(|x| edge.at(x).1), [64, 128, 640]);
+        for sign in [1, -1] {
+            let edge = Edge::of(&matched([(0, 0), (320, 0)], [0, sign * 6400])).unwrap();
+            assert_eq!([1, 2, 10].map(|x| edge.at(x).1 * i32::from(sign)), [64, 128, 640]);
+        }
     }
 
     #[test]
