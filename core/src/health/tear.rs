@@ -11,7 +11,7 @@
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
 //! # Cost
-//! Some 75 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
+//! Some 65 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
 
 use crate::image::Gray;
 use crate::support::Support;
@@ -74,7 +74,7 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
 #[inline(never)] // its variables are in registers
 fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let mut bins = [0_u8; BINS];
-    // A bit for four bins that are not empty, and their number of points.
+    // A bit for each four bins that are not all empty, and the number of points.
     let (mut filled, mut points) = (0_u32, 0);
     changes_q6.for_each(|change| {
         points += 1;
@@ -254,6 +254,19 @@ mod tests {
         };
         // The first of them has none before it to stand out from.
         assert_eq!([8, 9, 15, 23].map(found), [false, true, true, true]);
+    }
+
+    #[test]
+    fn rows_of_points_two_apart_are_compared_where_the_middle_one_has_none() {
+        let point = |disparity_q6| SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() };
+        let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
+            0 => point(640),
+            2 => point(1024),
+            _ => SupportPoint::none(),
+        });
+        let (left, right) = (torn(21, 6), torn(21, 0));
+        let found = find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0));
+        assert_eq!(found, Some(Tear { row: 21, shift: 6 }));
     }
 
     #[test]

@@ -403,7 +403,7 @@ pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2
     for (sums, most) in sums.iter_mut().zip([i32::from(u8::MAX), WEAK]) {
         let gradient = |pixels: &[u8], i: usize| {
             let at = |i: usize| pixels.get(i).copied().map_or(0, i32::from);
-            (at(i + 2) - at(i)).clamp(-most, most)
+            (at(i + 2) - at(i)).max(-most).min(most) // not `clamp`, which panics where bounds are crossed
         };
         let left: [i32; GRADIENTS] = core::array::from_fn(|i| gradient(left, i));
         let right: [i32; RIGHT_GRADIENTS] = core::array::from_fn(|i| gradient(right, i));
