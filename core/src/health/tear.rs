@@ -185,7 +185,7 @@ mod tests {
         let mut pixels = [0; 320 * 32];
         for (pixel, i) in pixels.iter_mut().zip(0..) {
             let pillar = (i % 320 - moved(i / 320)).div_euclid(5) as u32;
-            let level = (pillar.wrapping_mul(2_654_435_761) >> 16) * levels >> 16;
+            let level = ((pillar.wrapping_mul(2_654_435_761) >> 16) * levels) >> 16;
             *pixel = 100 + level as u8 + (i * 7 % 3 / 2) as u8;
         }
         pixels
