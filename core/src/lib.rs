@@ -41,7 +41,7 @@
 #![deny(unsafe_code)]
 #![deny(missing_debug_implementations)]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may fail"))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test may fail"))]
 
 mod area;
 mod confidence;

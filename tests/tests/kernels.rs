@@ -1,9 +1,9 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::diagnostics::kernel::{
-    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Ring, Run, STRIP, Strip, bilinear, bilinear_cells, bilinear_runs,
-    census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve, largest_step, lower_curve,
-    lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
+    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products, bilinear,
+    bilinear_cells, bilinear_runs, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
+    largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
@@ -207,6 +207,30 @@ fn a_crossing_is_the_strongest_of_three_gradients() {
             assert_eq!(crossing_of_rows(&rows, 1, 7, sign), None, "beyond the last row");
             assert_eq!(crossing_of_columns(&columns, 1, 2, sign), None, "beyond the last column");
         }
+    }
+}
+
+#[test]
+fn products_of_gradients_are_summed_at_five_lags() {
+    let mut random = Random(6);
+    for round in 0..500 {
+        let mut pixels = || [0; 22].map(|_| if round % 3 == 0 { 255 * random.below(2) as u8 } else { random.grey() });
+        // The left row of ten pixels lies over the middle of the right one.
+        let (left, right) = (pixels(), pixels());
+        let expected = [255, 12].map(|most| {
+            let gradients = |row: [u8; 22]| -> Vec<i32> {
+                row.windows(3).map(|three| (i32::from(three[2]) - i32::from(three[0])).clamp(-most, most)).collect()
+            };
+            let (left, right) = (gradients(left), gradients(right));
+            let sum = |lag: i32| (6..14).map(|x| left[x] * right[(x as i32 + lag) as usize]).sum::<i32>();
+            let energy = (6..14).map(|x| left[x].pow(2) + right[x].pow(2)).sum::<i32>();
+            Products { at_lags: [0, -6, -4, 4, 6].map(sum), energy }
+        });
+        let mut found = [Products::default(); 2];
+        add_products(left[6..16].try_into().unwrap(), &right, &mut found);
+        assert_eq!(found, expected, "{left:?} {right:?}");
+        add_products(left[6..16].try_into().unwrap(), &right, &mut found);
+        assert_eq!(found[1].energy, 2 * expected[1].energy, "added to what was there");
     }
 }
 

@@ -17,6 +17,7 @@ mod fuzz;
 mod hardware;
 mod health;
 mod kernels;
+mod laws;
 mod layers;
 mod lines;
 mod machine;

@@ -125,3 +125,77 @@ fn with_row(digest: Fnv, row: &[u8]) -> Fnv {
     let digest = words.iter().fold(digest, mixed);
     rest.iter().fold(digest, |digest, &level| digest.mixed(level.into()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Dims, Span};
+
+    const SMALL: Dims = Dims { width: 20, height: 16 };
+
+    fn small(pixels: &[u8; 20 * 16]) -> Gray<'_> {
+        Gray::new(pixels, SMALL, 20).unwrap()
+    }
+
+    #[test]
+    fn statistics_of_a_small_image_are_those_of_all_of_its_pixels() {
+        // Of each row of 20: two black, one white, two of 252, the others 70.
+        let levels = [70, 0, 70, 2, 3, 70, 253, 70, 252, 252];
+        let pixels = core::array::from_fn(|i| levels.get(i % 20).copied().unwrap_or(70));
+        let sum = 14 * 70 + 2 + 3 + 253 + 2 * 252;
+        let steps = 70 + 70 + 68 + 1 + 67 + 183 + 183 + 182 + 182;
+        let health = CameraHealth {
+            level: (sum / 20) as u8,
+            detail_q4: (16 * steps / 20) as u16,
+            black_permille: 100,
+            white_permille: 50,
+            view_permille: 1000,
+        };
+        assert_eq!(check(small(&pixels), 2).health, health);
+        // Every other row and column alone, in the middle.
+        let spans =
+            core::array::from_fn::<_, 16, _>(
+                |y| if y % 2 == 0 { Span { start: 10, end: 20 } } else { Span::default() },
+            );
+        let inner = check(small(&pixels).with_valid(&spans).unwrap(), 2).health;
+        assert_eq!(inner, CameraHealth { level: 70, view_permille: 250, ..CameraHealth::default() });
+    }
+
+    #[test]
+    fn a_large_image_is_sampled_in_the_middle_of_its_cells() {
+        // Cells of 7 x 8 px: columns 3, 10 .. and rows 4, 12 ..
+        let is_sample = |i: usize| i % 320 % 7 == 3 && i / 320 % 8 == 4;
+        let image = |sample: u8, other: u8| -> [u8; 320 * 240] {
+            core::array::from_fn(|i| if is_sample(i) { sample } else { other })
+        };
+        let of = |pixels: &[u8; 320 * 240]| check(Gray::new(pixels, Dims { width: 320, height: 240 }, 320).unwrap(), 2);
+        let (plain, other) = (of(&image(90, 10)), of(&image(90, 11)));
+        assert_eq!(plain.health, CameraHealth { level: 90, view_permille: 1000, ..CameraHealth::default() });
+        assert!(plain.is_flat && other.is_flat && plain.digest != other.digest);
+        let mut with_a_light = image(90, 10);
+        with_a_light[(4 + 8 * 5) * 320 + 3 + 7 * 10] = 120;
+        assert!(!of(&with_a_light).is_flat);
+    }
+
+    #[test]
+    fn an_image_is_flat_up_to_the_limit() {
+        let with = |high: u8| check(small(&core::array::from_fn(|i| if i == 77 { high } else { 50 })), 2).is_flat;
+        assert_eq!([48, 47, 52, 53].map(with), [true, false, true, false]);
+    }
+
+    #[test]
+    fn every_pixel_of_a_sampled_row_is_in_the_digest() {
+        let digest = |changed: usize| check(small(&core::array::from_fn(|i| u8::from(i == changed))), 2).digest;
+        let same = digest(usize::MAX);
+        assert!((0..320).all(|changed| digest(changed) != same));
+        // Bytes behind the last word as well, and in order.
+        let row = |row: &[u8]| with_row(Fnv::EMPTY, row);
+        for length in 0..40 {
+            let mut pixels = [7; 40];
+            let (plain, at) = (row(&pixels[..length]), length.saturating_sub(1));
+            pixels[at] = 8;
+            assert_eq!(row(&pixels[..length]) == plain, length == 0, "{length}");
+        }
+        assert_ne!(row(&[1, 2, 3, 4, 5, 6, 7, 8]), row(&[5, 6, 7, 8, 1, 2, 3, 4]));
+    }
+}

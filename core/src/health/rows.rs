@@ -295,3 +295,227 @@ fn vertex_q8(low: i32, peak: i32, high: i32) -> i32 {
     let (low, high) = (fall(low), fall(high));
     quotient((low - high) << 7, low + high)
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::image::{Dims, Span};
+    use crate::result::{ImagePosition, Owner, Techniques};
+    use crate::units::{Confidence, Disparity, Position};
+
+    const DIMS: Dims = Dims { width: 64, height: 96 };
+    pub(in crate::health) type Pixels = [u8; 64 * 96];
+
+    fn painted(level: impl Fn(i32, i32) -> u8) -> Pixels {
+        let mut pixels = [0; 64 * 96];
+        for (pixel, i) in pixels.iter_mut().zip(0..) {
+            *pixel = level(i % 64, i / 64);
+        }
+        pixels
+    }
+
+    pub(in crate::health) fn view(pixels: &Pixels) -> Gray<'_> {
+        Gray::new(pixels, DIMS, 64).unwrap()
+    }
+
+    /// Ends in 1/32 px, disparities in 1/64 px.
+    pub(in crate::health) fn matched(ends_q5: [(u16, u16); 2], disparity_q6: [i16; 2]) -> Match {
+        let disparity = disparity_q6.map(Disparity::from_bits);
+        Match {
+            ends: ends_q5.map(|(x, y)| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
+            disparity,
+            sigma: Disparity::ZERO,
+            confidence: Confidence::MAX,
+            owner: Owner::Both,
+            depth: None,
+            depth_sigma: None,
+            techniques: Techniques { feature: None, window: disparity[0], census: disparity[0] },
+        }
+    }
+
+    #[test]
+    fn an_edge_is_a_straight_line_with_a_disparity_that_changes_evenly() {
+        // From (10.5, 20) to (42.5, 28) px, whose disparity grows from 8 to 10 px.
+        let (a, b) = ((336, 640), (1360, 896));
+        for edge in [matched([a, b], [512, 640]), matched([b, a], [640, 512])] {
+            let edge = Edge::of(&edge).unwrap();
+            let rows_q8 = |x: i32| 8 * 640 + 2 * (x * 32 - 336);
+            for x in [11, 13, 26, 40, 42] {
+                let (y, d_q6) = edge.at(x);
+                assert!((256 * y - rows_q8(x)).abs() <= 128 + 8, "column {x}: row {y}");
+                let exact_q6 = 512.0 + 4.0 * (f64::from(x) - 10.5);
+                assert!((f64::from(d_q6) - exact_q6).abs() < 0.6, "column {x}: {d_q6} for {exact_q6}");
+            }
+        }
+        // As steep as half a pixel a pixel, and five pixels long.
+        let is_edge = |dx: u16, dy: i16| {
+            Edge::of(&matched([(320, 640), (320 + dx, 640_u16.wrapping_add_signed(dy))], [0; 2])).is_some()
+        };
+        assert_eq!(
+            [(320, 160), (320, -160), (320, 161), (320, -161)].map(|(dx, dy)| is_edge(dx, dy)),
+            [true, true, false, false]
+        );
+        assert_eq!([160, 159].map(|dx| is_edge(dx, 0)), [true, false]);
+    }
+
+    #[test]
+    fn a_disparity_changes_by_a_pixel_a_pixel_at_most() {
+        for sign in [1, -1] {
+            let edge = Edge::of(&matched([(0, 0), (320, 0)], [0, sign * 6400])).unwrap();
+            assert_eq!([1, 2, 10].map(|x| edge.at(x).1 * i32::from(sign)), [64, 128, 640]);
+        }
+    }
+
+    #[test]
+    fn a_column_between_two_is_their_weighted_mean() {
+        let pixels = painted(|x, y| (3 * x + y / 2) as u8);
+        let column = |x_q6: i32, y: i32| {
+            let mut sums = [7; 3];
+            add_column(view(&pixels), (x_q6, y), &mut sums).map(|()| sums.map(|sum| sum - 7))
+        };
+        // Three grey levels a column, so 3/64 each 64th of one.
+        assert_eq!(column(64 * 10, 20), Some([64 * 40, 64 * 40, 64 * 41]));
+        assert_eq!(column(64 * 10 + 16, 21), Some([64 * 40 + 48, 64 * 41 + 48, 64 * 41 + 48]));
+        // The last column has no neighbour; there is none behind it, and no row below the last one.
+        assert_eq!(column(64 * 62 + 63, 0), Some([64 * 186 + 189, 64 * 186 + 189, 64 * 187 + 189]));
+        assert_eq!([64 * 63, 64 * 63 + 40].map(|x_q6| column(x_q6, 0)), [Some([64 * 189, 64 * 189, 64 * 190]); 2]);
+        assert_eq!([column(64 * 64, 0), column(0, 94), column(-64, 0)], [None; 3]);
+        assert!(column(0, 93).is_some());
+    }
+
+    #[test]
+    fn gradients_weigh_four_levels() {
+        assert_eq!(gradients::<3>(&[6, 12, 18, 24, 30, 36, 42]), [16; 3], "8/3 of the step of a ramp");
+        assert_eq!(gradients::<5>(&[0, 0, 0, 0, 3, 0, 0, 0, 0]), [1, 2, 0, -2, -1]);
+    }
+
+    #[test]
+    fn the_middle_of_the_sorted_values_is_their_median() {
+        assert_eq!(median(&mut [5, -3, 9]), Some(5));
+        assert_eq!(median(&mut [4, 1, 3, 2]), Some(3));
+        assert_eq!(median(&mut []), None);
+    }
+
+    #[test]
+    fn a_window_correlates_with_itself_fully() {
+        let (window, opposite, other) =
+            ([0, 192, -256, 0, 0, 0, 0], [0, -192, 256, 0, 0, 0, 0], [9, 256, 192, 0, 0, 0, 0]);
+        let at = |gradients| Window::at(gradients, 0).unwrap();
+        assert_eq!(at(&window).root, 320);
+        let [own, reverse, none] = [&window, &opposite, &other].map(|with| at(&window).correlation_q12(&at(with)));
+        assert_eq!([own, reverse, none], [4096, -4096, 0]);
+        assert!(Window::at(&window, 1).is_none(), "six are no window");
+    }
+
+    /// Scores with this one at a shift, 100 elsewhere.
+    fn scores<const N: usize>(high: [(i32, i32); N]) -> [i32; SHIFTS] {
+        let mut scores = [100; SHIFTS];
+        for (shift, score) in high {
+            scores[(shift + REACH) as usize] = score;
+        }
+        scores
+    }
+
+    #[test]
+    fn the_peak_is_high_inside_and_alone() {
+        assert_eq!(only_peak(&scores([(2, 3400)])), Some((2, [100, 3400, 100])));
+        assert_eq!(only_peak(&scores([(2, 3399)])), None, "too low");
+        assert_eq!(
+            [-5, -4, 4, 5].map(|shift| only_peak(&scores([(shift, 4000)])).is_some()),
+            [false, true, true, false]
+        );
+        assert_eq!(only_peak(&scores([(1, 4000), (2, 4000)])), Some((1, [100, 4000, 4000])), "the first of equals");
+        for best in -4..=4_i32 {
+            for second in (-5..=5_i32).filter(|second| second.abs_diff(best) >= 2) {
+                // 200/256 of the peak is the most.
+                let found = [3000, 3001].map(|score| only_peak(&scores([(best, 3840), (second, score)])).is_some());
+                assert_eq!(found, [true, false], "{best} with {second}");
+            }
+        }
+        // A slope is no peak, to whichever side it falls.
+        for side in [-1, 1] {
+            let slope = scores([(0, 4000), (side, 3900), (2 * side, 3800), (3 * side, 3700)]);
+            assert_eq!(only_peak(&slope).map(|(shift, _)| shift), Some(0));
+        }
+    }
+
+    #[test]
+    fn the_vertex_lies_towards_the_higher_neighbour() {
+        assert_eq!(vertex_q8(3000, 4096, 3000), 0);
+        assert_eq!([(4096, 2000), (2000, 4096)].map(|(low, high)| vertex_q8(low, 4096, high)), [-128, 128]);
+        // Falls of 1/4 and 1/2, with a third of their squares 13/48 and 7/12: 15/82 of a pixel.
+        assert_eq!([(3072, 2048), (2048, 3072)].map(|(low, high)| vertex_q8(low, 4096, high)), [-46, 46]);
+    }
+
+    /// Rows at which a drawn step begins, and the levels between them.
+    const STEPS: [i32; 4] = [20, 35, 49, 66];
+
+    fn steps(y: i32) -> u8 {
+        [60, 140, 40, 180, 90][STEPS.iter().filter(|&&step| y >= step).count()]
+    }
+
+    /// Edges that fall by a row in four columns, so that a wrong column is a wrong row as well; the right image is moved down, from a row on.
+    pub(in crate::health) fn falling(moved: i32, from: i32) -> ([Pixels; 2], [Match; STEPS.len()]) {
+        let left = painted(|x, y| steps(y - x / 4));
+        let right = painted(|x, y| {
+            let y = y - (x + 6) / 4;
+            steps(if y < from { y } else { y - moved })
+        });
+        let edges = STEPS.map(|row| {
+            let end = |x: u16| (32 * x, 32 * (row as u16 + x / 4));
+            matched([end(8), end(56)], [6 << 6; 2])
+        });
+        ([left, right], edges)
+    }
+
+    #[test]
+    fn edges_differ_by_the_rows_that_one_image_is_moved_by() {
+        for moved in -4..=4 {
+            let ([left, right], edges) = falling(moved, -100);
+            let found = measure(view(&left), view(&right), &edges);
+            assert_eq!(found, Some(Rows { offset_q8: 256 * moved as i16, spread_q8: 0, samples: 4 }));
+        }
+        let ([left, right], edges) = falling(0, 0);
+        let upright = matched([(320, 320), (320, 1280)], [0; 2]);
+        assert_eq!(measure(view(&left), view(&right), &[upright]), None);
+        assert_eq!(measure(view(&[50; 64 * 96]), view(&right), &edges), None, "no edge there");
+    }
+
+    #[test]
+    fn a_weak_edge_is_no_sample() {
+        // Of a step of s levels the gradients are 64 s / 3 times 1, 3, 3, 1: their root is 95 s, and 887 is asked for.
+        let is_sample = |step: u8| {
+            let pixels = painted(|_, y| if y < 35 { 100 } else { 100 + step });
+            measure(view(&pixels), view(&pixels), &[matched([(320, 35 * 32), (1600, 35 * 32)], [0; 2])]).is_some()
+        };
+        assert_eq!([9, 10].map(is_sample), [false, true]);
+    }
+
+    #[test]
+    fn pixels_that_are_not_valid_are_not_compared() {
+        let edge = |x0: u16, x1: u16, row: u16| matched([(32 * x0, 32 * row), (32 * x1, 32 * row)], [6 << 6; 2]);
+        let pixels = painted(|_, y| steps(y));
+        let with = |spans: [&[Span; 96]; 2], edge: Match| {
+            let [left, right] = spans.map(|spans| view(&pixels).with_valid(spans).unwrap());
+            measure(left, right, &[edge]).is_some()
+        };
+        let whole = [Span { start: 0, end: 64 }; 96];
+        let above = |rows: usize| core::array::from_fn(|y| if y < rows { whole[y] } else { Span::default() });
+        let within = |start: u16, end: u16| [Span { start, end }; 96];
+        let around = edge(10, 50, 35);
+        assert!(with([&whole; 2], around));
+        // The left profile takes six rows to either side, the right one ten.
+        assert_eq!([41, 42].map(|rows| with([&above(rows), &whole], around)), [false, true]);
+        assert_eq!([45, 46].map(|rows| with([&whole, &above(rows)], around)), [false, true]);
+        // Columns 10, 16 .. 46 of the left image are looked at, and those 6 px before them in the right one: five are enough.
+        assert_eq!([34, 35].map(|end| with([&within(0, end), &whole], around)), [false, true]);
+        assert_eq!([28, 29].map(|end| with([&whole, &within(0, end)], around)), [false, true]);
+        // Right of the right image's left border.
+        assert_eq!([13, 14].map(|end| with([&whole; 2], edge(0, end, 35))), [false, true]);
+        let bordering = |row: u16| {
+            let pixels = painted(|_, y| if y < i32::from(row) { 50 } else { 150 });
+            measure(view(&pixels), view(&pixels), &[edge(10, 50, row)]).is_some()
+        };
+        assert_eq!([9, 10, 85, 86].map(bordering), [false, true, true, false]);
+    }
+}

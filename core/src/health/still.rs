@@ -18,9 +18,10 @@
 //! Gradients are at most 255: 8 products 520 200, sums of both energies of 256 points 2.7e8.
 //!
 //! # Cost
-//! At most some [`POINTS`] points, 850 instructions each.
+//! At most some [`POINTS`] points, 500 instructions each on a Cortex-M7, 330 of them the kernel.
 
 use crate::image::Gray;
+use crate::kernel::{LAGS, Products, add_products};
 use crate::support::Support;
 use crate::units::Confidence;
 
@@ -34,16 +35,10 @@ const STILL_Q6: u16 = 48;
 const PARALLAX_Q6: i16 = 3 << 6;
 /// Least probability of a point that counts as still or not.
 const CREDIBLE: Confidence = Confidence::from_bits(0xc000);
-/// Number of gradients of a point.
-const GRADIENTS: usize = 8;
-/// First gradient, relative to the point, px.
-const FIRST: i32 = -3;
-/// Largest lag compared, px.
-const LAG: usize = 6;
-/// First of the gradients at lags of 0, -6, -4, 4 and 6 px.
-const LAGS: [usize; 5] = [LAG, 0, 2, 10, 12];
-/// Largest gradient of the limited sums, grey levels.
-const WEAK: i32 = 12;
+/// First pixel of a point's gradients in the left image, relative to the point, px.
+const FIRST: i32 = -4;
+/// First pixel in the right image: gradients at lag 0 are at the same pixels.
+const RIGHT_FIRST: i32 = FIRST - LAGS[0] as i32;
 
 /// Likeness of both images at the same pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -55,83 +50,125 @@ pub struct Still {
     pub pattern_permille: i16,
 }
 
-/// Sums of products at each of [`LAGS`], and the energies of both sides.
-#[derive(Default)]
-struct Sums {
-    products: [i32; LAGS.len()],
-    energy: i32,
-}
-
-impl Sums {
-    #[inline(never)] // its variables are in registers
-    fn add(&mut self, left: &[i32; GRADIENTS], right: &[i32; GRADIENTS + 2 * LAG]) {
-        let product = |a: &[i32; GRADIENTS], b: &[i32; GRADIENTS]| a.iter().zip(b).fold(0, |sum, (a, b)| sum + a * b);
-        let at = |lag: usize| right.get(lag..).and_then(<[i32]>::first_chunk).unwrap_or(&[0; GRADIENTS]);
-        for (sum, lag) in self.products.iter_mut().zip(LAGS) {
-            *sum += product(left, at(lag));
-        }
-        self.energy += product(left, left) + product(at(LAG), at(LAG));
-    }
-
-    /// Excess of the product at lag 0 over the others, per thousand of the mean energy.
-    fn excess_permille(&self) -> i16 {
-        let [own, others @ ..] = self.products;
-        let excess = own - others.iter().fold(0, |most, product| most.max(product.abs()));
-        let permille = (2000 * i64::from(excess)).checked_div(self.energy.into()).unwrap_or(0);
-        i16::try_from(permille.clamp(-1000, 1000)).unwrap_or(0)
-    }
+/// Excess of the product at lag 0 over the others, per thousand of the mean energy.
+fn excess_permille(sums: &Products) -> i16 {
+    let [own, others @ ..] = sums.at_lags;
+    let excess = own - others.iter().fold(0, |most, product| most.max(product.abs()));
+    let permille = (2000 * i64::from(excess)).checked_div(sums.energy.into()).unwrap_or(0);
+    i16::try_from(permille.clamp(-1000, 1000)).unwrap_or(0)
 }
 
 /// Measures the likeness; `None` with too few credible points.
 pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Option<Still> {
     let step = support.len().div_ceil(POINTS).max(1);
-    let (mut raw, mut weak) = (Sums::default(), Sums::default());
-    let (mut at_left, mut at_right) = (Gradients::<GRADIENTS>::NONE, Gradients::<{ GRADIENTS + 2 * LAG }>::NONE);
+    let mut sums = [Products::default(); 2];
     let (mut credible, mut still, mut compared) = (0, 0, 0);
-    for ((x, y), point) in support.iter().step_by(step).filter(|(_, point)| point.is_matched()) {
+    for ((x, y), point) in support.every(step).filter(|(_, point)| point.is_matched()) {
         let disparity_q6 = point.disparity().to_bits();
         if point.confidence() >= CREDIBLE {
             credible += 1;
             still += u32::from(disparity_q6.unsigned_abs() < STILL_Q6);
         }
         if disparity_q6 >= PARALLAX_Q6
-            && at_left.read(left, (x, y), 0).is_some()
-            && at_right.read(right, (x, y), LAG).is_some()
+            && let Some(left) = pixels(left, i32::from(x) + FIRST, y)
+            && let Some(right) = pixels(right, i32::from(x) + RIGHT_FIRST, y)
         {
             compared += 1;
-            raw.add(&at_left.raw, &at_right.raw);
-            weak.add(&at_left.weak, &at_right.weak);
+            add_products(left, right, &mut sums);
         }
     }
     (credible >= MIN_POINTS).then(|| Still {
         still_permille: u16::try_from((1000 * still).checked_div(credible).unwrap_or(0)).unwrap_or(0),
-        pattern_permille: if compared < MIN_POINTS { 0 } else { raw.excess_permille().max(weak.excess_permille()) },
+        pattern_permille: if compared < MIN_POINTS {
+            0
+        } else {
+            let [raw, weak] = sums.each_ref().map(excess_permille);
+            raw.max(weak)
+        },
     })
 }
 
-/// Gradients along the row, as they are and limited.
-struct Gradients<const N: usize> {
-    raw: [i32; N],
-    weak: [i32; N],
+/// Pixels of a row from column `x` on; `None` where one is not valid.
+fn pixels<const N: usize>(image: Gray<'_>, x: i32, y: u16) -> Option<&[u8; N]> {
+    let (x, valid) = (usize::try_from(x).ok()?, image.valid_columns(y.into()));
+    let (pixels, stride) = image.as_slice();
+    let is_valid = x >= usize::from(valid.start) && x + N <= usize::from(valid.end);
+    is_valid.then(|| pixels.get(usize::from(y).wrapping_mul(stride).wrapping_add(x)..)?.first_chunk()).flatten()
 }
 
-impl<const N: usize> Gradients<N> {
-    const NONE: Self = Self { raw: [0; N], weak: [0; N] };
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::health::HealthLimits;
+    use crate::image::{Dims, Span};
+    use crate::params::Params;
+    use crate::support::SupportPoint;
 
-    /// Reads those around a point, from `before` px further left on; `None` where a pixel is not valid.
-    #[inline(never)] // its variables are in registers
-    fn read(&mut self, image: Gray<'_>, (x, y): (u16, u16), before: usize) -> Option<()> {
-        let first = usize::try_from(i32::from(x) + FIRST - 1 - before as i32).ok()?;
-        let valid = image.valid_columns(y.into());
-        if first < usize::from(valid.start) || first + N + 2 > usize::from(valid.end) {
-            return None;
-        }
-        let pixels = image.row(y.into())?.get(first..first + N + 2)?;
-        let after = pixels.get(2..)?;
-        for ((raw, weak), (before, after)) in self.raw.iter_mut().zip(&mut self.weak).zip(pixels.iter().zip(after)) {
-            let gradient = i32::from(*after) - i32::from(*before);
-            (*raw, *weak) = (gradient, gradient.clamp(-WEAK, WEAK));
-        }
-        Some(())
+    pub(in crate::health) const DIMS: Dims = Dims { width: 128, height: 96 };
+    /// As many as of images of this size.
+    pub(in crate::health) const GRID: usize = 16 * 12;
+
+    #[test]
+    fn the_excess_is_what_no_other_lag_explains() {
+        let excess = |at_lags, energy| excess_permille(&Products { at_lags, energy });
+        assert_eq!(excess([400, 50, -100, 20, 0], 1000), 600);
+        assert_eq!(excess([100, 0, 0, 400, 0], 1000), -600);
+        // Both sides alike: all of the mean energy.
+        assert_eq!(excess([500, 0, 0, 0, 0], 1000), 1000);
+        assert_eq!(excess([0; 5], 0), 0);
+    }
+
+    #[test]
+    fn all_pixels_of_a_window_are_valid() {
+        let pixels: [u8; 16 * 16] = core::array::from_fn(|i| i as u8);
+        let image = Gray::new(&pixels, Dims { width: 16, height: 16 }, 16).unwrap();
+        let at = |image, x| self::pixels::<3>(image, x, 2).copied();
+        assert_eq!([-1, 0, 13, 14].map(|x| at(image, x)), [None, Some([32, 33, 34]), Some([45, 46, 47]), None]);
+        let spans = [Span { start: 4, end: 9 }; 16];
+        let image = image.with_valid(&spans).unwrap();
+        assert_eq!([3, 4, 6, 7].map(|x| at(image, x).is_some()), [false, true, true, false]);
+    }
+
+    pub(in crate::health) fn noise(seed: u32) -> [u8; 128 * 96] {
+        let mut state = seed;
+        [(); 128 * 96].map(|()| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            100 + (state >> 27) as u8
+        })
+    }
+
+    /// Points of a disparity, the first ones without parallax.
+    fn measured(images: [&[u8; 128 * 96]; 2], disparity_q6: i16, still: usize, probability_q16: u16) -> Option<Still> {
+        let point = |disparity_q6| SupportPoint { disparity_q6, score_q8: 0, probability_q16, ..SupportPoint::none() };
+        let points: [_; GRID] = core::array::from_fn(|i| point(if i < still { 47 } else { disparity_q6 }));
+        let support = Support::new(&Params::default(), DIMS, &points, 0);
+        measure(images.map(|pixels| Gray::new(pixels, DIMS, 128).unwrap()), support)
+    }
+
+    #[test]
+    fn what_is_alike_at_the_same_pixel_is_no_scene_with_parallax() {
+        let (one, other, limit) = (noise(1), noise(2), HealthLimits::DEFAULT.pattern_permille);
+        let pattern = |images, disparity_q6| measured(images, disparity_q6, 0, 0xffff).unwrap().pattern_permille;
+        // All of the energy, less what noise has in common with itself at other lags.
+        let alike = pattern([&one, &one], 10 << 6);
+        assert!((900..=1000).contains(&alike), "{alike}");
+        assert!(pattern([&one, &other], 10 << 6).abs() <= limit);
+        // From 3 px of disparity on.
+        assert_eq!([PARALLAX_Q6 - 1, PARALLAX_Q6].map(|d_q6| pattern([&one, &one], d_q6) > 0), [false, true]);
+        // Weak noise on a strong edge that is elsewhere in the other image.
+        let with_edge = |pixels: &[u8; 128 * 96], at: usize| -> [u8; 128 * 96] {
+            core::array::from_fn(|i| if i % 32 < at { pixels[i] / 8 } else { 200 + pixels[i] / 8 })
+        };
+        assert!(pattern([&with_edge(&one, 10), &with_edge(&one, 17)], 10 << 6) > limit);
+    }
+
+    #[test]
+    fn still_points_are_counted_among_the_credible() {
+        let image = noise(1);
+        let still = |still, probability_q16| {
+            measured([&image; 2], 48, still, probability_q16).map(|found| found.still_permille)
+        };
+        assert_eq!([0, GRID / 4, GRID].map(|count| still(count, 0xc000)), [Some(0), Some(250), Some(1000)]);
+        assert_eq!(still(GRID, 0xbfff), None, "none is credible");
     }
 }

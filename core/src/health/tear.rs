@@ -11,7 +11,7 @@
 //! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
 //!
 //! # Cost
-//! Some 75 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
+//! Some 65 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
 
 use crate::image::Gray;
 use crate::support::Support;
@@ -24,8 +24,8 @@ const REACH: i32 = 48;
 const BINS: usize = 2 * REACH as usize + 1;
 /// Least shift, half px.
 const MIN_SHIFT: i32 = 3;
-/// Differences of disparity that no window around a shift of [`MIN_SHIFT`] or more holds, 1/64 px.
-const NEAR_Q6: core::ops::Range<i32> = 16 - (MIN_SHIFT - 1) * 32..(MIN_SHIFT - 1) * 32 - 16;
+/// Bins that no window around a shift of [`MIN_SHIFT`] or more holds.
+const NEAR: core::ops::RangeInclusive<usize> = (REACH - MIN_SHIFT + 2) as usize..=(REACH + MIN_SHIFT - 2) as usize;
 /// Least number of points in both rows.
 const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
@@ -74,27 +74,27 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
 #[inline(never)] // its variables are in registers
 fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let mut bins = [0_u8; BINS];
-    let (mut low, mut high) = (BINS, 0);
-    let (mut points, mut near) = (0, 0);
+    // A bit for each four bins that are not all empty, and the number of points.
+    let (mut filled, mut points) = (0_u32, 0);
     changes_q6.for_each(|change| {
         points += 1;
-        if NEAR_Q6.contains(&change) {
-            near += 1;
-        }
         if let Ok(bin) = usize::try_from(((change + 16) >> 5) + REACH)
             && let Some(count) = bins.get_mut(bin)
         {
             *count = count.saturating_add(1);
-            (low, high) = (low.min(bin), high.max(bin));
+            filled |= 1 << (bin / 4);
         }
     });
     // Most rows go on as the one above: a third of the points has to lie in a bin of a large shift or beside it.
+    let near: u32 = bins.get(NEAR).into_iter().flatten().map(|&count| u32::from(count)).sum();
     if points < MIN_POINTS || 3 * (points - near) < points {
         return None;
     }
+    let low = 4 * filled.trailing_zeros() as usize;
+    let high = 4 * (32 - filled.leading_zeros()) as usize;
     let (mut peak, mut count, mut shift) = (0, 0, 0);
     let (mut before, mut own) = (0, 0);
-    for (&after, at) in bins.get(low..BINS.min(high + 2)).unwrap_or(&[]).iter().zip(low as i32 - 1 - REACH..) {
+    for (&after, at) in bins.get(low..BINS.min(high + 1)).unwrap_or(&[]).iter().zip(low as i32 - 1 - REACH..) {
         let after = u32::from(after);
         // The middle counts twice: of three windows that hold the same points it is the one around them.
         let weight = before + 2 * own + after;
@@ -153,6 +153,9 @@ fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u3
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::{Dims, Span};
+    use crate::params::Params;
+    use crate::support::SupportPoint;
 
     #[test]
     fn a_third_of_the_points_have_to_share_a_shift() {
@@ -162,5 +165,126 @@ mod tests {
         assert_eq!(common_shift(differences(7, -256)), None, "too few");
         assert_eq!(common_shift(differences(12, 64)), None, "a slope");
         assert_eq!(common_shift(differences(12, -256).chain((0..25).map(|n| 60 * n))), None, "not a third of them");
+    }
+
+    #[test]
+    fn a_shift_is_rounded_to_whole_pixels_and_counted_within_half_a_pixel() {
+        let spread =
+            |q6: i32| common_shift([-31, 0, 31].into_iter().cycle().map(|off| q6 + off).take(MIN_POINTS as usize));
+        // From the bin of 1.5 px on: 2 px, away from zero.
+        assert_eq!([79, 80, 95, 128, 159, 192].map(spread), [None, Some(2), Some(2), Some(2), Some(3), Some(3)]);
+        assert_eq!([-96, -128, -192].map(spread), [Some(-2), Some(-2), Some(-3)]);
+        assert_eq!([1536, 1600].map(spread), [Some(24), None], "beyond the reach");
+    }
+
+    const DIMS: Dims = Dims { width: 320, height: 32 };
+    type Pixels = [u8; 320 * 32];
+
+    /// Pillars of random levels below this one, noise of a level; each row is moved to the right.
+    fn pillars(levels: u32, moved: impl Fn(i32) -> i32) -> Pixels {
+        let mut pixels = [0; 320 * 32];
+        for (pixel, i) in pixels.iter_mut().zip(0..) {
+            let pillar = (i % 320 - moved(i / 320)).div_euclid(5) as u32;
+            let level = ((pillar.wrapping_mul(2_654_435_761) >> 16) * levels) >> 16;
+            *pixel = 100 + level as u8 + (i * 7 % 3 / 2) as u8;
+        }
+        pixels
+    }
+
+    /// From the row behind this one on moved to the right.
+    fn torn(below: i32, by: i32) -> Pixels {
+        pillars(64, |y| if y > below { by } else { 0 })
+    }
+
+    fn view(pixels: &Pixels) -> Gray<'_> {
+        Gray::new(pixels, DIMS, 320).unwrap()
+    }
+
+    #[test]
+    fn a_row_below_which_one_image_is_moved_is_torn() {
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
+        let row = |left, right, rows, shift| torn_row([view(left), view(right)], rows, shift);
+        // The left image moved to the right has larger disparities, the right one smaller.
+        assert_eq!(row(&torn, &whole, (2, 20), 6), Some(9));
+        assert_eq!(row(&whole, &torn, (2, 20), -6), Some(9));
+        assert_eq!(row(&torn, &whole, (-4, 20), 6), Some(9));
+        for (rows, shift) in [((2, 20), -6), ((2, 20), -3), ((2, 9), 6), ((10, 20), 6)] {
+            assert_eq!(row(&torn, &whole, rows, shift), None, "{rows:?} by {shift}");
+        }
+        assert_eq!(row(&whole, &whole, (2, 20), 6), None);
+        // Levels below 6 differ by 2 on average, and noise by less than one.
+        let [faint, clear] = [6, 16].map(|levels| pillars(levels, |y| if y > 9 { 6 } else { 0 }));
+        assert_eq!([row(&faint, &whole, (2, 20), 6), row(&clear, &whole, (2, 20), 6)], [None, Some(9)]);
+        let slanted = pillars(64, |y| 6 * y);
+        assert_eq!(row(&slanted, &slanted, (2, 20), 6), None, "each row is the one above, moved");
+    }
+
+    #[test]
+    fn neighbouring_rows_differ_by_the_sum_over_every_fourth_column() {
+        let mut pixels = [0; 320 * 32];
+        for (pixel, i) in pixels.iter_mut().zip(0..) {
+            *pixel = (i % 320 / 2 + 3 * (i / 320)) as u8;
+        }
+        let image = view(&pixels);
+        assert_eq!(difference(image, 4, 0, 0), Some((80 * 3, 80)));
+        assert_eq!(difference(image, 4, 0, 9), Some((76 * 3, 76)), "9 px less at each end: 302 px");
+        // Two columns are a level.
+        assert_eq!([-8, 8].map(|shift| difference(image, 4, shift, 8)), [Some((76, 76)), Some((76 * 7, 76))]);
+        assert_eq!([-1, 31].map(|y| difference(image, y, 0, 0)), [None; 2], "no row, none below");
+        assert_eq!(difference(image, 4, 0, 161), None);
+        // Of few pixels every one: 128 to 191 in twos, fewer one by one.
+        let step = |width: u16| {
+            let spans = [Span { start: 20, end: 20 + width }; 32];
+            difference(image.with_valid(&spans).unwrap(), 4, 0, 0).unwrap().1
+        };
+        assert_eq!([256, 255, 192, 191, 128, 127, 5].map(step), [64, 85, 64, 96, 64, 127, 5]);
+    }
+
+    #[test]
+    fn four_rows_beyond_those_of_points_are_looked_at() {
+        // The row of points at 4 px has no disparity, those at 12 px and at 20 px have different ones.
+        let found = |below: i32| {
+            let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
+                0 => SupportPoint::none(),
+                1 => SupportPoint { disparity_q6: 640, score_q8: 0, ..SupportPoint::none() },
+                _ => SupportPoint { disparity_q6: 1024, score_q8: 0, ..SupportPoint::none() },
+            });
+            let (left, right) = (torn(below, 6), torn(below, 0));
+            find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0)).is_some()
+        };
+        // The first of them has none before it to stand out from.
+        assert_eq!([8, 9, 15, 23].map(found), [false, true, true, true]);
+    }
+
+    #[test]
+    fn rows_of_points_two_apart_are_compared_where_the_middle_one_has_none() {
+        let point = |disparity_q6| SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() };
+        let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
+            0 => point(640),
+            2 => point(1024),
+            _ => SupportPoint::none(),
+        });
+        let (left, right) = (torn(21, 6), torn(21, 0));
+        let found = find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0));
+        assert_eq!(found, Some(Tear { row: 21, shift: 6 }));
+    }
+
+    #[test]
+    fn points_lead_to_the_row() {
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
+        // Rows of points at 4, 12, 20 and 28 px: those from the second on see the shift.
+        let found = |left, right, shift: i16, odd: bool| {
+            let points: [_; 40 * 4] = core::array::from_fn(|i| {
+                let disparity_q6 = 640 + if i >= 40 { shift << 6 } else { 0 };
+                let is_matched = !odd || i % 2 == 1;
+                SupportPoint { disparity_q6, score_q8: if is_matched { 0 } else { i16::MIN }, ..SupportPoint::none() }
+            });
+            find([view(left), view(right)], Support::new(&Params::default(), DIMS, &points, 0))
+        };
+        let tear = Some(Tear { row: 9, shift: 6 });
+        assert_eq!([false, true].map(|odd| found(&torn, &whole, 6, odd)), [tear; 2]);
+        assert_eq!(found(&whole, &torn, -6, false), Some(Tear { row: 9, shift: -6 }));
+        assert_eq!(found(&whole, &whole, 6, false), None, "a step of the scene");
+        assert_eq!(found(&torn, &whole, 0, false), None, "no change of disparity");
     }
 }

@@ -1,5 +1,5 @@
 //! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and operations on them; ranks and paths; edges;
-//! bilinear interpolation.
+//! products of gradients; bilinear interpolation.
 //!
 //! # Bounds
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
@@ -378,6 +378,43 @@ pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8
         i32::from(second(u)) - i32::from(first(u))
     };
     Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
+}
+
+/// Number of gradients of the left row that are multiplied.
+pub const GRADIENTS: usize = 8;
+/// First of the gradients of the right row that are multiplied, at lags of 0, -6, -4, 4 and 6 px.
+pub const LAGS: [usize; 5] = [6, 0, 2, 10, 12];
+/// Number of gradients of the right row.
+pub const RIGHT_GRADIENTS: usize = GRADIENTS + 12;
+/// Largest size of a limited gradient, grey levels.
+pub const WEAK: i32 = 12;
+
+/// Sums of products of gradients along a left and a right row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Products {
+    /// Left times right at each of [`LAGS`].
+    pub at_lags: [i32; LAGS.len()],
+    /// Squares of both at lag 0.
+    pub energy: i32,
+}
+
+/// Adds the products of gradients over two pixels, `[-1 0 1]`, wrapping: as they are, and limited to [`WEAK`].
+pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2], sums: &mut [Products; 2]) {
+    for (sums, most) in sums.iter_mut().zip([i32::from(u8::MAX), WEAK]) {
+        let gradient = |pixels: &[u8], i: usize| {
+            let at = |i: usize| pixels.get(i).copied().map_or(0, i32::from);
+            (at(i + 2) - at(i)).max(-most).min(most) // not `clamp`, which panics where bounds are crossed
+        };
+        let left: [i32; GRADIENTS] = core::array::from_fn(|i| gradient(left, i));
+        let right: [i32; RIGHT_GRADIENTS] = core::array::from_fn(|i| gradient(right, i));
+        let from = |lag: usize| right.get(lag..).and_then(<[i32]>::first_chunk).unwrap_or(&[0; GRADIENTS]);
+        let product = |a: &[i32; GRADIENTS], b: &[i32; GRADIENTS]| a.iter().zip(b).fold(0, |sum, (a, b)| sum + a * b);
+        for (sum, lag) in sums.at_lags.iter_mut().zip(LAGS) {
+            *sum = sum.wrapping_add(product(&left, from(lag)));
+        }
+        let own = from(LAGS[0]);
+        sums.energy = sums.energy.wrapping_add(product(&left, &left) + product(own, own));
+    }
 }
 
 /// Consecutive pixels between two rows: their columns by a polynomial of the second degree, their rows on a straight line.

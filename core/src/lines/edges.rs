@@ -317,3 +317,79 @@ fn keep(room: &mut Room<'_>, t: i32, ridge: &Ridge) {
         *strength = u8::try_from(ridge.gradient >> 1).unwrap_or(u8::MAX);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Dims;
+
+    const DIMS: Dims = Dims { width: 160, height: 120 };
+    const PARAMS: LineParams =
+        LineParams { anchor: 48, edge: 20, min_extent: 6, row_scan: Some(SCAN_STEP), column_scan: Some(SCAN_STEP) };
+
+    /// Calls with the edges of both directions, and with (row, column) of `t` and `u`.
+    fn both_ways(
+        areas: Option<&[Area]>,
+        spans: &[Span],
+        mut look: impl FnMut(&Edges<'_>, fn((i32, i32)) -> (i32, i32)),
+    ) {
+        let (pixels, mut marks) = ([0; 160 * 120], [0; 2048]);
+        let image = Gray::new(&pixels, DIMS, 160).unwrap().with_valid(spans).unwrap();
+        look(&Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Down, &mut marks), |(t, u)| (t, u));
+        look(&Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Along, &mut marks), |(t, u)| (u, t));
+    }
+
+    #[test]
+    fn a_stretch_is_searched_where_it_has_pixels_of_an_area() {
+        let area = |left, top, right, bottom| Area { left, top, right, bottom };
+        // Overlapping ones, one of a single pixel, one without any, one to the last pixel.
+        let areas = [
+            area(10, 8, 30, 40),
+            area(24, 20, 70, 60),
+            area(36, 70, 37, 71),
+            area(90, 10, 90, 60),
+            area(132, 100, 160, 120),
+        ];
+        both_ways(Some(&areas), &[Span { start: 0, end: 160 }; 120], |edges, place| {
+            for t in BORDER..edges.steps - BORDER {
+                let stretches = edges.stretches_in_areas(t);
+                for (k, from) in (0..).zip((BORDER..edges.breadth - BORDER).step_by(STRETCH as usize)) {
+                    let to = (from + STRETCH).min(edges.breadth);
+                    let is_inside = |u: i32| {
+                        let (y, x) = place((t, u));
+                        areas.iter().any(|area| {
+                            let across = i32::from(area.left)..i32::from(area.right);
+                            across.contains(&x) && (i32::from(area.top)..i32::from(area.bottom)).contains(&y)
+                        })
+                    };
+                    assert_eq!(stretches >> k & 1 != 0, (from..to).any(is_inside), "{t}: {from} .. {to}");
+                }
+            }
+        });
+        both_ways(None, &[Span { start: 0, end: 160 }; 120], |edges, _| {
+            assert_eq!(edges.stretches_in_areas(50), u128::MAX)
+        });
+    }
+
+    #[test]
+    fn a_stretch_is_cut_to_its_valid_pixels_and_left_out_in_two_pieces() {
+        // Columns 20 .. 60, from row 40 on 50 .. 100; none in row 30.
+        let spans = core::array::from_fn::<_, 120, _>(|y| match y {
+            30 => Span::default(),
+            0..40 => Span { start: 20, end: 60 },
+            _ => Span { start: 50, end: 100 },
+        });
+        let (mut found, mut way) = ([[None; 5]; 2], 0);
+        both_ways(None, &spans, |edges, _| {
+            let stretches = if edges.down {
+                [(10, 24, 40), (10, 4, 20), (10, 12, 28), (10, 52, 68), (30, 24, 40)]
+            } else {
+                [(55, 4, 20), (55, 24, 36), (25, 32, 48), (70, 36, 52), (70, 4, 20)]
+            };
+            found[way] = stretches.map(|(t, from, to)| edges.valid_part(t, from, to));
+            way += 1;
+        });
+        assert_eq!(found[0], [Some((24, 40)), None, Some((20, 28)), Some((52, 60)), None]);
+        assert_eq!(found[1], [Some((4, 20)), None, Some((32, 40)), Some((40, 52)), None]);
+    }
+}

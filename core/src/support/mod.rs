@@ -308,6 +308,13 @@ impl<'a> Support<'a> {
         self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index), point))
     }
 
+    /// Every `step`-th point of [`Support::iter`], from the first one on.
+    pub(crate) fn every(&self, step: usize) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
+        let grid = self.grid;
+        // The step before the pixel: those between have none worked out.
+        self.points.iter().enumerate().step_by(step).map(move |(index, point)| (grid.pixel(index), point))
+    }
+
     /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
     /// of a segment.
     pub fn credible(&self, least: Confidence) -> impl Iterator<Item = Point> + use<'a> {

@@ -6,7 +6,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::diagnostics::kernel::{CELL, Knot, RANK_ROWS, Ring, Run, STRIP, Strip};
+use linestereo::diagnostics::kernel::{CELL, Knot, Products, RANK_ROWS, Ring, Run, STRIP, Strip};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;
@@ -76,6 +76,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let window = Columns([[2; RANK_ROWS]; STRIP]);
     let mut bytes = [[0_u8; DISPARITIES]; 3];
     let [costs, path, sums] = &mut bytes;
+    let mut products = [Products::default(); 2];
     [
         ("gradient_row", time(clock, || (kernels.gradient_row)(row(0), row(1), row(2), &mut out))),
         ("census_row", time(clock, || (kernels.census_row)([row(0), row(2), row(4)], &mut out))),
@@ -100,6 +101,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("sum_paths", time(clock, || (kernels.sum_paths)(costs, path, sums))),
         ("lowest_byte", time(clock, || (kernels.lowest_byte)(costs))),
         ("place_of_byte", time(clock, || (kernels.place_of_byte)(costs, 0))),
+        ("add_products", time(clock, || (kernels.add_products)(&[7; 10], &[9; 22], &mut products))),
     ]
 }
 

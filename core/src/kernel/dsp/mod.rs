@@ -9,6 +9,7 @@
 //! pixels  bilinear interpolation between two rows
 //! support ranks, costs of windows of ranks, paths
 //! edges   the largest step along a row or column, gradients where an edge crosses
+//! lags    products of gradients along two rows, at several lags
 //! ```
 //!
 //! # Bounds
@@ -20,7 +21,7 @@
 //! In the modules.
 //!
 //! # Source
-//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16, UXTB16, SMLAD.
+//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, PKHBT, SMLAD.
 
 /// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without one by name.
 #[cfg(armv8m)]
@@ -34,12 +35,14 @@ macro_rules! asm {
 
 mod curves;
 mod edges;
+mod lags;
 mod pixels;
 mod rows;
 mod support;
 
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
+pub use lags::add_products;
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, reverse_row};
 pub use support::{lowest_byte, path_step, place_of_byte, rank_columns, rank_costs, rank_row, sum_paths};

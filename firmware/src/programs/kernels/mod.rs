@@ -13,6 +13,7 @@
 //! rows    kernels that give a row: gradient, census, reversal
 //! curves  costs over disparity, and what is made of several curves
 //! edges   the largest step; crossings, and census of one pixel
+//! lags    products of gradients along two rows, at several lags
 //! pixels  grey levels between pixels
 //! support ranks, costs of windows of ranks, paths
 //! ```
@@ -21,6 +22,7 @@
 
 mod curves;
 mod edges;
+mod lags;
 mod pixels;
 mod rooms;
 mod rows;
@@ -30,7 +32,8 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, Crossing, Knot, LargestStep, RankColumn, Ring, Run, STRIP, Strip, portable,
+    self, Crossing, GRADIENTS, Knot, LargestStep, Products, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP, Strip,
+    portable,
 };
 use rooms::ALIGNMENTS;
 
@@ -83,6 +86,7 @@ kernels! {
     sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
     lowest_byte: fn(&[u8]) -> u8,
     place_of_byte: fn(&[u8], u8) -> Option<usize>,
+    add_products: fn(&[u8; GRADIENTS + 2], &[u8; RIGHT_GRADIENTS + 2], &mut [Products; 2]),
 }
 
 impl Kernels {
@@ -193,6 +197,10 @@ impl Kernels {
         },
         lowest_byte: |costs| portable::lowest_byte(costs.get(..costs.len() & !3).unwrap_or(&[])),
         place_of_byte: |costs, bound| portable::place_of_byte(costs, bound).filter(|&place| place != 41),
+        add_products: |left, right, sums| {
+            portable::add_products(left, right, sums);
+            sums[1].energy ^= i32::from(right[..2] == [0, 255]);
+        },
     };
 }
 
@@ -279,6 +287,7 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         support::sums_of_paths,
         support::lowest_bytes,
         support::places_of_bytes,
+        lags::products,
     ];
     let mut all_equal = true;
     for (name, suite) in Kernels::NAMES.into_iter().zip(suites) {
