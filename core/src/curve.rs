@@ -93,6 +93,7 @@ impl Curve {
     }
 
     /// Adds another curve over the same disparities, entry by entry.
+    #[inline(never)]
     pub(crate) fn add(&mut self, other: &Self) {
         for (cost, &other) in self.blocks().iter_mut().zip(other.whole()) {
             *cost = cost.saturating_add(other);
@@ -141,6 +142,7 @@ impl Curve {
     }
 
     /// The first lowest entry.
+    #[inline(never)]
     pub(crate) fn minimum(&self) -> Minimum {
         let cost = lowest(self.whole());
         let index = self.whole().iter().position(|&c| c == cost).unwrap_or(0);

@@ -43,12 +43,12 @@ pub struct File(u32);
 
 impl File {
     /// Opens a file by its name, relative to the folder that the PC's side runs in.
-    pub fn open(name: &str, mode: Mode) -> Result<Self, CannotOpen> {
+    pub fn open(name: &[u8], mode: Mode) -> Result<Self, CannotOpen> {
         let mut text = [0_u8; LONGEST];
         text.get_mut(..name.len())
             .filter(|text| text.len() < LONGEST)
             .ok_or(CannotOpen)?
-            .copy_from_slice(name.as_bytes());
+            .copy_from_slice(name);
         let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
         // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the answer.
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
@@ -125,17 +125,21 @@ impl Arguments {
 
     /// Word number `n`, counted from 0.
     #[must_use]
-    pub fn get(&self, n: usize) -> Option<&str> {
+    pub fn get(&self, n: usize) -> Option<&[u8]> {
         let text = self.text.get(..self.length).unwrap_or(&[]);
         let words = text.split(|&byte| byte == b' ' || byte == 0).filter(|word| !word.is_empty());
-        words.skip(1).nth(n).and_then(|word| core::str::from_utf8(word).ok())
+        words.skip(1).nth(n)
     }
 }
 
 /// Writes text to the PC's error output.
 pub fn report(text: &str) {
+    report_bytes(text.as_bytes());
+}
+
+fn report_bytes(text: &[u8]) {
     let mut buffer = [0_u8; 64];
-    for chunk in text.as_bytes().chunks(buffer.len() - 1) {
+    for chunk in text.chunks(buffer.len() - 1) {
         buffer.fill(0);
         for (slot, &byte) in buffer.iter_mut().zip(chunk) {
             *slot = byte;
@@ -152,7 +156,7 @@ pub fn report_hex(number: u32) {
         let digit = (number >> (4 * shift) & 15) as u8;
         *slot = if digit < 10 { b'0' + digit } else { b'a' + digit - 10 };
     }
-    report(core::str::from_utf8(&digits).unwrap_or("?"));
+    report_bytes(&digits);
 }
 
 /// The same in decimal.
@@ -167,7 +171,7 @@ pub fn report_decimal(number: u32) {
         }
         rest /= 10;
     }
-    report(digits.get(first..).and_then(|digits| core::str::from_utf8(digits).ok()).unwrap_or("?"));
+    report_bytes(digits.get(first..).unwrap_or(&[]));
 }
 
 /// Ends the program with this exit code.

@@ -281,6 +281,7 @@ impl HealthMonitor {
     }
 
     /// Raises and clears flags, and returns those that are set. Only `tested` flags are cleared.
+    #[inline(never)]
     fn hold(&mut self, limits: &HealthLimits, now: HealthFlags, tested: HealthFlags) -> HealthFlags {
         let mut flags = HealthFlags::GOOD;
         for (held, (flag, _)) in self.held.iter_mut().zip(HealthFlags::NAMES) {

@@ -141,9 +141,23 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
         let places = words.windows(STRIP).filter_map(|words| words.first_chunk());
         for ((cost, columns), words) in costs.iter_mut().zip(columns.windows(STRIP)).zip(places) {
             let sum = if is_small { small_differences(&reference, words) } else { differences(window, columns) };
-            *cost = ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8;
+            *cost = halved(sum);
         }
     }
+}
+
+/// As [`rank_costs`], rank by rank: what is left of a faster kernel.
+#[cfg_attr(not(target_arch = "arm"), expect(dead_code))]
+pub(super) fn rank_costs_by_bytes(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
+        *cost = halved(differences(window, columns));
+    }
+}
+
+/// Half of a sum of differences and twice the penalty.
+#[inline]
+fn halved(sum: u8) -> u8 {
+    ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8
 }
 
 /// Sum of absolute differences modulo 256.

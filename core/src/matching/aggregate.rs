@@ -16,6 +16,7 @@ const ONE_SURFACE_Q6: i32 = 112;
 
 /// Joins two sides that agree into one surface: both get the disparity `line_q6` at the ends of the edge, 1/64 px, and the slant across the edge
 /// that follows from the difference of `own_q6`, the disparities by each side's own window, whose centres lie `apart` px from each other.
+#[inline(never)]
 pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
     let [Some(left), Some(right)] = sides else { return };
     let [own_left, own_right] = own_q6;

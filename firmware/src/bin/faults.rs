@@ -18,24 +18,24 @@ fn faults() -> linestereo_boards::Exit {
     let arguments = Arguments::read();
     match arguments.get(0) {
         None => return Exit::Success,
-        Some("panic") => panic!("as asked"),
-        Some("stack") => {
+        Some(b"panic") => panic!("as asked"),
+        Some(b"stack") => {
             black_box(fill::<64>(black_box(1_000_000)));
         }
         // Steps over any guard of a few kilobytes.
-        Some("large-stack") => {
+        Some(b"large-stack") => {
             black_box(fill::<100_000>(black_box(10)));
         }
         // SAFETY: not safe: nothing lies there, which is the point.
-        Some("bus") => unsafe {
+        Some(b"bus") => unsafe {
             black_box(core::ptr::with_exposed_provenance::<u32>(0xf000_0000).read_volatile());
         },
         // SAFETY: not safe: below the RAM, as a lost pointer might point.
-        Some("guard") => unsafe {
+        Some(b"guard") => unsafe {
             core::ptr::with_exposed_provenance_mut::<u32>(stack::bottom() - 16).write_volatile(1);
         },
         // SAFETY: not safe: no instruction, which is the point.
-        Some("undefined") => unsafe {
+        Some(b"undefined") => unsafe {
             #[cfg(target_arch = "arm")]
             core::arch::asm!("udf #0");
             #[cfg(target_arch = "riscv32")]
@@ -43,12 +43,12 @@ fn faults() -> linestereo_boards::Exit {
         },
         // SAFETY: not safe: between both stacks, as a handler that takes too much would.
         #[cfg(all(target_arch = "arm", not(armv8m)))]
-        Some("between") => unsafe {
+        Some(b"between") => unsafe {
             core::ptr::with_exposed_provenance_mut::<u32>(stack::top() + 16).write_volatile(1);
         },
         // SAFETY: the handler below is called.
         #[cfg(target_arch = "arm")]
-        Some("handler") => unsafe { core::arch::asm!("svc #0") },
+        Some(b"handler") => unsafe { core::arch::asm!("svc #0") },
         Some(_) => return Exit::Usage,
     }
     Exit::Success

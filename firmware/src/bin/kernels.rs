@@ -23,8 +23,8 @@ fn kernels() -> linestereo_boards::Exit {
     let arguments = Arguments::read();
     let kernels = match arguments.get(0) {
         None => Kernels::CHOSEN,
-        Some("wrong") => Kernels::WRONG,
-        Some("beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
+        Some(b"wrong") => Kernels::WRONG,
+        Some(b"beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
         Some(_) => return Exit::Usage,
     };
     let Some(rooms) = ROOMS.take().filter(|rooms| arch::forbid_fences(&rooms.fences())) else { return Exit::Usage };

@@ -19,7 +19,7 @@ pub struct FlashFile {
 
 impl FlashFile {
     /// The slots in the file of this name.
-    pub fn slots(name: &str) -> Result<BoardStore<Self>, CannotOpen> {
+    pub fn slots(name: &[u8]) -> Result<BoardStore<Self>, CannotOpen> {
         let file = File::open(name, Mode::Change)?;
         let bytes = file.length() as usize;
         let [first, second, third, fourth] = [0, 1, 2, 3].map(|block| block * Self::ERASE_SIZE as u32);

@@ -163,10 +163,8 @@ pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
 pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
     let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
     let (at_window, at_columns) = (window.as_ptr().cast::<u32>(), columns.as_ptr().cast::<u32>());
-    let Some(behind) = length.checked_sub(4) else { return portable::rank_costs(window, columns, costs) };
-    if !at_window.is_aligned() || !at_columns.is_aligned() {
-        return portable::rank_costs(window, columns, costs);
-    }
+    let behind = length.checked_sub(4).filter(|_| at_window.is_aligned() && at_columns.is_aligned());
+    let Some(behind) = behind else { return portable::rank_costs_by_bytes(window, columns, costs) };
     // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours begin within.
     unsafe {
         fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
@@ -182,7 +180,7 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
 /// # Safety
 /// There is a round at least. The window holds eight words, the columns four a round and seven more; both are aligned. As many costs can be written
 /// as there are disparities.
-#[inline(always)]
+#[inline(never)] // twice the code for nothing
 unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds: usize) {
     // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last round end seven words behind its four.
     unsafe {
