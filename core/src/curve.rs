@@ -42,19 +42,27 @@ impl Curve {
 
     /// Sums costs over `len` disparities from `first` on; `add` is given whole blocks.
     pub(crate) fn fill(&mut self, (first, len): (i32, i32), add: impl FnOnce(&mut [u16])) {
-        self.span((first, len));
+        add(self.cleared((first, len)));
+        self.close();
+    }
+
+    /// Becomes a curve of zeros; returns its whole blocks.
+    #[inline(never)]
+    fn cleared(&mut self, (first, len): (i32, i32)) -> &mut [u16] {
+        self.first = first;
+        self.len = usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES);
         let blocks = self.blocks();
         blocks.fill(0);
-        add(blocks);
+        blocks
+    }
+
+    /// The largest cost beyond the disparities.
+    #[inline(never)]
+    fn close(&mut self) {
         let len = self.len;
         if let Some(beyond) = self.blocks().get_mut(len..) {
             beyond.fill(u16::MAX);
         }
-    }
-
-    fn span(&mut self, (first, len): (i32, i32)) {
-        self.first = first;
-        self.len = usize::try_from(len).unwrap_or(0).min(MAX_DISPARITIES);
     }
 
     fn blocks(&mut self) -> &mut [u16] {

@@ -199,16 +199,18 @@ impl Workspace {
     }
 
     /// The sides with their log-odds; keeps their evidence for observers.
+    #[inline(never)]
     fn rate(
         &mut self,
-        evidence: [Option<SegmentEvidence>; 2],
-        line_q6: impl Fn(usize) -> [i32; 2],
+        evidence: &[Option<SegmentEvidence>; 2],
+        lines_q6: [[i32; 2]; 2],
         models: (&Model, &Model),
     ) -> [Option<Side>; 2] {
         let mut sides = [None, None];
-        for ((i, side), (kept, evidence)) in sides.iter_mut().enumerate().zip(self.evidence.iter_mut().zip(evidence)) {
-            *side = evidence.as_ref().map(|evidence| Side::new(line_q6(i), evidence, models));
-            *kept = evidence.unwrap_or(const { SegmentEvidence::new() });
+        let kept = self.evidence.iter_mut().zip(evidence);
+        for ((side, line_q6), (kept, evidence)) in sides.iter_mut().zip(lines_q6).zip(kept) {
+            *side = evidence.as_ref().map(|evidence| Side::new(line_q6, evidence, models));
+            kept.clone_from(evidence.as_ref().unwrap_or(const { &SegmentEvidence::new() }));
         }
         sides
     }

@@ -135,14 +135,13 @@ pub(crate) fn match_near_horizontal(
     let lines_q6 = matched.each_ref().map(|side| side.as_ref().map_or([0; 2], |side| side.line_q6));
     let evidence = matched.map(|side| side.ok().map(|side| side.evidence));
     let is_behind = evidence.map(|evidence| evidence.is_some_and(|of| of.get(SegmentKind::OtherNearer) > NEARER_Q8));
-    let [above_q6, below_q6] = lines_q6;
-    let mut sides = work.rate(evidence, |side| if side == 0 { above_q6 } else { below_q6 }, context.models.of(true));
+    let mut sides = work.rate(&evidence, lines_q6, context.models.of(true));
     for (side, is_behind) in sides.iter_mut().zip(is_behind) {
         if let Some(side) = side {
             side.is_behind = is_behind;
         }
     }
-    let ([a0, a1], [b0, b1]) = (above_q6, below_q6);
+    let [[a0, a1], [b0, b1]] = lines_q6;
     let line_q6 = [(a0 + b0) / 2, (a1 + b1) / 2];
     join_sides(&mut sides, [(a0 + a1) / 2, (b0 + b1) / 2], SIDES_APART, line_q6);
     Ok(Candidate::new(*segment, sides, window_q6, census_q6, None))

@@ -142,7 +142,7 @@ pub(crate) fn match_near_vertical(
         hypothesis(shared, &left, &right, census_left, at, windows.rows, -256).filter(|_| may_own(-1)),
         hypothesis(shared, &right, &left, census_right, at, windows.rows, 256).filter(|_| may_own(1)),
     ];
-    let mut sides = work.rate(evidence, |_| line_q6, context.models.of(false));
+    let mut sides = work.rate(&evidence, [line_q6; 2], context.models.of(false));
     if sides.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }

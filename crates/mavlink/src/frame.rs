@@ -1,6 +1,6 @@
 //! A message -> the bytes of its frame.
 
-use crc::{CRC_16_MCRF4XX, Crc, NoTable};
+use crc::{CRC_16_MCRF4XX, Crc, Table};
 
 /// Bytes of the longest payload here, OBSTACLE_DISTANCE.
 const MAX_PAYLOAD: usize = 167;
@@ -10,8 +10,7 @@ const HEAD: usize = 10;
 pub const MAX_FRAME: usize = HEAD + MAX_PAYLOAD + 2;
 /// A frame of version 2 begins.
 pub(crate) const MAGIC: u8 = 0xfd;
-/// Bit by bit: some 180 bytes ten times a second are not worth a table of 512.
-const CRC: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_MCRF4XX);
+const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_MCRF4XX);
 
 /// Checksum of a frame behind its first byte, with the byte of its message.
 #[inline(never)]
