@@ -122,7 +122,6 @@ fn texture(x: i32, y: i32, seed: i32) -> i32 {
 }
 
 /// Bits that look random: the finaliser of MurmurHash3 (Appleby) over the three numbers.
-#[inline(never)]
 fn hash(x: i32, y: i32, seed: i32) -> u32 {
     let mut bits = (x as u32)
         .wrapping_mul(0x9e37_79b1)
