@@ -202,3 +202,31 @@ impl fmt::Debug for HealthFlags {
         write!(f, "HealthFlags({self})")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn a_set_is_printed_by_its_names() {
+        assert_eq!(HealthFlags::GOOD.to_string(), "good");
+        assert_eq!((HealthFlags::TORN | HealthFlags::SKEW).to_string(), "skew+torn");
+        assert_eq!(HealthFlags::NAMES.map(|(flag, name)| flag.to_string() == name), [true; HealthFlags::NAMES.len()]);
+    }
+
+    #[test]
+    fn warnings_leave_a_pair_fit() {
+        use HealthFlags as Flags;
+        let warnings =
+            Flags::LEFT_EXPOSURE | Flags::EXPOSURES_DIFFER | Flags::ROWS_OFF | Flags::ROWS_DRIFT | Flags::RIGHT_VIEW;
+        assert!(Flags::GOOD.is_fit() && warnings.is_fit());
+        assert!(![warnings | Flags::ROWS_FAR, Flags::SKEW, Flags::RIGHT_FROZEN].iter().any(|flags| flags.is_fit()));
+        assert!(
+            warnings.contains(Flags::ROWS_OFF | Flags::ROWS_DRIFT)
+                && !warnings.contains(Flags::ROWS_OFF | Flags::ROWS_FAR)
+        );
+        assert!(warnings.names().eq(["left_exposure", "right_view", "exposures_differ", "rows_off", "rows_drift"]));
+    }
+}

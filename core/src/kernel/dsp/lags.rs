@@ -8,7 +8,7 @@
 //! ```
 //!
 //! # Cost
-//! 330 instructions under QEMU; the portable version 850.
+//! 330 instructions under QEMU.
 //!
 //! # Source
 //! See [`super`].
