@@ -1,7 +1,8 @@
 //! `linestereo view` as a browser meets it: who is let in, events against the lines of `sequence` and `monitor`, boxes, a board's link, the end.
 
 use crate::monitor::{damaged_recording, frame, packet};
-use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
+use crate::rectify::RIG;
+use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs, with_rig};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
 use linestereo_sim::report::browser::Browser;
@@ -314,6 +315,16 @@ fn boxes_of_the_page_are_asked_of_the_board() {
     assert!(code == Some(2) && errors.contains("was closed") && errors.lines().count() == 1, "{errors}");
 }
 
+/// Sends a photograph of 64x2 pixels whose left image has this grey; the first of its pixels that are not lost.
+fn photo(board: &mut TcpStream, grey: u8, first: u32) {
+    let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
+    board.write_all(&packet(&Message::Photo(head))).unwrap();
+    for (is_right, grey) in [(false, grey), (true, 0)] {
+        let list = [grey; 128].into_iter().collect();
+        board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
+    }
+}
+
 #[test]
 fn photographs_of_a_board_lie_under_its_segments() {
     let folder = TempDir::new().unwrap();
@@ -323,14 +334,6 @@ fn photographs_of_a_board_lie_under_its_segments() {
     let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
     board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     let mut events = view.events();
-    let photo = |board: &mut TcpStream, grey: u8, first: u32| {
-        let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
-        board.write_all(&packet(&Message::Photo(head))).unwrap();
-        for (is_right, grey) in [(false, grey), (true, 0)] {
-            let list = [grey; 128].into_iter().collect();
-            board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
-        }
-    };
     assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
     photo(&mut board, 77, 0);
     let expected = json!({"size": [64, 2], "grey": BASE64_STANDARD.encode([77; 128])});
@@ -340,6 +343,29 @@ fn photographs_of_a_board_lie_under_its_segments() {
     photo(&mut board, 78, 5);
     assert!(events.of("note").contains("accepted: photograph"));
     assert!(events.of("note").contains("pixels were lost"));
+    let (code, _, _) = view.interrupt();
+    assert_eq!(code, Some(0));
+}
+
+#[test]
+fn a_photograph_of_another_size_than_the_rig_is_left_out() {
+    let folder = with_rig(RIG);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let view = View::start(folder.path(), &["--tcp", &address, "--photograph", "1", "--rig", "rig.toml"]);
+    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
+    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let mut events = view.events();
+    // The second one is asked for by a program that goes on.
+    for _ in 0..2 {
+        assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+        photo(&mut board, 77, 0);
+        let mut note = events.of("note");
+        while note.contains("accepted") {
+            note = events.of("note");
+        }
+        assert!(note.contains("left out: the rig is one of raw images of 320x240, these are 64x2"), "{note}");
+    }
     let (code, _, _) = view.interrupt();
     assert_eq!(code, Some(0));
 }

@@ -150,10 +150,14 @@ impl Show<'_> {
             }
             Event::Photo(photo) => self.photo(&photo),
             Event::Note(note) => {
-                self.server.send("note", &[("note", json!(note).to_string())]);
+                self.note(&note);
                 Ok(())
             }
         }
+    }
+
+    fn note(&self, note: &str) {
+        self.server.send("note", &[("note", json!(note).to_string())]);
     }
 
     /// Shows a complete frame; others are counted.
@@ -179,16 +183,20 @@ impl Show<'_> {
         Ok(())
     }
 
-    /// Shows the left image under the segments of the frames that come: with --rig as the board rectifies it.
+    /// Shows the left image under the segments of the frames that come: with --rig as the board rectifies it. One that is not of the rig's size
+    /// is left out, with a note.
     fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
         if self.rectifier.is_none() {
             self.rectifier = self.args.input.rectifier_of(left.dims)?;
         }
         let shown = match &mut self.rectifier {
-            Some(rectifier) => rectifier.image(CameraSide::Left, left)?,
-            None => left.clone(),
+            Some(rectifier) => rectifier.image(CameraSide::Left, left),
+            None => Ok(left.clone()),
         };
-        self.server.send("picture", &[picture(&shown)]);
+        match shown {
+            Ok(shown) => self.server.send("picture", &[picture(&shown)]),
+            Err(error) => self.note(&format!("a photograph is left out: {error}")),
+        }
         Ok(())
     }
 
