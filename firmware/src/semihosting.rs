@@ -45,10 +45,7 @@ impl File {
     /// Opens a file by its name, relative to the folder that the PC's side runs in.
     pub fn open(name: &[u8], mode: Mode) -> Result<Self, CannotOpen> {
         let mut text = [0_u8; LONGEST];
-        text.get_mut(..name.len())
-            .filter(|text| text.len() < LONGEST)
-            .ok_or(CannotOpen)?
-            .copy_from_slice(name);
+        text.get_mut(..name.len()).filter(|text| text.len() < LONGEST).ok_or(CannotOpen)?.copy_from_slice(name);
         let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
         // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the answer.
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };

@@ -24,13 +24,7 @@ pub(crate) fn census(image: Gray<'_>, y: i32, columns: Range<i32>, out: &mut [u8
 
 /// Both kernels share one copy of it.
 #[inline(never)]
-fn fill(
-    image: Gray<'_>,
-    rows: [i32; 3],
-    columns: Range<i32>,
-    out: &mut [u8],
-    kernel: fn([&[u8]; 3], &mut [u8]),
-) {
+fn fill(image: Gray<'_>, rows: [i32; 3], columns: Range<i32>, out: &mut [u8], kernel: fn([&[u8]; 3], &mut [u8])) {
     let dims = image.dims();
     let inside = |x: i32| x.max(0).min(dims.width.into());
     let (from, to) = (inside(columns.start), inside(columns.end));

@@ -72,7 +72,7 @@ impl<'a> Cover<'a> {
     }
 
     /// True when the pixel belongs to the region.
-    #[inline(never)]
+    #[inline]
     pub(crate) fn contains(&self, x: i32, y: i32) -> bool {
         if !self.area.contains(x, y) {
             return false;
