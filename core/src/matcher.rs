@@ -86,6 +86,7 @@ impl Matcher {
         self.run_observed(pair, areas, scratch, observer)
     }
 
+    #[inline(never)]
     fn run_observed<'a>(
         &mut self,
         pair: Pair<'a>,

@@ -146,7 +146,6 @@ impl Rig {
     /// Depth of a disparity (Eqs. 5, 12), rounded to nearest, saturating at [`INFINITE_DEPTH`]; a disparity that is zero or less after
     /// the offset is infinitely far.
     #[must_use]
-    #[inline(never)]
     pub fn depth(&self, disparity: Disparity) -> Depth {
         let d_q6 = i64::from(disparity.to_bits()).wrapping_add(self.offset_q6);
         if d_q6 <= 0 {

@@ -113,8 +113,17 @@ impl Engine {
         let scratch = last.ok().map(Matched::into_scratch).or_else(|| self.scratch.take());
         // A run that fails would lose the memory, but images of another size than the memory's do not come here.
         let scratch = scratch.ok_or(Status::NotInitialised)?;
-        self.matched = self.matcher.run(pair, areas, scratch, &mut ()).map_err(Status::from);
-        self.matched().map(|_| ())
+        match self.matcher.run(pair, areas, scratch, &mut ()) {
+            Ok(matched) => {
+                self.matched = Ok(matched);
+                Ok(())
+            }
+            Err(error) => {
+                let status = error.into();
+                self.matched = Err(status);
+                Err(status)
+            }
+        }
     }
 
     fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {

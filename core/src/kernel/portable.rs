@@ -146,22 +146,14 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
     }
 }
 
-/// As [`rank_costs`], rank by rank: what is left of a faster kernel.
-#[cfg_attr(not(target_arch = "arm"), expect(dead_code))]
-pub(super) fn rank_costs_by_bytes(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
-    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
-        *cost = halved(differences(window, columns));
-    }
-}
-
 /// Half of a sum of differences and twice the penalty.
 #[inline]
-fn halved(sum: u8) -> u8 {
+pub(super) fn halved(sum: u8) -> u8 {
     ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8
 }
 
 /// Sum of absolute differences modulo 256.
-fn differences(window: &[RankColumn; STRIP], columns: &[RankColumn]) -> u8 {
+pub(super) fn differences(window: &[RankColumn; STRIP], columns: &[RankColumn]) -> u8 {
     let ranks = window.as_flattened().iter().zip(columns.as_flattened());
     ranks.fold(0, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)))
 }

@@ -164,7 +164,7 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
     let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
     let (at_window, at_columns) = (window.as_ptr().cast::<u32>(), columns.as_ptr().cast::<u32>());
     let behind = length.checked_sub(4).filter(|_| at_window.is_aligned() && at_columns.is_aligned());
-    let Some(behind) = behind else { return portable::rank_costs_by_bytes(window, columns, costs) };
+    let Some(behind) = behind else { return rank_costs_by_bytes(window, columns, costs) };
     // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours begin within.
     unsafe {
         fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
@@ -172,6 +172,13 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
             // The rest, and some of those before it again.
             fours(at_window, at_columns.add(behind), costs.as_mut_ptr().add(behind), 1);
         }
+    }
+}
+
+/// Rank by rank: fewer than four costs, or ranks that are not aligned.
+fn rank_costs_by_bytes(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
+        *cost = portable::halved(portable::differences(window, columns));
     }
 }
 
