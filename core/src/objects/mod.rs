@@ -102,7 +102,7 @@ pub struct ObjectDepth {
     pub sigma: Disparity,
     /// Slope of the object's plane: change of the disparity per pixel to the right and downwards, 1/1024 px.
     pub slope_q10: [i16; 2],
-    /// Largest distance of its hypotheses' disparities from the plane by which they were chosen, px: at most 1.
+    /// Largest distance of its hypotheses' disparities from the plane, px.
     pub spread: Disparity,
     /// Depth at the region's centre, m; `None` without a rig or a disparity.
     pub depth: Option<Depth>,

@@ -126,11 +126,14 @@ fn list_points(
 ) {
     let inside = || {
         support.within(area).filter(|(x, y, point)| {
-            point.probability_q16 > LEAST_PROBABILITY
-                && cover.contains(*x, *y)
-                && [-WINDOW_HALF, WINDOW_HALF]
-                    .into_iter()
-                    .all(|dy| cover.contains(x - WINDOW_HALF, y + dy) && cover.contains(x + WINDOW_HALF, y + dy))
+            let corners = [
+                (-WINDOW_HALF, -WINDOW_HALF),
+                (WINDOW_HALF, -WINDOW_HALF),
+                (-WINDOW_HALF, WINDOW_HALF),
+                (WINDOW_HALF, WINDOW_HALF),
+            ];
+            let corners = corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
+            point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
         })
     };
     let step = inside().count().div_ceil(MOST_POINTS.min(neighbours.len() / 2).max(1)).max(1);
