@@ -4,6 +4,7 @@
 //!
 //! # Cost
 //! A pass over the disparities for every operation but those at one disparity: 1 to 2 instructions a disparity (Armv7E-M), at most [`MAX_DISPARITIES`].
+//! What several windows call is not inlined: a call takes some ten instructions, a copy some 100 bytes of flash.
 //!
 //! # Source
 //! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi

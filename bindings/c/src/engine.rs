@@ -113,6 +113,7 @@ impl Engine {
         let scratch = last.ok().map(Matched::into_scratch).or_else(|| self.scratch.take());
         // A run that fails would lose the memory, but images of another size than the memory's do not come here.
         let scratch = scratch.ok_or(Status::NotInitialised)?;
+        // Not `map_err`, which copies all of a result.
         match self.matcher.run(pair, areas, scratch, &mut ()) {
             Ok(matched) => {
                 self.matched = Ok(matched);

@@ -18,7 +18,7 @@
 //! Gradients are at most 255: 8 products 520 200, sums of both energies of 256 points 2.7e8.
 //!
 //! # Cost
-//! At most some [`POINTS`] points, 500 instructions each on a Cortex-M7, 330 of them the kernel.
+//! At most some [`POINTS`] points, 500 instructions each on a Cortex-M7, 400 of them the kernel.
 
 use crate::image::Gray;
 use crate::kernel::{LAGS, Products, add_products};

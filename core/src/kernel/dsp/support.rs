@@ -187,7 +187,7 @@ fn rank_costs_by_bytes(window: &[RankColumn; STRIP], columns: &[RankColumn], cos
 /// # Safety
 /// There is a round at least. The window holds eight words, the columns four a round and seven more; both are aligned. As many costs can be written
 /// as there are disparities.
-#[inline(never)] // twice the code for nothing
+#[inline(never)] // called for whole rounds, and for the rest
 unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds: usize) {
     // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last round end seven words behind its four.
     unsafe {
