@@ -1,23 +1,24 @@
 //! The depths that are told of the objects of the built-in room.
 
-use linestereo_sim::commands::demo::Demonstration;
-use linestereo_sim::evaluate::ObjectScore;
+use linestereo_sim::commands::demo::{Demonstration, RoomObject};
 
 /// Least mean number of answers a room: seven of its twelve objects are wide and textured.
 const LEAST_ANSWERS: usize = 7;
 
-/// Every answer about the objects of these rooms is right, and the table says what is scored.
-fn check(seeds: core::ops::RangeInclusive<u64>) {
-    let (mut answers, rooms) = (0, seeds.clone().count());
-    for seed in seeds {
+/// Every answer about the objects of these rooms is right, at the object's centre and by its range, and the table says what is scored.
+fn check(seeds: &[u64]) {
+    let (mut answers, rooms) = (0, seeds.len());
+    let mut worst = 0.0_f32;
+    for &seed in seeds {
         let shown = Demonstration::new(seed, 1.0).unwrap();
-        let told: Vec<_> = shown.objects.iter().filter(|score| score.refused.is_none()).collect();
-        let unsure: Vec<_> = told.iter().filter(|score| score.wrong || score.confidence < 0.9).collect();
+        let told: Vec<_> = shown.objects.iter().filter(|object| object.score.refused.is_none()).collect();
+        let unsure: Vec<_> = told.iter().filter(|object| object.is_wrong() || object.score.confidence < 0.9).collect();
         assert!(unsure.is_empty(), "seed {seed}: {unsure:?}");
         table_says_what_is_scored(&shown);
         answers += told.len();
+        worst = told.iter().map(|object| (object.score.disparity - object.true_at_centre).abs()).fold(worst, f32::max);
     }
-    println!("{answers} answers in {rooms} rooms");
+    println!("{answers} answers in {rooms} rooms, at most {worst:.2} px off at the centre");
     assert!(answers > LEAST_ANSWERS * rooms, "{answers} answers prove little");
 }
 
@@ -27,30 +28,34 @@ fn table_says_what_is_scored(shown: &Demonstration) {
     let rows = text.lines().skip_while(|line| !line.starts_with("object ")).skip(1).take_while(|line| !line.is_empty());
     let rows: Vec<&str> = rows.collect();
     assert_eq!(rows.len(), objects.len(), "{text}");
-    for (row, score) in rows.iter().zip(objects) {
+    for (row, object) in rows.iter().zip(objects) {
+        let RoomObject { score, true_at_centre } = object;
         let numbers = row.strip_prefix(&score.name).unwrap_or_else(|| panic!("{row:?} is of {}", score.name));
         assert_eq!(score.refused.is_some(), numbers.contains("no depth"), "{row}");
         if score.refused.is_none() {
-            let first = numbers.split_whitespace().next().unwrap();
-            assert_eq!(first, format!("{:.2}", score.disparity), "{row}");
-            assert_eq!(score.wrong, row.contains("wrong"), "{row}");
+            let said: Vec<&str> = numbers.split_whitespace().collect();
+            assert_eq!(said[0], format!("{:.2}", score.disparity), "{row}");
+            assert_eq!(said[2], format!("{true_at_centre:.2}"), "{row}");
+            assert_eq!(object.is_wrong(), row.contains("wrong"), "{row}");
         }
     }
-    let count = |is: &dyn Fn(&ObjectScore) -> bool| objects.iter().filter(|score| is(score)).count();
-    let answered = count(&|score| score.refused.is_none());
+    let count = |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
+    let answered = count(&|object| object.score.refused.is_none());
     let line =
-        format!("Objects:  {answered} of {} have a depth; {} of them", objects.len(), count(&|score| score.wrong));
+        format!("Objects:  {answered} of {} have a depth; {} of them", objects.len(), count(&RoomObject::is_wrong));
     assert!(text.contains(&line), "{line:?} is not in\n{text}");
 }
 
+/// The room that is shown, and rooms with an answer that was wrong before the core was mended: two of the slanted wall, and two of the small box
+/// and one of the blank wall that are refused now.
 #[test]
 fn objects_of_rooms_have_their_depth_or_none() {
-    check(1..=20);
+    check(&[1, 22, 31, 52, 96, 121]);
 }
 
 /// `cargo test --release -p linestereo-sim --test topics two_hundred -- --ignored --nocapture`: some 130 s of one core.
 #[test]
 #[ignore = "two hundred rooms are rendered: minutes"]
 fn objects_of_two_hundred_rooms_have_their_depth_or_none() {
-    check(1..=200);
+    check(&(1..=200).collect::<Vec<u64>>());
 }

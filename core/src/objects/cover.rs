@@ -17,6 +17,8 @@ pub(crate) struct Cover<'a> {
     width: usize,
     /// `None` for a box: all pixels of the area.
     bits: Option<&'a [u32]>,
+    /// Number of its pixels.
+    pub(crate) pixels: u32,
     /// Mean column and row of its pixels, px.
     pub(crate) centre: [i32; 2],
     /// Half of the area's width and height, px, at least 1.
@@ -38,7 +40,9 @@ impl<'a> Cover<'a> {
         let half = |from: u16, to: u16| ((i32::from(to) - i32::from(from) + 1) >> 1).max(1);
         let half_size = [half(area.left, area.right), half(area.top, area.bottom)];
         let Shape::Mask(runs) = region.shape() else {
-            return Self { area, width, bits: None, centre, half_size, is_thin: false };
+            let pixels =
+                u32::from(area.right.saturating_sub(area.left)) * u32::from(area.bottom.saturating_sub(area.top));
+            return Self { area, width, bits: None, pixels, centre, half_size, is_thin: false };
         };
 
         let words = (usize::from(area.top) * width) >> 5..=(usize::from(area.bottom) * width) >> 5;
@@ -58,7 +62,8 @@ impl<'a> Cover<'a> {
         let mean = |sum: i64, of: i64| i32::try_from(sum.checked_div(of).unwrap_or(0)).unwrap_or(0);
         let centre = [mean(columns, 2 * pixels), mean(rows, pixels)];
         let is_thin = pixels <= THIN * (i64::from(area.bottom) - i64::from(area.top));
-        Self { area, width, bits: Some(marks), centre, half_size, is_thin }
+        let pixels = u32::try_from(pixels).unwrap_or(0);
+        Self { area, width, bits: Some(marks), pixels, centre, half_size, is_thin }
     }
 
     /// True for a box.

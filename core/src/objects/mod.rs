@@ -140,7 +140,8 @@ impl ObjectQuery<'_> {
             self.neighbours,
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
-        let surface = surface::find(neighbours, cover.centre, cover.is_box(), self.order).unwrap_or_default();
+        let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8);
+        let surface = surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), self.order).unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
@@ -417,5 +418,30 @@ mod tests {
         let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);
         assert!((0.01..0.021).contains(&across) && (-0.0105..-0.006).contains(&down), "{across} {down}");
         assert_eq!(found.support, 12);
+    }
+
+    #[test]
+    fn a_narrow_steep_wall_has_the_depth_of_its_centre() {
+        // d = 12 px at the centre, 0.18 px per px to the right; most hypotheses on the right half.
+        let runs: [Run; 60] =
+            core::array::from_fn(|row| Run { label: 4, y: 70 + row as u16, span: Span { start: 100, end: 132 } });
+        let wall = Region::masked(4, &runs, DIMS).unwrap();
+        let at = |x: u16, rows: &[u16], list: &mut Vec<Candidate, MOST>| {
+            for &y in rows {
+                let d_q6 = 64.0 * (12.0 + 0.18 * (f64::from(x) - 116.0));
+                list.push(candidate([x, y, x, y + 8], [Some(side(d_q6 as i32, 1200)), None])).unwrap();
+            }
+        };
+        let mut list = Vec::new();
+        at(126, &[72, 80, 88, 96, 104, 112, 120], &mut list);
+        at(116, &[80, 100], &mut list);
+        at(108, &[90, 110], &mut list);
+        let d = evaluate(&list, &wall).disparity.unwrap().to_num::<f64>();
+        assert!((d - 12.0).abs() < 0.75, "{d}");
+        // A single wrong one is no slope.
+        let mut level = Vec::new();
+        at(126, &[72, 80, 88, 96, 104, 112, 120], &mut level);
+        at(108, &[90], &mut level);
+        assert_eq!(evaluate(&level, &wall).slope_q10, [0; 2]);
     }
 }

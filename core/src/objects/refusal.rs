@@ -10,6 +10,7 @@
 //!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
 //!     beside         a third of what surrounds the region is on the plane, and in it less than 0.4 a point: paths carry the disparity of what is
 //!                    beside a blank face over its border
+//!     blank          thrice as much on the plane around the region as in it, and in it less than 0.4 a point of the grid, matched or not
 //!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.4 a point is on the plane: periodic texture and damaged
 //!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
@@ -27,7 +28,7 @@ use super::region_support::RegionSupport;
 use super::surface::Surface;
 use crate::area::Area;
 use crate::image::Dims;
-use crate::support::{SURROUNDINGS, Support};
+use crate::support::{SUPPORT_PITCH, SURROUNDINGS, Support};
 use crate::units::quotient;
 
 /// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth. With the offset of a rig
@@ -38,6 +39,8 @@ const LEAST_WEIGHT_Q8: i32 = 282;
 /// Largest distance of a support point on the plane, and least of one that contradicts it, 1/64 px.
 const ON_Q6: i32 = 96;
 const OFF_Q6: i32 = 192;
+/// Number of pixels for each point of the grid.
+const POINT_PIXELS: u32 = (SUPPORT_PITCH * SUPPORT_PITCH) as u32;
 /// Least sum of probabilities in the region for support points to refuse a surface, Q8.
 const LEAST_POINTS_Q8: u32 = 256;
 
@@ -113,6 +116,8 @@ impl Sums {
 
 /// Support points in a region and around it against the region's plane.
 struct Agreement {
+    /// Number of the region's pixels.
+    pixels: u32,
     inside: Sums,
     around: Sums,
 }
@@ -126,11 +131,11 @@ impl Agreement {
             let nearer_q6 = i32::from(point.disparity_q6) - surface.at_q6(x - x0, y - y0);
             sums.add(nearer_q6, u32::from(point.probability_q16) >> 8);
         }
-        Self { inside, around }
+        Self { pixels: cover.pixels, inside, around }
     }
 
     fn refusal(&self, is_box: bool) -> Option<NoDepth> {
-        let Self { inside, around } = self;
+        let Self { pixels, inside, around } = self;
         if inside.all < LEAST_POINTS_Q8 {
             return None;
         }
@@ -139,10 +144,12 @@ impl Agreement {
         let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
         // 0.4
-        let is_poor = 10 * inside.on < 4 * 256 * inside.points;
+        let less_than_of = |points: u32| 10 * inside.on < 4 * 256 * points;
+        let is_poor = less_than_of(inside.points);
+        let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
             Some(NoDepth::TwoSurfaces)
-        } else if is_beside || is_poor && 3 * around.on > around.all {
+        } else if is_beside || is_blank || is_poor && 3 * around.on > around.all {
             Some(NoDepth::OnlyOutline)
         } else {
             // 0.7
@@ -165,7 +172,13 @@ mod tests {
     }
 
     fn refused(inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
-        [false, true].map(|is_box| Agreement { inside, around }.refusal(is_box))
+        refused_of(inside.points, inside, around)
+    }
+
+    /// Of a region of so many points of the grid.
+    fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
+        let pixels = places * POINT_PIXELS;
+        [false, true].map(|is_box| Agreement { pixels, inside, around }.refusal(is_box))
     }
 
     #[test]
@@ -195,6 +208,13 @@ mod tests {
         assert_eq!(refused(doubtful(3), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
         assert_eq!(refused(doubtful(3), points(6, 0, 14)), [None, None]);
         assert_eq!(refused(doubtful(4), points(7, 0, 13)), [None, None]);
+    }
+
+    #[test]
+    fn a_region_with_few_matched_points_has_not_one_of_several_surfaces_around_it() {
+        assert_eq!(refused_of(10, points(3, 0, 0), points(10, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(10, points(3, 0, 0), points(9, 0, 30)), [None, None]);
+        assert_eq!(refused_of(10, points(4, 0, 0), points(13, 0, 30)), [None, None]);
     }
 
     #[test]

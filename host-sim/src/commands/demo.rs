@@ -4,9 +4,7 @@ use super::engine_for;
 use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::FrameResult;
-use crate::evaluate::{
-    FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, OwnedMiddle, Summary, score_objects,
-};
+use crate::evaluate::{FrameScore, ObjectCase, ObjectScore, OwnedMiddle, Summary, score_objects};
 use crate::input::Truth;
 use crate::output::{OutputFiles, OutputPath};
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
@@ -56,13 +54,30 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
+/// The answer about an object, and what is true where it is said to hold.
+#[derive(Clone, Debug)]
+pub struct RoomObject {
+    /// The answer, scored by the range of the object's disparities.
+    pub score: ObjectScore,
+    /// True disparity at the object's centre, px.
+    pub true_at_centre: f32,
+}
+
+impl RoomObject {
+    /// True for an answer more than 1 px off at the object's centre, or outside of its range.
+    #[must_use]
+    pub fn is_wrong(&self) -> bool {
+        self.score.wrong || (self.score.disparity - self.true_at_centre).abs() > 1.0
+    }
+}
+
 /// The room, matched and scored.
 #[derive(Clone, Debug)]
 pub struct Demonstration {
     /// The table of objects, and the summary.
     pub text: String,
     /// The answer about each object in view, in the order of the table.
-    pub objects: Vec<ObjectScore>,
+    pub objects: Vec<RoomObject>,
     left: GrayImage,
     result: FrameResult,
     rig: Rig,
@@ -81,7 +96,10 @@ impl Demonstration {
         let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;
 
         let truth = Truth::new(DIMS, rendering.disparity.clone(), rendering.visible.clone());
-        let objects = score_objects(&mut engine, &object_cases(&room, &rendering, &truth));
+        let cases = object_cases(&room, &rendering, &truth);
+        let scored = score_objects(&mut engine, &cases).into_iter().zip(&cases);
+        let objects: Vec<RoomObject> =
+            scored.map(|(score, case)| RoomObject { score, true_at_centre: case.true_at_centre() }).collect();
         let mut text = format!(
             "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
              The depth of each object, told its pixels as by a detector:\n\n",
@@ -109,24 +127,26 @@ fn object_cases(room: &Scene, rendering: &Rendering, truth: &Truth) -> Vec<Objec
     room.objects.iter().zip(1_u8..).filter_map(of_label).collect()
 }
 
-/// A line an object. True is the range of its pixels without the 5 % at either end, by which answers are scored.
-fn object_table(room: &Scene, objects: &[ObjectScore]) -> String {
+/// A line an object: its depth at its centre, and the truth there; beside it the range of its pixels without the 5 % at either end.
+fn object_table(room: &Scene, objects: &[RoomObject]) -> String {
     let mut text =
-        "object         disparity          true, 5 to 95 %       depth            true   probability\n".to_owned();
+        "object         disparity   true at centre        5 to 95 %              depth     true   probability\n"
+            .to_owned();
     for object in objects {
-        let _ = write!(text, "{:<14}", object.name);
-        if let Some(reason) = object.refused {
+        let RoomObject { score, true_at_centre } = object;
+        let _ = write!(text, "{:<14}", score.name);
+        if let Some(reason) = score.refused {
             let _ = writeln!(text, "   no depth: {reason}");
             continue;
         }
-        let (low, high) = object.range;
-        let [depth, near, far] = [object.disparity, high, low].map(|disparity| room.pair.depth(disparity.into()));
+        let (low, high) = score.range;
+        let [depth, truth] = [score.disparity, *true_at_centre].map(|disparity| room.pair.depth(disparity.into()));
         let _ = writeln!(
             text,
-            " {:6.2} px   {low:6.2} to {high:5.2} px{}   {depth:6.2} m   {near:5.2} to {far:.2} m {:13.3}",
-            object.disparity,
-            if object.wrong { ", wrong" } else { "       " },
-            object.confidence,
+            " {:6.2} px   {true_at_centre:6.2} px{}   {low:6.2} to {high:5.2} px {depth:12.2} m {truth:6.2} m {:13.3}",
+            score.disparity,
+            if object.is_wrong() { ", wrong" } else { "       " },
+            score.confidence,
         );
     }
     text
@@ -139,16 +159,18 @@ fn share_within(limit: f64, truth: &Truth, segments: &[Match]) -> Option<f64> {
     (!errors.is_empty()).then(|| 100.0 * within as f64 / errors.len() as f64)
 }
 
-fn summary(objects: &[ObjectScore], truth: &Truth, result: &FrameResult) -> String {
-    let of_objects = ObjectSummary::pool(Outline::Given, objects);
+fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> String {
+    let count = |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
     let summary = Summary::pool([&FrameScore::new("demo", truth, result)]);
     let number = |value: Option<f64>, unit: &str| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"));
     let counts = &result.counts;
     let mut text = String::from("\n");
     let _ = writeln!(
         text,
-        "Objects:  {} of {} have a depth; {} of them more than 1 px outside of what is true of the object",
-        of_objects.covered, of_objects.objects, of_objects.wrong,
+        "Objects:  {} of {} have a depth; {} of them more than 1 px off at the object's centre, or outside of its range",
+        count(&|object| object.score.refused.is_none()),
+        objects.len(),
+        count(&RoomObject::is_wrong),
     );
     let _ = writeln!(
         text,

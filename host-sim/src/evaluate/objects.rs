@@ -67,6 +67,8 @@ pub struct ObjectCase {
     range: (f32, f32),
     /// Their median.
     median: f32,
+    /// True disparity at its centre: of the own pixel with truth that is nearest to the mean of its pixels, px.
+    centre: f32,
     /// Its true pixels.
     mask: Arc<Mask>,
 }
@@ -96,8 +98,12 @@ impl ObjectCase {
     ) -> Option<Self> {
         let width = usize::from(dims.width);
         let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
-        let mut values: Vec<f32> =
-            own.filter_map(|(i, _)| truth.disparity((i % width) as i32, (i / width) as i32)).collect();
+        let own: Vec<[i64; 2]> = own.map(|(i, _)| [i % width, i / width].map(|at| at as i64)).collect();
+        let known = own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x as i32, y as i32)?)));
+        let mean = |axis: usize| own.iter().map(|at| at[axis]).sum::<i64>() / own.len().max(1) as i64;
+        let [x0, y0] = [0, 1].map(mean);
+        let (_, centre) = known.clone().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))?;
+        let mut values: Vec<f32> = known.map(|(_, disparity)| disparity).collect();
         values.sort_by(f32::total_cmp);
         Some(Self {
             name,
@@ -107,6 +113,7 @@ impl ObjectCase {
             given,
             range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
             median: interpolated_quantile(&values, 0.5)?,
+            centre,
             mask: Arc::clone(mask),
         })
     }
@@ -118,6 +125,12 @@ impl ObjectCase {
             Given::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
             Given::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
         }
+    }
+
+    /// True disparity at its centre, px: where an answer is said to hold.
+    #[must_use]
+    pub const fn true_at_centre(&self) -> f32 {
+        self.centre
     }
 
     /// Its true pixels.
