@@ -3,7 +3,7 @@
     python3 rp2350.py IMAGE SCENARIO.json RESULT.json
 
 In it: what of the boot ROM the image calls, clocks and ticks by the registers that were written, pads and functions of pins, resets, both I2C,
-PIO, DMA (`rp2350.c`), TIMER0, SysTick, USB down to packets (`usb_host.py`), UART 0 byte by byte, flash with XIP off while it is written, watchdog.
+PIO, DMA (`rp2350.c`), TIMER0, SysTick, USB down to packets (`rp2350_usb.py`), UART 0 byte by byte, flash with XIP off while it is written, watchdog.
 Not in it: wires' levels and edges, QMI timing and the XIP cache, core 1, RUN pin, power, RP2350's errata but E5, security attribution.
 
 Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|stuck]]; flash: hex of its last four sectors or absent; erase_us;
@@ -16,7 +16,7 @@ from unicorn.unicorn_py3.unicorn import uclib
 from cortex_m import execute
 from cortex_m33 import CortexM33
 from hm01b0 import I2c, Sensor, WIDTH, frame_bytes
-from usb_host import UsbHost
+from rp2350_usb import Rp2350Usb
 
 FLASH, MHZ, CRYSTAL_MHZ = (0x10000000, 0x400000), 150.0, 12
 SRAM, SRAM_BYTES, ROM = 0x20000000, 0x82000, 0x8000
@@ -132,8 +132,9 @@ class Board:
         self._connect()
         self.rom, self.sensors = Rom(self), (Sensor(False), Sensor(True))
         self.buses = [I2c(core, {0x24: sensor}) for sensor in self.sensors]
-        self.host, self.autopilot = UsbHost(core, self.chip.rp2350_dpram()), Uart(core)
-        self.parts = {0x40090000: self.buses[0], 0x40098000: self.buses[1], 0x50110000: self.host, UART0: self.autopilot}
+        self.usb, self.autopilot = Rp2350Usb(core, self.chip.rp2350_dpram()), Uart(core)
+        self.host = self.usb.host
+        self.parts = {0x40090000: self.buses[0], 0x40098000: self.buses[1], 0x50110000: self.usb, UART0: self.autopilot}
         self.triggers, self.erases, self.longest_unfed, self.is_bitten, self.bites = 0, 0, 0.0, False, False
         self.commands, self.dead_us = scenario.get("host", []), scenario.get("dead_us", float("inf"))
         self._reset()
@@ -190,7 +191,7 @@ class Board:
         for line, number in ((1, PIO_IRQ), (2, DMA_IRQ)):
             if self.chip.rp2350_high() & line:
                 self.core.raise_interrupt(number)
-        self.host.signal()
+        self.usb.signal()
         self.autopilot.signal()
 
     def edges(self):
@@ -307,7 +308,7 @@ class Board:
 
     def write(self, at, value, size):
         if 0x50100000 <= at < 0x50100100:
-            return self.host.touched(at - 0x50100000)
+            return self.usb.touched(at - 0x50100000)
         if size < 4:
             raise ValueError("a narrow write")
         if at >= SIO:

@@ -1,31 +1,38 @@
 """The boards of docs/boards/stm32h743.md and portenta-h7.md: an STM32H743 whose DCMI two MT9V034 share, and an STM32H747 to which a joiner gives
-the rows of both as one; a host on one UART, an autopilot on another.
+the rows of both as one; a host on a UART or on USB, an autopilot on another UART.
 
     python3 stm32h7.py IMAGE SCENARIO.json RESULT.json
 
-In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, bank 2 of the flash,
-watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, USB beyond registers on which nothing hangs, ADC, option bytes; of the Portenta its
-bootloader, power controller, USB's PHY, second core and the joiner's own behaviour.
+In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, USB down to packets (`otg.py`), bank 2
+of the flash, watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, ADC, option bytes; of the Portenta its
+bootloader, power controller, what USB's PHY does beyond its power and pins, second core and the joiner's own behaviour.
 
-Scenario: board: a key of WIRINGS; until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|overrun]]; flash: hex of bank 2's last four sectors or absent;
+Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or on USB close|open|reset]];
+autopilot: [[us, hex]]; faults: [[camera, frame, short|few|overrun]];
+pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen]]; flash: hex of bank 2's last four sectors or absent;
 erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, sys
 from collections import namedtuple
+from unicorn import UC_HOOK_CODE
 from cortex_m import execute
 from cortex_m7 import CortexM7
+from otg import Otg
 
 WIDTH, HEIGHT = 320, 240
+UNIQUE_ID, LOADER = (0x1FF1E800, bytes.fromhex("2e0031000e51303434363337")), 0x1FF09800
 RAM = [(0x1FF00000, 0x20000), (0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
 FLASH, MHZ = (0x08000000, 0x200000), 400.0
-TIM5, DMA1, DCMI, EXTI, FLASH2 = 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100
-# UARTs (address, interrupt), I2C of the sensors, line of VSYNC, pin of the trigger, USB, time of a row; do both cameras' rows come as one?
+TIM5, DMA1, DCMI, EXTI, FLASH2, AHB1LPENR = 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100, 0x58024500
+# UARTs and USB (address, interrupt), I2C of the sensors, line of VSYNC, pin of the trigger, time of a row; do both cameras' rows come as one?
 Wiring = namedtuple("Wiring", "host autopilot i2c vsync trigger usb row_us joined")
 WIRINGS = {
-    "stm32h743": Wiring((0x40004800, 39), (0x40004400, 38), 0x40005400, 7, ("D", 14), 0x40080000, 27.5, False),
-    "portenta-h7": Wiring((0x40011000, 37), (0x40011400, 71), 0x40005C00, 5, ("G", 7), 0x40040000, 29.4, True),
+    "stm32h743": Wiring((0x40004800, 39), (0x40004400, 38), 0x40005400, 7, ("D", 14), (0x40080000, 101), 27.5, False),
+    "portenta-h7": Wiring((0x40011000, 37), (0x40011400, 71), 0x40005C00, 5, ("G", 7), (0x40040000, 77), 29.4, True),
 }
+USB_BYTES, ULPI_PINS = 0x40000, (("A", 3), ("A", 5), ("B", 0), ("B", 1), ("B", 5), ("B", 10), ("B", 11), ("B", 12), ("B", 13), ("C", 0), ("H", 4), ("I", 11))
 TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
+DARK = bytes(level // 16 for level in range(256))
 bit = lambda value, at: value >> at & 1
 
 
@@ -35,10 +42,18 @@ def blocks(row, picture):
     return b"".join(bytes([grey(column)]) * 8 for column in range(WIDTH // 8 + 2))
 
 
-def sensor_row(camera, frame, y):
-    """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine."""
-    shift = 10 if camera == "right" else 0
-    return blocks(y // 8, frame // 2)[shift:shift + WIDTH]
+def sensor_row(camera, frame, y, picture=None):
+    """Grey blocks of 8 px; the right camera sees them 10 px further left. The same in tests/tests/machine. Or what is wrong with the picture."""
+    if picture == "covered" and camera == "left":
+        return bytes([18]) * WIDTH
+    if picture == "bright":
+        return b"\xff" * WIDTH
+    if picture == "lower" and camera == "right":
+        y = max(y - 5, 0)
+    is_right = (camera == "right") != (picture == "swapped")
+    shift = 10 if is_right else 0
+    row = blocks(y // 8, 0 if picture == "frozen" else frame // 2)[shift:shift + WIDTH]
+    return row.translate(DARK) if picture == "dark" else row
 
 
 class Sensor:
@@ -134,6 +149,11 @@ class Uart:
     def signal(self):
         if self.control & self.flags() & (1 << 7 | 1 << 6 | 1 << 5 | 1 << 4):
             self.core.raise_interrupt(self.irq)
+
+    def receive_all(self, data):
+        """At the line's pace."""
+        for i, byte in enumerate(data):
+            self.core.at(self.core.now + self.byte_us * i, lambda byte=byte: self.receive(byte))
 
     def receive(self, byte):
         self.received.append(byte)
@@ -274,22 +294,47 @@ class Board:
         self.core = CortexM7(image, FLASH, RAM, MHZ)
         self.core.serve(self.read, self.write, {base + 0x28 for base in (wiring.host[0], wiring.autopilot[0], wiring.i2c)})
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
-        self.erase_us = scenario.get("erase_us", 1e6)
+        self.pictures, self.erase_us = scenario.get("pictures", []), scenario.get("erase_us", 1e6)
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
-        self.host, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
+        self.uart, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
+        self.commands, self.messages, self.on_usb = scenario.get("host", []), scenario.get("autopilot", []), scenario.get("port") == "usb"
+        self.usb = Otg(self.core, wiring.usb[1], self.phy, self.on_usb)
+        self.host = self.usb.host if self.on_usb else self.uart
         self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.sensors)
         self.pins, self.vsync, self.reset_flags = {}, 0, 0x00EE0000
         self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
+        self.core.uc.mem_write(*UNIQUE_ID)
+        self.core.uc.mem_write(LOADER, (0x20001000).to_bytes(4, "little") + (LOADER + 9).to_bytes(4, "little"))
+        self.core.uc.hook_add(UC_HOOK_CODE, lambda *_: self.core._end("the chip's boot loader"), None, LOADER + 8, LOADER + 8)
+        self._begin()
+
+    def _begin(self):
+        self.core.registers[AHB1LPENR] = 0x1E03C023
+        takes = {self.command: self.commands, lambda data: self.autopilot.receive_all(bytes.fromhex(data)): self.messages}
+        for take, all_data in takes.items():
+            for time, data in all_data:
+                if time > self.core.now:
+                    self.core.at(time, lambda take=take, data=data: take(data))
+
+    def command(self, data):
+        if self.on_usb and data in ("close", "open", "reset"):
+            self.host.act(data)
+        elif self.on_usb:
+            self.host.send(bytes.fromhex(data))
+        else:
+            self.uart.receive_all(bytes.fromhex(data))
 
     def restart(self):
         """After a reset that the program asked for."""
         self.core.reset()
-        for part in (self.host, self.autopilot, self.timer, self.capture):
+        for part in (self.uart, self.usb, self.autopilot, self.timer, self.capture):
             part.restart()
         self.pins, self.vsync, self.reset_flags, self.last_feed = {}, 0, 1 << 24, None
+        self._begin()
 
     def levels(self):
-        self.host.signal()
+        self.uart.signal()
+        self.usb.signal()
         self.autopilot.signal()
         self.timer.signal()
 
@@ -297,7 +342,28 @@ class Board:
         pass
 
     def report(self):
-        return {"regions": list(self.core.regions.values()), "dma": sorted(self.capture.targets)}
+        usb = {**self.usb.host.report(), "uart": bytes(self.uart.sent).hex(), "uart_us": self.uart.times} if self.on_usb else {}
+        return {"regions": list(self.core.regions.values()), "dma": sorted(self.capture.targets), **usb}
+
+    def phy(self):
+        """USB's PHY that clocks, power and pins allow: HSI48 for the chip's own, which has no ULPI clock in sleep either; a clock from outside."""
+        get, is_own = lambda at: self.core.registers.get(at, 0), not self.wiring.joined
+        enable, clock, ulpi = (0x580244D8, 27, 28) if is_own else (0x580244D8, 25, 26)
+        is_on = bit(get(enable), clock) and bit(get(0x5802480C), 24)
+        if is_own:
+            has_clock = bit(get(0x58024400), 12) and get(0x58024454) >> 20 & 3 == 3 and not bit(get(AHB1LPENR), ulpi)
+            return "internal" if is_on and has_clock and self.are_usb((("A", 11), ("A", 12))) else None
+        is_up = bit(self.pins.get("H", 0), 1) and bit(self.pins.get("J", 0), 4)
+        return "ulpi" if is_on and is_up and bit(get(enable), ulpi) and self.are_usb(ULPI_PINS) else None
+
+    def are_usb(self, pins):
+        """Do these pins have the alternate function 10?"""
+        def function(port, pin):
+            base = 0x58020000 + 0x400 * (ord(port) - 65)
+            mode, alternate = (self.core.registers.get(base + at, 0) for at in (0, 0x20 + pin // 8 * 4))
+            return alternate >> pin % 8 * 4 & 15 if mode >> pin * 2 & 3 == 2 else None
+
+        return all(function(*pin) == 10 for pin in pins)
 
     # Cameras.
 
@@ -317,6 +383,7 @@ class Board:
     def play(self, sensors):
         """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
         core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
+        picture = next((kind for first, last, kind in self.pictures if first <= core.now < last), None)
         fault, start = self.faults.get((name, frame)), core.now + max(sensor.exposed_rows() for sensor in sensors) * row_us
         names = [sensor.name for sensor in sensors]
         for sensor in sensors:
@@ -337,7 +404,7 @@ class Board:
 
         def row_ends(y):
             if on_bus():
-                data = b"".join(sensor_row(name, frame, y) for name in names)
+                data = b"".join(sensor_row(name, frame, y, picture) for name in names)
                 capture.put(data[:300] if fault == "short" and y == 77 else data)
                 capture.in_blanking = 1
                 capture.signal(16 | (2 if fault == "overrun" and y == 50 else 0))
@@ -357,10 +424,12 @@ class Board:
     # Registers.
 
     def parts(self):
-        return (self.wiring.i2c, self.i2c), (TIM5, self.timer), (self.host.base, self.host), (self.autopilot.base, self.autopilot)
+        return (self.wiring.i2c, self.i2c), (TIM5, self.timer), (self.uart.base, self.uart), (self.autopilot.base, self.autopilot)
 
     def read(self, at):
-        core, usb = self.core, self.wiring.usb
+        core, usb = self.core, self.wiring.usb[0]
+        if usb <= at < usb + USB_BYTES:
+            return self.usb.read(at - usb)
         for base, part in self.parts():
             if base <= at < base + 0x400:
                 return part.read(at - base)
@@ -369,8 +438,6 @@ class Board:
             return self.capture.read(at - DCMI)
         if 0x58020000 <= at < 0x58022C00 and at & 0x3FF == 0x14:
             return self.pins.get(chr(65 + (at - 0x58020000 >> 10)), 0)
-        if usb + 0x900 <= at < usb + 0xD00 and at & 0x1F == 8:
-            return 0  # USB: no interrupt of an endpoint
         ready = lambda pairs: value | sum(bit(value, on) << done for on, done in pairs)
         special = {
             0x58024400: lambda: ready(((0, 2), (7, 8), (12, 13), (16, 17), (24, 25), (26, 27), (28, 29))) | 0xC005,  # RCC
@@ -382,12 +449,13 @@ class Board:
             DMA1 + 0x10: lambda: (value & ~1) | self.capture.dma,
             DMA1 + 0x14: lambda: (self.capture.words * 4 - self.capture.place) // 4,
             EXTI + 0x88: lambda: self.vsync,
-            usb + 0x10: lambda: value & ~0x31 | 1 << 31, usb + 0x14: lambda: 0, usb + 0x818: lambda: 0, usb + 0x3C: lambda: 0x2300,
         }
         return special[at]() if at in special else value
 
     def write(self, at, value):
-        core = self.core
+        core, usb = self.core, self.wiring.usb[0]
+        if usb <= at < usb + USB_BYTES:
+            return self.usb.write(at - usb, value)
         for base, part in self.parts():
             if base <= at < base + 0x400:
                 return part.write(at - base, value)
@@ -435,11 +503,7 @@ class Board:
 
 def main(image, scenario, result):
     scenario = json.load(open(scenario))
-    board = Board(image, scenario)
-    for time, data in scenario.get("host", []):
-        for i, byte in enumerate(bytes.fromhex(data)):
-            board.core.at(time + board.host.byte_us * i, lambda byte=byte: board.host.receive(byte))
-    execute(board, scenario, result)
+    execute(Board(image, scenario), scenario, result)
 
 
 if __name__ == "__main__":

@@ -1,154 +1,150 @@
-"""The device controller of an RP2350's USB, and a host at the other end: bus reset, enumeration, a CDC ACM port opened (DTR), bulk packets.
+"""A host of a USB device controller: bus reset, enumeration, a CDC ACM port that is opened and closed (DTR), bulk packets.
 
-Not in it: the wire (bits, NAK, SOF, errors, retries), suspend, ISO, double buffers, an unplugged cable. What the device does against the
-protocol (data toggle, address, a packet that is too long) is a line in `faults`. RP2350 datasheet: 12.7; USB 2.0: 8.4, 9.4; CDC PSTN 1.2.
+A controller (`rp2350_usb.py`, `otg.py`) calls `plugged` when its pull-up comes, and `ready(endpoint, is_in)` when an endpoint may have become so. It has
+`begin_reset`, `end_reset`, `setup(data)`; `answer(endpoint, is_in)`: True, None (NAK) or False (STALL); `pid(endpoint, is_in)` of the packet that is next;
+`take(endpoint)` and `give(endpoint, data)` of a packet; `address`; `is_fast`: at high speed.
+
+Not in it: the wire (bits, SOF, errors, retries), ISO, double buffers, the interrupt endpoint, a hub's wait of 100 ms. What the device does against
+the protocol (data toggle, address, sizes of packets) is a line in `faults`. USB 2.0: 5.8.3, 8.4, 9.4; CDC PSTN 1.2.
 """
-import ctypes, struct
+import struct
 
-PACKET_US = 60.0  # a bulk packet of 64 bytes: 19 a frame at most
-AVAILABLE, STALL, PID, FULL = 1 << 10, 1 << 11, 1 << 13, 1 << 15
-BUS_RESET, SETUP = 1 << 19, 1 << 17
-USB_IRQ = 14
+PACKET_US, FAST_PACKET_US = 60.0, 11.0  # of a bulk endpoint, 64 bytes: 19 a frame at most; 512 bytes: 13 a microframe
+ATTACH_US = 5000
+TRANSFER = 2  # packets that a read of Linux's driver for CDC ACM takes; fewer if one of them is short
 
 
 class UsbHost:
-    def __init__(self, core, dpram):
-        self.core, self.memory = core, (ctypes.c_uint8 * 0x1000).from_address(dpram)
-        self.sent, self.times, self.faults, self.to_send = bytearray(), [], [], []
+    def __init__(self, core, device):
+        self.core, self.device = core, device
+        self.sent, self.times, self.faults, self.wanted = bytearray(), [], [], []
+        self.descriptors = {}
         self.restart()
 
     def restart(self):
-        self.registers, self.status, self.done, self.script, self.address = {}, 0, 0, None, 0
-        self.toggles, self.in_endpoint, self.out_endpoint, self.is_busy, self.descriptors = {}, None, None, set(), {}
+        """The device is gone with a reset of its chip; a program at the host asks again when it is back."""
+        self.script = None
+        self._forget()
 
-    # Registers.
+    def _forget(self):
+        self.address, self.toggles, self.packet_bytes, self.is_busy = 0, {}, {}, set()
+        self.in_endpoint, self.out_endpoint, self.is_open, self.to_send, self.part, self.packets = None, None, False, [], b"", 0
 
-    def read(self, at):
-        if at == 0x98:
-            return self._raw() & self.registers.get(0x90, 0)
-        return {0x50: self.status, 0x58: self.done, 0x8C: self._raw()}.get(at, self.registers.get(at, 0))
+    def plugged(self):
+        if not self.script:
+            self._run(self._enumerate())
 
-    def write(self, at, value):
-        self.registers[at] = value
-        if at == 0x50:
-            self.status &= ~value
-        elif at == 0x58:
-            self.done &= ~value
-        elif at == 0x4C and value >> 16 & 1 and not self.script:  # pull-up: plugged in
-            self.script = self._enumerate()
-            self._resume()
-        self.signal()
+    # What a program at the host asks for, as soon as the port is there, one after the other.
 
-    def _raw(self):
-        return (self.done != 0) << 4 | (self.status >> 19 & 1) << 12 | (self.status >> 17 & 1) << 16
+    def send(self, data):
+        self._want(lambda: self._queue(data))
 
-    def signal(self):
-        if self._raw() & self.registers.get(0x90, 0):
-            self.core.raise_interrupt(USB_IRQ)
+    def act(self, name):
+        """`close` or `open` the port; `reset`: the bus is reset, and the device enumerated anew."""
+        scripts = {"close": lambda: self._set_lines(0), "open": lambda: self._set_lines(3), "reset": self._enumerate}
+        self._want(lambda: self._run(scripts[name]()))
 
-    # Endpoints.
+    def _want(self, call):
+        self.wanted.append(call)
+        self._go_on()
 
-    def _word(self, at):
-        return struct.unpack_from("<I", self.memory, at)[0]
+    def _go_on(self):
+        while self.wanted and self.out_endpoint is not None and not self.script:
+            self.wanted.pop(0)()
 
-    def _control(self, endpoint, is_in):
-        return 0x80 + 8 * endpoint + (0 if is_in else 4)
+    def _queue(self, data):
+        size = self.packet_bytes[self.out_endpoint, False]
+        self.to_send += [data[i:i + size] for i in range(0, len(data), size)]
+        self.ready(self.out_endpoint, False)
 
-    def _buffer(self, endpoint, is_in):
-        return self._word(8 * endpoint + (0 if is_in else 4)) & 0xFFC0 if endpoint else 0x100
+    # Packets.
 
-    def touched(self, at):
-        """The device has written to control of an endpoint, or of its buffer."""
-        endpoint, is_in = at - 0x80 >> 3, not at & 4
-        if at < 0x80 or not self._word(at & ~3) & AVAILABLE or (endpoint, is_in) in self.is_busy:
+    def ready(self, endpoint, is_in):
+        """The device may have something there, or room."""
+        if (endpoint, is_in) in self.is_busy or not self.device.answer(endpoint, is_in):
             return
-        if (endpoint, is_in) == (self.in_endpoint, True):
+        if (endpoint, is_in) == (self.in_endpoint, True) and self.is_open:
             self._later(endpoint, is_in, self._take_results)
         elif (endpoint, is_in) == (self.out_endpoint, False) and self.to_send:
             self._later(endpoint, is_in, self._send_next)
 
     def _later(self, endpoint, is_in, call):
-        self.is_busy.add((endpoint, is_in))
+        busy = self.is_busy
+        busy.add((endpoint, is_in))
 
         def go():
-            self.is_busy.discard((endpoint, is_in))
-            call()
+            busy.discard((endpoint, is_in))
+            if busy is self.is_busy:  # no bus reset since then
+                call()
 
-        self.core.at(self.core.now + PACKET_US, go)
+        self.core.at(self.core.now + (FAST_PACKET_US if self.device.is_fast else PACKET_US), go)
 
-    def _finish(self, endpoint, is_in, length=None):
-        """A packet over the wire: its buffer belongs to the device again."""
-        at = self._control(endpoint, is_in)
-        word = self._word(at)
-        if (word >> 13 & 1) != self.toggles.get((endpoint, is_in), 0):
+    def _check(self, endpoint, is_in):
+        toggle = self.toggles.get((endpoint, is_in), 0)
+        if self.device.pid(endpoint, is_in) != toggle:
             self.faults.append("data toggle of endpoint %d %s" % (endpoint, "in" if is_in else "out"))
-        self.toggles[endpoint, is_in] = self.toggles.get((endpoint, is_in), 0) ^ 1
-        if self.registers.get(0, 0) & 0x7F != self.address:
+        self.toggles[endpoint, is_in] = toggle ^ 1
+        if self.device.address != self.address:
             self.faults.append("address")
-        word &= ~(AVAILABLE | (FULL if is_in else 0))
-        if not is_in:
-            word = (word & ~0x3FF) | FULL | length
-        struct.pack_into("<I", self.memory, at, word)
-        self.done |= 1 << (2 * endpoint + (0 if is_in else 1))
-        self.signal()
 
     def _packet_in(self, endpoint):
-        length, at = self._word(self._control(endpoint, True)) & 0x3FF, self._buffer(endpoint, True)
-        data = bytes(self.memory[at:at + length])
-        if length > 64:
-            self.faults.append("a packet of %d bytes" % length)
-        self._finish(endpoint, True)
+        self._check(endpoint, True)
+        data = self.device.take(endpoint)
+        if len(data) > self.packet_bytes.get((endpoint, True), 64):
+            self.faults.append("a packet of %d bytes" % len(data))
         return data
 
     def _packet_out(self, endpoint, data):
-        at = self._buffer(endpoint, False)
-        self.memory[at:at + len(data)] = data
-        self._finish(endpoint, False, len(data))
+        self._check(endpoint, False)
+        self.device.give(endpoint, data)
 
     def _take_results(self):
+        """A program gets the bytes of a read that is full, or that a short packet ends."""
         data = self._packet_in(self.in_endpoint)
-        self.sent += data
-        self.times += [round(self.core.now)] * len(data)
-
-    def send(self, data):
-        self.to_send += [data[i:i + 64] for i in range(0, len(data), 64)]
-        if self.out_endpoint is not None:
-            self.touched(self._control(self.out_endpoint, False))
+        self.part, self.packets = self.part + data, self.packets + 1
+        if self.packets == TRANSFER or len(data) < self.packet_bytes[self.in_endpoint, True]:
+            self.sent += self.part
+            self.times += [round(self.core.now)] * len(self.part)
+            self.part, self.packets = b"", 0
+        self.ready(self.in_endpoint, True)
 
     def _send_next(self):
         self._packet_out(self.out_endpoint, self.to_send.pop(0))
+        self.ready(self.out_endpoint, False)
 
-    # The host: a generator that is resumed after so many microseconds.
+    # Control transfers: generators that are resumed after so many microseconds.
 
-    def _resume(self):
-        wait = next(self.script, None)
+    def _run(self, script):
+        self.script = script
+        self._resume(script)
+
+    def _resume(self, script):
+        if script is not self.script:
+            return
+        wait = next(script, None)
         if wait is not None:
-            self.core.at(self.core.now + wait, self._resume)
+            self.core.at(self.core.now + wait, lambda: self._resume(script))
+        else:
+            self.script = None
+            self._go_on()
 
-    def _available(self, is_in):
+    def _answered(self, is_in):
         for _ in range(2000):
-            word = self._word(self._control(0, is_in))
-            if word & STALL:
-                return False
-            if word & AVAILABLE:
-                return True
+            answer = self.device.answer(0, is_in)
+            if answer is not None:
+                return answer
             yield 50
         self.faults.append("endpoint 0 does not answer")
         return False
 
     def _transfer(self, kind, request, value, index, data=b"", length=0):
         """A control transfer: what was read, or None if it was refused."""
-        self.memory[0:8] = struct.pack("<BBHHH", kind, request, value, index, len(data) or length)
-        for is_in in (True, False):  # a setup packet ends what was before
-            at = self._control(0, is_in)
-            struct.pack_into("<I", self.memory, at, self._word(at) & ~(AVAILABLE | STALL))
-            self.toggles[0, is_in] = 1
-        self.status |= SETUP
-        self.signal()
+        self.device.setup(struct.pack("<BBHHH", kind, request, value, index, len(data) or length))
+        self.toggles[0, True] = self.toggles[0, False] = 1
         yield 50
         got = b""
         while kind & 0x80 and len(got) < length:
-            if not (yield from self._available(True)):
+            if not (yield from self._answered(True)):
                 return None
             part = self._packet_in(0)
             got += part
@@ -156,13 +152,13 @@ class UsbHost:
             if len(part) < 64:
                 break
         for i in range(0, len(data), 64):
-            if not (yield from self._available(False)):
+            if not (yield from self._answered(False)):
                 return None
             self._packet_out(0, data[i:i + 64])
             yield 50
         status_is_in = not kind & 0x80
         self.toggles[0, status_is_in] = 1
-        if not (yield from self._available(status_is_in)):
+        if not (yield from self._answered(status_is_in)):
             return None
         if status_is_in:
             self._packet_in(0)
@@ -172,39 +168,51 @@ class UsbHost:
         return got
 
     def _enumerate(self):
-        yield 1000
-        self.status |= BUS_RESET
-        self.signal()
+        yield ATTACH_US
+        self._forget()
+        self.descriptors = {}
+        self.device.begin_reset()
         yield 10_000
-        self.descriptors["device"] = yield from self._transfer(0x80, 6, 0x0100, 0, length=18)
+        self.device.end_reset()
+        yield 1000
+        device = yield from self._transfer(0x80, 6, 0x0100, 0, length=18)
+        self.descriptors["device"] = device
         yield from self._transfer(0, 5, 23, 0)
         self.address = 23
         head = yield from self._transfer(0x80, 6, 0x0200, 0, length=9)
         if not head:
             return
         configuration = yield from self._transfer(0x80, 6, 0x0200, 0, length=struct.unpack_from("<H", head, 2)[0])
-        for name, at in (("product", 15), ("serial", 16)):
-            text = yield from self._transfer(0x80, 6, 0x0300 | self.descriptors["device"][at], 0x0409, length=255)
+        for name, at in (("manufacturer", 14), ("product", 15), ("serial", 16)):
+            text = yield from self._transfer(0x80, 6, 0x0300 | device[at], 0x0409, length=255)
             self.descriptors[name] = (text or b"")[2:].decode("utf-16-le")
         yield from self._transfer(0, 9, configuration[5], 0)
-        self._find_endpoints(configuration)
+        endpoints = self._endpoints(configuration)
         yield from self._transfer(0x21, 0x20, 0, 0, data=struct.pack("<IBBB", 115200, 0, 0, 8))
-        yield from self._transfer(0x21, 0x22, 3, 0)  # DTR and RTS: open
-        for endpoint, is_in in ((self.in_endpoint, True), (self.out_endpoint, False)):
-            self.touched(self._control(endpoint, is_in))
+        self.in_endpoint, self.out_endpoint = endpoints
+        yield from self._set_lines(3)
 
-    def _find_endpoints(self, configuration):
-        at = 0
+    def _set_lines(self, lines):
+        """DTR and RTS, and results are read: the port is open; or neither."""
+        self.is_open, self.part, self.packets = lines == 3, b"", 0
+        yield from self._transfer(0x21, 0x22, lines, 0)
+        if self.is_open:
+            self.ready(self.in_endpoint, True)
+
+    def _endpoints(self, configuration):
+        at, found = 0, {}
         while at < len(configuration):
             if configuration[at + 1] == 5 and configuration[at + 3] & 3 == 2:
-                endpoint = configuration[at + 2]
-                if endpoint & 0x80:
-                    self.in_endpoint = endpoint & 15
-                else:
-                    self.out_endpoint = endpoint
+                address, size = configuration[at + 2], struct.unpack_from("<H", configuration, at + 4)[0]
+                found[address >> 7] = address & 15
+                self.packet_bytes[address & 15, bool(address >> 7)] = size
+                if size not in ((512,) if self.device.is_fast else (8, 16, 32, 64)):
+                    self.faults.append("a bulk endpoint of %d bytes" % size)
             at += configuration[at]
+        return found[1], found[0]
 
     def report(self):
         texts = {name: value for name, value in self.descriptors.items() if name != "device"}
         device = self.descriptors.get("device") or b""
-        return {"usb": {**texts, "faults": self.faults, "ids": list(struct.unpack_from("<2H", device, 8)) if len(device) == 18 else None}}
+        ids = list(struct.unpack_from("<2H", device, 8)) if len(device) == 18 else None
+        return {"usb": {**texts, "faults": self.faults, "ids": ids, "is_fast": self.device.is_fast, "unread": len(self.part)}}

@@ -7,7 +7,7 @@ mod stm32h743;
 use linestereo::Dims;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_wire::{
-    CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
+    Answer, CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
     Outcome, Request, ResetCause, encode,
 };
 use serde_json::{Value, json};
@@ -67,15 +67,22 @@ impl Run {
         let run = Command::new(python).arg(model).arg(image).arg(asked).arg(&given).output().unwrap();
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         let result: Value = serde_json::from_slice(&std::fs::read(given).unwrap()).unwrap();
-        let (mut decoder, mut records, mut damaged) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
-        for (byte, time) in bytes_of(&result["host"]).into_iter().zip(result["host_us"].as_array().unwrap()) {
-            match decoder.push(byte) {
-                Some(Ok(record)) => records.push((time.as_u64().unwrap(), record)),
-                Some(Err(_)) => damaged += 1,
-                None => {}
-            }
-        }
+        let (records, damaged) = records(&result["host"], &result["host_us"]);
         Some(Self { result, records, damaged })
+    }
+
+    /// Nothing ended the run, and no packet was damaged.
+    fn assert_whole(&self) {
+        assert_eq!((self.damaged, &self.result["ending"]), (0, &Value::Null), "{}", self.result["at"]);
+    }
+
+    /// The host has enumerated a board of this name and serial number; nothing happened that USB forbids, and a program at the host has all bytes.
+    fn assert_usb(&self, product: &str, serial: &str, is_fast: bool) {
+        let expected = json!({
+            "faults": [], "ids": [0x16c0, 0x27dd], "manufacturer": "linestereo", "product": product, "serial": serial,
+            "is_fast": is_fast, "unread": 0,
+        });
+        assert_eq!(self.result["usb"], expected);
     }
 
     fn frames(&self) -> Vec<&FrameHead> {
@@ -150,19 +157,22 @@ impl Run {
         assert!((0..300).any(|frame| equals(false, frame) && equals(true, frame)), "a photograph of no frame");
     }
 
+    fn answers(&self) -> impl Iterator<Item = &Answer> + Clone {
+        let answers = self.records.iter();
+        answers.filter_map(|(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None })
+    }
+
     /// Every command was taken.
     fn assert_all_accepted(&self) {
-        let answers = self.records.iter();
-        let answers =
-            answers.filter_map(|(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None });
+        let answers = self.answers();
         assert!(answers.clone().all(|answer| answer.outcome == Outcome::Accepted), "{:?}", answers.collect::<Vec<_>>());
     }
 
-    /// More than 55 % of the code ran.
-    fn assert_executed(&self) {
-        let [executed, code] = ["executed", "code"].map(|name| self.result[name].as_u64().unwrap());
-        println!("executed {executed} of {code} bytes of code; never: {}", self.result["never"]);
-        assert!(executed * 100 > code * 55, "{executed} of {code}: {}", self.result["never"]);
+    /// Code that ran.
+    fn code(&self) -> Code {
+        let functions = self.result["code"].as_array().unwrap().iter();
+        let functions = functions.map(|of| (of[0].as_str().unwrap().to_owned(), of[1].as_str().unwrap().into()));
+        Code { functions: functions.collect() }
     }
 
     /// Of the program's stack at least a quarter was never used.
@@ -193,6 +203,55 @@ impl Run {
     }
 }
 
+/// Records of bytes and their times, us, and how many packets are damaged.
+fn records(bytes: &Value, times: &Value) -> (Vec<(u64, Message)>, usize) {
+    let (mut decoder, mut records, mut damaged) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
+    for (byte, time) in bytes_of(bytes).into_iter().zip(times.as_array().unwrap()) {
+        match decoder.push(byte) {
+            Some(Ok(record)) => records.push((time.as_u64().unwrap(), record)),
+            Some(Err(_)) => damaged += 1,
+            None => {}
+        }
+    }
+    (records, damaged)
+}
+
+/// Which code of an image ran, in one run or several.
+struct Code {
+    /// Name, and for every two bytes a digit, 1 where they were executed.
+    functions: Vec<(String, Vec<u8>)>,
+}
+
+impl Code {
+    /// Adds what ran in another run of the same image.
+    fn and(mut self, other: Self) -> Self {
+        assert_eq!(self.functions.len(), other.functions.len());
+        for ((name, code), (other_name, more)) in self.functions.iter_mut().zip(other.functions) {
+            assert_eq!((&*name, code.len()), (&other_name, more.len()));
+            code.iter_mut().zip(more).for_each(|(digit, more)| *digit = more.max(*digit));
+        }
+        self
+    }
+
+    /// At least so many bytes of code ran. Prints what did not, the most first.
+    fn assert_executed(&self, least: usize) {
+        let bytes = |code: &[u8], wanted| 2 * code.iter().filter(|&&digit| digit == wanted).count();
+        let sum = |wanted| self.functions.iter().map(|(_, code)| bytes(code, wanted)).sum::<usize>();
+        let mut rest: Vec<_> =
+            self.functions.iter().map(|(name, code)| (bytes(code, b'0'), 2 * code.len(), name)).collect();
+        rest.sort_by_key(|&(missing, ..)| core::cmp::Reverse(missing));
+        println!(
+            "executed {} bytes of code and constants, not executed {}; the functions with most of that:",
+            sum(b'1'),
+            sum(b'0')
+        );
+        for (missing, all, name) in rest.iter().take(60) {
+            println!("{missing:6} of {all:6}  {:#}", rustc_demangle::demangle(name));
+        }
+        assert!(sum(b'1') >= least, "{} bytes of code executed", sum(b'1'));
+    }
+}
+
 fn bytes_of(hex: &Value) -> Vec<u8> {
     let hex = hex.as_str().unwrap().as_bytes();
     hex.chunks(2).map(|pair| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
@@ -220,9 +279,13 @@ fn host(requests: &[(u64, Request)]) -> Value {
     let commands = (1..).zip(requests).map(|(id, (time, request))| {
         let mut buffer = [0; MAX_COMMAND];
         let packet = encode(&HostCommand { id, request: request.clone() }, &mut buffer).unwrap();
-        json!([time, packet.iter().map(|byte| format!("{byte:02x}")).collect::<String>()])
+        json!([time, hex(packet)])
     });
     commands.collect()
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A rig of the board's cameras, as `flash-image` makes one.
