@@ -15,17 +15,17 @@ use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-const ROWS: u32 = 24;
-const WIDTH: u16 = 16;
-const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
+pub(crate) const ROWS: u32 = 24;
+pub(crate) const WIDTH: u16 = 16;
+pub(crate) const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 const BAND: u32 = 4;
-const ROW_US: u64 = 10;
+pub(crate) const ROW_US: u64 = 10;
 /// Of a row's time, from its first bytes to its last ones.
 const BUSY_US: u64 = 7;
 const PAUSE_US: u64 = 200;
-const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
+pub(crate) const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
 
-const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
+pub(crate) const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
     let silence_us = 4 * PERIOD_US as u32;
     Limits { rows: ROWS as u16, row_bytes, row_gap_us: 200, readout_us: PERIOD_US as u32, silence_us, pair_us }
 }
@@ -38,7 +38,7 @@ fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
 
 /// Event in a stream.
 #[derive(Clone, Debug)]
-enum Step {
+pub(crate) enum Step {
     Start,
     /// The first bytes of a row.
     Begin(Vec<u8>),
@@ -49,9 +49,9 @@ enum Step {
 }
 
 /// A camera interface, its DMA, and what its interrupts make of it.
-struct Fake {
-    now_us: u64,
-    steps: VecDeque<(u64, Step)>,
+pub(crate) struct Fake {
+    pub(crate) now_us: u64,
+    pub(crate) steps: VecDeque<(u64, Step)>,
     ring: Vec<u8>,
     /// Where the DMA writes next.
     place: u32,
@@ -70,7 +70,7 @@ struct Fake {
 }
 
 impl Fake {
-    fn new(layout: RingLayout) -> Self {
+    pub(crate) fn new(layout: RingLayout) -> Self {
         Self {
             now_us: 0,
             steps: VecDeque::new(),
@@ -88,7 +88,7 @@ impl Fake {
     }
 
     /// Lets time pass: steps at their times, interrupts when they are due.
-    fn pass_to(&mut self, until_us: u64) {
+    pub(crate) fn pass_to(&mut self, until_us: u64) {
         loop {
             let step_us = self.steps.front().map(|step| step.0).filter(|&time| time <= until_us);
             let due_us = self.since_us.map(|since| since + self.latency_us).filter(|&time| time <= until_us);
@@ -150,7 +150,7 @@ impl Fake {
     }
 
     /// A frame from this time on, of rows that end one after the other.
-    fn play(&mut self, start_us: u64, rows: impl IntoIterator<Item = Vec<u8>>) {
+    pub(crate) fn play(&mut self, start_us: u64, rows: impl IntoIterator<Item = Vec<u8>>) {
         self.steps.push_back((start_us, Step::Start));
         let mut time_us = start_us;
         for mut row in rows {
@@ -165,7 +165,7 @@ impl Fake {
 
 /// The fake as a board has it.
 #[derive(Clone)]
-struct FakeStream(Rc<RefCell<Fake>>);
+pub(crate) struct FakeStream(pub(crate) Rc<RefCell<Fake>>);
 
 impl Stream for FakeStream {
     fn rows(&self) -> u32 {
@@ -205,7 +205,7 @@ impl Stream for FakeStream {
 }
 
 /// The number of the frame that lies in the memory whole, of each camera.
-fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
+pub(crate) fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
     let mut found = [0; 2];
     for ((eye, frame), found) in CameraSide::BOTH.into_iter().zip(frames).zip(&mut found) {
         let [_, a, b, c, ..] = *frame else { return Err("no frame".into()) };
@@ -219,14 +219,14 @@ fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
     Ok(found)
 }
 
-fn both(frame: u32) -> Vec<Vec<u8>> {
+pub(crate) fn both(frame: u32) -> Vec<Vec<u8>> {
     (0..ROWS).map(|row| [paint(CameraSide::Left, frame, row), paint(CameraSide::Right, frame, row)].concat()).collect()
 }
 
-const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
+pub(crate) const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
 
 /// A fault of a stream, what is said of it (once for each eye), and a frame with it.
-fn injected(random: &mut Random, fake: &mut Fake, frame: u32, start_us: u64) -> Option<Fault> {
+pub(crate) fn injected(random: &mut Random, fake: &mut Fake, frame: u32, start_us: u64) -> Option<Fault> {
     let row = 1 + random.below(ROWS - 2) as usize;
     let mut rows = both(frame);
     match random.below(24) {

@@ -90,7 +90,7 @@ enum Command {
         /// Without log code.
         #[arg(long)]
         no_logs: bool,
-        /// More features of the firmware: still-scene.
+        /// More features of the firmware: still-scene, ahead.
         #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
         features: Vec<String>,
     },

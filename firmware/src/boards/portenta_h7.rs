@@ -25,8 +25,12 @@ mod on_board {
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::silicon;
+    #[cfg(feature = "ahead")]
+    use crate::boards::stm32h7::timed;
     use crate::boards::{stm32h7, usb_port};
-    use crate::camera::{NoReset, ResetPin, Trigger};
+    #[cfg(not(feature = "ahead"))]
+    use crate::camera::Trigger;
+    use crate::camera::{NoReset, ResetPin};
     use crate::capture::{CameraSource, Capture, SideBySide};
     use crate::ports::{FrameStart, PairSource};
     use core::mem::MaybeUninit;
@@ -175,12 +179,23 @@ mod on_board {
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
         let stream = DcmiStream::start(interface, ROW.layout())?;
         let eyes = &*EYES.init(SideBySide::new(stream));
-        let trigger = Trigger::new(output(p.PG7.into())).ok();
+        let trigger = output(p.PG7.into());
+        #[cfg(feature = "ahead")]
+        let trigger = {
+            spawner.spawn(timed::fire(trigger).ok()?);
+            None
+        };
+        #[cfg(not(feature = "ahead"))]
+        let trigger = Trigger::new(trigger).ok();
         // One pin resets both.
         let resets = (ResetPin(output(p.PC13.into())), NoReset);
         let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
+        #[cfg(feature = "ahead")]
+        let sensors = timed::Timed(sensors);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
+        #[cfg(feature = "ahead")]
+        let pairs = crate::capture::AheadSource::new(pairs);
         let light = Light([Output::new(p.PK6, Level::High, Speed::Low)]);
         Some(crate::ports::Peripherals {
             clock: MicrosecondClock,

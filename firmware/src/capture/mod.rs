@@ -21,6 +21,7 @@
 //! # Cost
 //! One copy of every raw row; less than 300 bytes.
 
+mod ahead;
 mod bands;
 mod pairing;
 mod shared;
@@ -28,6 +29,7 @@ mod sinks;
 mod source;
 mod tracker;
 
+pub use ahead::AheadSource;
 pub use bands::{Bands, Dma, Events, RingLayout};
 pub use pairing::{Capture, Report};
 pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};

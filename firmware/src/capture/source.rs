@@ -35,11 +35,11 @@ impl Cameras for FreeCameras {
 #[derive(Debug)]
 pub struct CameraSource<R, C = FreeCameras> {
     rings: [R; 2],
-    cameras: C,
+    pub(super) cameras: C,
     /// Its losses name why there was no pair.
     pub capture: Capture,
-    dims: Dims,
-    patience_us: u32,
+    pub(super) dims: Dims,
+    pub(super) patience_us: u32,
     still_us: Option<u32>,
 }
 
@@ -57,19 +57,22 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        self.capture.request(self.now_us());
-        let is_shot = self.cameras.shoot();
-        self.capture.shot(self.now_us());
-        let pair = self.wait(is_shot, rows);
-        self.cameras.let_go();
-        if is_shot && let Some(middle_us) = self.cameras.follow() {
-            self.capture.set_middle_us(middle_us);
-        }
+        let is_shot = self.shoot();
+        let pair = self.receive(is_shot, 0, rows);
+        self.follow(is_shot);
         pair
     }
 
-    fn wait(&mut self, is_shot: bool, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        let mut until_us = self.now_us().saturating_add(self.patience_us.into());
+    pub(super) fn shoot(&mut self) -> bool {
+        self.capture.request(self.now_us());
+        self.cameras.shoot()
+    }
+
+    /// The pair that was triggered at this time, or will be; or that will not come.
+    pub(super) fn receive(&mut self, is_shot: bool, shot_us: u64, rows: &mut impl RowSink) -> Option<CapturedPair> {
+        let from_us = self.now_us().max(shot_us);
+        self.capture.shot(from_us);
+        let mut until_us = from_us.saturating_add(self.patience_us.into());
         loop {
             match self.capture.turn(&mut self.rings, rows) {
                 Some(Report::Pair(pair)) if is_shot => return Some(pair),
@@ -95,7 +98,15 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
         }
     }
 
-    fn now_us(&self) -> u64 {
+    /// Between two frames.
+    pub(super) fn follow(&mut self, is_shot: bool) {
+        self.cameras.let_go();
+        if is_shot && let Some(middle_us) = self.cameras.follow() {
+            self.capture.set_middle_us(middle_us);
+        }
+    }
+
+    pub(super) fn now_us(&self) -> u64 {
         let [left, _] = &self.rings;
         left.now_us()
     }

@@ -6,13 +6,29 @@
 use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
 use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
-use linestereo_tests::board::{image, on_all};
-use linestereo_wire::{Request, ResetCause, RigBytes};
+use linestereo_sim::board::{firmware, toolchain::Toolchain};
+use linestereo_tests::board::{image, on_all, or_skip};
+use linestereo_wire::{Message, Request, ResetCause, RigBytes};
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 fn execute(mut scenario: Value) -> Option<Run> {
     scenario["board"] = json!("portenta-h7");
     Run::of("stm32h7.py", || image(&Board::PORTENTA_H7, "live"), &scenario)
+}
+
+/// The image whose pairs are captured while the ones before them are matched.
+fn image_ahead() -> Option<PathBuf> {
+    let board = Board::PORTENTA_H7;
+    let toolchain = or_skip(Toolchain::for_board(&board))?;
+    let features = ["ahead".to_owned()];
+    or_skip(firmware::build_all(&toolchain, &board, &["live"], firmware::Logs::None, &features))?.pop()
+}
+
+fn rig_bytes() -> RigBytes {
+    let mut bytes = RigBytes::new();
+    bytes.extend_from_slice(&rig().encode(0)).unwrap();
+    bytes
 }
 
 /// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and
@@ -24,12 +40,10 @@ fn seconds_of_a_portenta() {
     if !on_all() {
         return; // LINESTEREO_LONG=1
     }
-    let mut bytes = RigBytes::new();
-    bytes.extend_from_slice(&rig().encode(0)).unwrap();
     let requests = [
         (100_000, Request::Start),
         (600_000, Request::Photograph), // 1.7 s of the UART
-        (2_500_000, Request::SetRig(bytes)),
+        (2_500_000, Request::SetRig(rig_bytes())),
     ];
     let scenario =
         json!({ "until_us": 3_200_000, "host": host(&requests), "faults": bad_frames(&FAULTS), "erase_us": 2e5 });
@@ -73,4 +87,55 @@ fn a_host_on_usb_at_high_speed() {
     run.assert_usb("portenta-h7", "2E0031000E51303434363337", true);
     run.assert_all_accepted();
     assert!(run.frames_in_order().len() > 3, "{:?}", run.frames());
+}
+
+/// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the result at the host.
+fn pace(run: &Run) -> [u64; 2] {
+    let arrivals = run.records.iter().filter_map(|(time_us, record)| match record {
+        Message::Frame(head) => Some((head.capture_time_us, *time_us)),
+        _ => None,
+    });
+    let frames: Vec<_> = arrivals.collect();
+    let median = |mut times: Vec<u64>| {
+        times.sort_unstable();
+        times[times.len() / 2]
+    };
+    let last = &frames[frames.len() - 11..];
+    let periods = last.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    [median(periods.collect()), median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect())]
+}
+
+/// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad frames, more pairs that are no older.
+#[test]
+fn ahead_gives_more_pairs_that_are_no_older() {
+    const FAULTS: [(CameraSide, u64, &str, usize); 3] =
+        [(CameraSide::Left, 3, "short", 3), (CameraSide::Left, 6, "few", 2), (CameraSide::Left, 9, "overrun", 0)];
+    if !on_all() {
+        return; // LINESTEREO_LONG=1
+    }
+    let scenario = || {
+        let requests = [(60_000, Request::Start), (150_000, Request::SetRig(rig_bytes()))];
+        let faults = bad_frames(&FAULTS);
+        json!({ "board": "portenta-h7", "until_us": 1_400_000, "host": host(&requests), "faults": faults, "erase_us": 1000 })
+    };
+    let run = |image: fn() -> Option<PathBuf>| {
+        let run = Run::of("stm32h7.py", image, &scenario())?;
+        assert_eq!((run.damaged, &run.result["ending"]), (0, &Value::Null), "{}", run.result["at"]);
+        let frames = run.frames_in_order();
+        let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
+        run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
+        assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0), "one exposure");
+        assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
+        run.assert_all_accepted();
+        run.assert_uncached_dma();
+        run.assert_stack();
+        Some(pace(&run))
+    };
+    let paces = std::thread::scope(|scope| {
+        let turns = scope.spawn(|| run(|| image(&Board::PORTENTA_H7, "live")));
+        [run(image_ahead), turns.join().unwrap()]
+    });
+    let [Some(ahead), Some(turns)] = paces else { return };
+    println!("us from pair to pair, us to the host: {turns:?}, ahead {ahead:?}");
+    assert!(ahead[0] * 10 < turns[0] * 9 && ahead[1] * 20 < turns[1] * 21, "{turns:?}, ahead {ahead:?}");
 }

@@ -35,6 +35,7 @@ use heapless::Vec;
 
 /// Bytes of the ring.
 const RING_BYTES: usize = ROW.layout().bytes() as usize;
+const _: () = assert!(RING_BYTES / 4 <= u16::MAX as usize, "the DMA counts words in 16 bits");
 /// Signals that wait for the program: four frames of a signal every eight rows.
 const QUEUE: usize = 128;
 /// Request of the DCMI (RM0433, table 121).
