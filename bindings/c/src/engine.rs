@@ -2,6 +2,7 @@
 
 use crate::status::Status;
 use crate::types::{Camera, Config, Depth, Health, Owner, Point, Segment};
+use core::mem::MaybeUninit;
 use linestereo::health::CameraHealth;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::scratch::Capacity;
@@ -158,13 +159,11 @@ impl Engine {
         Ok(())
     }
 
-    /// Tells the depth of one region, and why there is none. Its numbers are there in either case.
-    pub fn object(&mut self, region: &Region<'_>, tell: impl FnOnce(Depth)) -> Result<(), Status> {
-        let (mut tell, mut answer) = (Some(tell), Err(Status::NoPair));
+    /// Writes the depth of one region, or why there is none. Its numbers are there in either case.
+    pub fn object(&mut self, region: &Region<'_>, room: &mut MaybeUninit<Depth>) -> Result<(), Status> {
+        let mut answer = Err(Status::NoPair);
         self.matched()?.objects(core::slice::from_ref(region), |found| {
-            if let Some(tell) = tell.take() {
-                tell(Depth::of_object(&found));
-            }
+            room.write(Depth::of_object(&found));
             answer = found.disparity.map(|_| ()).map_err(Status::from);
         });
         answer

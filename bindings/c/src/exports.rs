@@ -23,6 +23,8 @@ pub struct Matcher {
 
 /// Words of the matcher itself, before those that are carved.
 const HEAD: usize = size_of::<Matcher>().div_ceil(size_of::<Word>());
+/// Words of the largest object there can be. A power of two less 1: of a larger memory, which there is not, less is used.
+const MOST_WORDS: usize = isize::MAX as usize / size_of::<Word>();
 const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
 
 /// Called with every point; `context` is what the caller gave.
@@ -173,7 +175,7 @@ pub unsafe extern "C" fn linestereo_init(
         let plan = config.plan()?;
         let memory: *mut Word = memory.cast();
         check(memory.addr(), align_of::<Word>())?;
-        let words = size.min(isize::MAX as usize) / size_of::<Word>();
+        let words = size / size_of::<Word>() & MOST_WORDS;
         let rest = words.checked_sub(HEAD).ok_or(Status::MemoryTooSmall)?;
         // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its own from here on.
         let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), rest) };
@@ -300,7 +302,7 @@ pub unsafe extern "C" fn linestereo_box(matcher: *mut Matcher, area: *const Area
     let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let area = *unsafe { read(area.cast::<CoreArea>())? };
-        engine.object(&Region::boxed(0, area, engine.dims())?, |depth| _ = room.write(depth))
+        engine.object(&Region::boxed(0, area, engine.dims())?, room)
     };
     // SAFETY: as this function's.
     unsafe { with_room(matcher, depth, work) }
@@ -318,7 +320,7 @@ pub unsafe extern "C" fn linestereo_mask(
     let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let runs = unsafe { list(runs.cast::<CoreRun>(), count)? };
-        engine.object(&Region::masked(label, runs, engine.dims())?, |depth| _ = room.write(depth))
+        engine.object(&Region::masked(label, runs, engine.dims())?, room)
     };
     // SAFETY: as this function's.
     unsafe { with_room(matcher, depth, work) }

@@ -14,6 +14,7 @@ use crate::report::Ranked;
 use crate::result::Match;
 use crate::support::SupportPoint;
 use core::mem::MaybeUninit;
+use core::ptr::NonNull;
 use heapless::Vec;
 use heapless::vec::VecView;
 
@@ -121,10 +122,10 @@ impl<'a> ScratchView<'a> {
 
     fn carve_from(rest: &mut Rest<'a>, sizes: &Sizes) -> Option<Self> {
         Some(Self {
-            marks: rest.filled(sizes.marks, 0)?,
-            chain: rest.filled(lines::MAX_POSITIONS, 0)?,
-            strengths: rest.filled(lines::MAX_POSITIONS, 0)?,
-            rows: rest.filled(sizes.row * BAND_ROWS * PLANES, 0)?,
+            marks: rest.zeros(sizes.marks)?,
+            chain: rest.zeros(lines::MAX_POSITIONS)?,
+            strengths: rest.zeros(lines::MAX_POSITIONS)?,
+            rows: rest.zeros(sizes.row * BAND_ROWS * PLANES)?,
             left: rest.list(sizes.segments)?,
             right: rest.list(sizes.segments)?,
             candidates: rest.list(sizes.candidates)?,
@@ -137,20 +138,46 @@ impl<'a> ScratchView<'a> {
     }
 }
 
+/// Integers, which are 0 where all bits are.
+trait Integer: Copy {}
+
+impl Integer for u8 {}
+impl Integer for u16 {}
+impl Integer for u32 {}
+
 /// Memory that is not carved yet.
 struct Rest<'a>(&'a mut [Word]);
 
 impl<'a> Rest<'a> {
-    fn take(&mut self, words: usize) -> Option<&'a mut [Word]> {
+    /// The next words, which are nobody else's; `None` beyond the memory.
+    #[inline(never)] // a dozen calls
+    fn take(&mut self, words: usize) -> Option<NonNull<Word>> {
         let (taken, rest) = core::mem::take(&mut self.0).split_at_mut_checked(words)?;
         self.0 = rest;
-        Some(taken)
+        Some(NonNull::from(taken).cast())
+    }
+
+    /// The next words, all bits 0.
+    #[inline(never)] // as `take`
+    fn cleared(&mut self, words: usize) -> Option<NonNull<Word>> {
+        let start = self.take(words)?;
+        // SAFETY: so many words lie there, which nobody else has.
+        unsafe { start.cast::<[u32; 2]>().write_bytes(0, words) };
+        Some(start)
+    }
+
+    /// The next `count` integers, each 0; `None` beyond the memory.
+    fn zeros<T: Integer>(&mut self, count: usize) -> Option<&'a mut [T]> {
+        const { assert!(align_of::<T>() <= align_of::<Word>()) };
+        let start: *mut T = self.cleared(words_of::<T>(count))?.as_ptr().cast();
+        // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, of cleared memory that nobody else has.
+        Some(unsafe { core::slice::from_raw_parts_mut(start, count) })
     }
 
     /// The next `count` values, each `value`; `None` beyond the memory.
     fn filled<T: Copy>(&mut self, count: usize, value: T) -> Option<&'a mut [T]> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
-        let start: *mut T = self.take(words_of::<T>(count))?.as_mut_ptr().cast();
+        let start: *mut T = self.take(words_of::<T>(count))?.as_ptr().cast();
         for index in 0..count {
             // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, and nobody else has this memory.
             unsafe { start.add(index).write(value) };
@@ -161,7 +188,7 @@ impl<'a> Rest<'a> {
 
     fn one<T>(&mut self, value: T) -> Option<&'a mut T> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
-        let start: *mut T = self.take(words_of::<T>(1))?.as_mut_ptr().cast();
+        let start: *mut T = self.take(words_of::<T>(1))?.as_ptr().cast();
         // SAFETY: there is room for one, aligned as the assertion says, and nobody else has this memory.
         unsafe { start.write(value) };
         // SAFETY: as above, and it is written.
@@ -169,8 +196,9 @@ impl<'a> Rest<'a> {
     }
 
     /// An empty list.
+    #[inline(always)] // shorter where it is called than a call
     fn list<T>(&mut self, capacity: usize) -> Option<&'a mut VecView<T>> {
-        let start: *mut Vec<T, 0> = self.take(list_words::<T>(capacity))?.as_mut_ptr().cast();
+        let start: *mut Vec<T, 0> = self.take(list_words::<T>(capacity))?.as_ptr().cast();
         const { assert!(align_of::<Vec<T, 0>>() <= align_of::<Word>()) };
         // SAFETY: there is room for an empty list, aligned as the assertion says, and nobody else has this memory.
         unsafe { start.write(Vec::new()) };
