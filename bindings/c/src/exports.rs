@@ -175,7 +175,7 @@ pub unsafe extern "C" fn linestereo_init(
         let plan = config.plan()?;
         let memory: *mut Word = memory.cast();
         check(memory.addr(), align_of::<Word>())?;
-        let words = size / size_of::<Word>() & MOST_WORDS;
+        let words = (size / size_of::<Word>()) & MOST_WORDS;
         let rest = words.checked_sub(HEAD).ok_or(Status::MemoryTooSmall)?;
         // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its own from here on.
         let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), rest) };
