@@ -34,7 +34,7 @@ class UsbHost:
         if not self.script:
             self._run(self._enumerate())
 
-    # What a program at the host asks for, as soon as the port is there, one after the other.
+    # Requests of a program at the host: served in order, as soon as the port is there.
 
     def send(self, data):
         self._want(lambda: self._queue(data))

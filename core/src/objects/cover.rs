@@ -40,9 +40,7 @@ impl<'a> Cover<'a> {
         let half = |from: u16, to: u16| ((i32::from(to) - i32::from(from) + 1) >> 1).max(1);
         let half_size = [half(area.left, area.right), half(area.top, area.bottom)];
         let Shape::Mask(runs) = region.shape() else {
-            let pixels =
-                u32::from(area.right.saturating_sub(area.left)) * u32::from(area.bottom.saturating_sub(area.top));
-            return Self { area, width, bits: None, pixels, centre, half_size, is_thin: false };
+            return Self { area, width, bits: None, pixels: area.pixels(), centre, half_size, is_thin: false };
         };
 
         let words = (usize::from(area.top) * width) >> 5..=(usize::from(area.bottom) * width) >> 5;

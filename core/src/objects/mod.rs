@@ -140,7 +140,7 @@ impl ObjectQuery<'_> {
             self.neighbours,
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
-        let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8);
+        let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8); // sums are below 2^22
         let surface = surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), self.order).unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),

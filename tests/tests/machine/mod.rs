@@ -8,7 +8,7 @@ use linestereo::Dims;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_wire::{
     Answer, CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
-    Outcome, Request, ResetCause, encode,
+    Outcome, Request, ResetCause, RigBytes, encode,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -286,6 +286,11 @@ fn host(requests: &[(u64, Request)]) -> Value {
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The rig as a host sends it.
+fn rig_bytes() -> RigBytes {
+    RigBytes::from_slice(&rig().encode(0)).unwrap()
 }
 
 /// A rig of the board's cameras, as `flash-image` makes one.

@@ -4,7 +4,7 @@
 //! Not in the model, and so not shown here: levels and edges of wires, timing of the flash and its cache, power, the second core, USB below its
 //! packets, what HM01B0 do that nobody has written down; the time of anything within a few tens of percent.
 
-use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
+use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image;
 use linestereo_wire::{Health, Request, ResetCause};
@@ -26,13 +26,11 @@ fn seconds_of_a_pico_2() {
     // Number of each in `CaptureReport::KINDS`.
     const FAULTS: [(CameraSide, u64, &str, usize); 3] =
         [(CameraSide::Left, 3, "short", 3), (CameraSide::Right, 6, "few", 2), (CameraSide::Left, 9, "stuck", 1)];
-    let mut bytes = linestereo_wire::RigBytes::new();
-    bytes.extend_from_slice(&rig().encode(0)).unwrap();
     let requests = [
         (150_000, Request::Describe),
         (160_000, Request::Start),
         (2_000_000, Request::Photograph),
-        (2_700_000, Request::SetRig(bytes)),
+        (2_700_000, Request::SetRig(rig_bytes())),
     ];
     let faults = bad_frames(&FAULTS);
     let scenario = json!({ "until_us": 5_000_000, "host": host(&requests), "faults": faults });

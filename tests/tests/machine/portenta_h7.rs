@@ -3,12 +3,12 @@
 //! Not in the model, and so not shown here: the bootloader and what it leaves behind, the joiner, the power controller, USB below its packets and its
 //! PHY but for power, reset and pins, caches, the second core, the time of anything within a few tens of percent.
 
-use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig};
+use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
 use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
 use linestereo_sim::board::{firmware, toolchain::Toolchain};
 use linestereo_tests::board::{image, on_all, or_skip};
-use linestereo_wire::{Message, Request, ResetCause, RigBytes};
+use linestereo_wire::{Message, Request, ResetCause};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -23,12 +23,6 @@ fn image_ahead() -> Option<PathBuf> {
     let toolchain = or_skip(Toolchain::for_board(&board))?;
     let features = ["ahead".to_owned()];
     or_skip(firmware::build_all(&toolchain, &board, &["live"], firmware::Logs::None, &features))?.pop()
-}
-
-fn rig_bytes() -> RigBytes {
-    let mut bytes = RigBytes::new();
-    bytes.extend_from_slice(&rig().encode(0)).unwrap();
-    bytes
 }
 
 /// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and

@@ -2,16 +2,16 @@
 //!
 //! Not in the model, and so not shown here: caches, MPU faults, USB below its packets, the ADC, the time of anything within a few tens of percent.
 
-use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig};
+use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::HealthFlags;
 use linestereo_firmware::programs::expected::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
-use linestereo_rig::{CameraSide, RigImage};
+use linestereo_rig::CameraSide;
 use linestereo_sim::board::{firmware, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
 use linestereo_wire::{
     Health, MachineReport, MarginUpdate, Message, Outcome, PairHead, ParamUpdate, PartsUpdate, RegionBox, Regions,
-    Request, ResetCause, RigBytes, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon,
+    Request, ResetCause, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -43,7 +43,7 @@ static TEN_SECONDS: LazyLock<Option<Run>> = LazyLock::new(|| {
         (1_500_000, Request::SetParams(update)),
         (2_000_000, Request::SetRegions(regions)),
         (3_000_000, Request::Photograph),
-        (5_500_000, Request::SetRig(rig_bytes(&rig()))),
+        (5_500_000, Request::SetRig(rig_bytes())),
     ];
     let faults = bad_frames(&FAULTS);
     let scenario = json!({ "until_us": 10_000_000, "host": host(&requests), "faults": faults, "erase_us": 4e6 });
@@ -115,10 +115,6 @@ fn a_hard_fault_is_named_after_the_reset() {
     assert_eq!(run.result["resets_us"].as_array().map(Vec::len), Some(1));
 }
 
-fn rig_bytes(rig: &RigImage) -> RigBytes {
-    RigBytes::from_slice(&rig.encode(0)).unwrap()
-}
-
 fn boxes(boxes: &[RegionBox], only: bool) -> Request {
     Request::SetRegions(Regions { boxes: boxes.iter().copied().collect(), only })
 }
@@ -127,7 +123,13 @@ fn boxes(boxes: &[RegionBox], only: bool) -> Request {
 const VALUES: SettingValues =
     [-1.0, 48.0, 56.0, 28.0, 10.0, 32.0, 2.0, 0.625, 0.0, 10.0, 8.0, -0.5, 0.5, 3.0, 12.0, 1.0, 30.0, 1.0];
 
-/// What a host asks for over USB, and is it done?
+/// Times at which the host resets the bus, closes the port, and opens it; the clock that it sets, us.
+const RESET_US: u64 = 1_800_000;
+const CLOSED_US: u64 = 2_100_000;
+const OPENED_US: u64 = 2_300_000;
+const HOST_CLOCK_US: u64 = 1_000_000_000;
+
+/// Requests of a host over USB, and is each accepted.
 fn wishes() -> Vec<(Request, bool)> {
     let set = |number: usize, value: f32| Request::Set(SettingValue { number: number as u8, value });
     let rig = RigUpdate { focal_px: 250.0, baseline_m: 0.08, offset_px: 0.0 };
@@ -146,7 +148,7 @@ fn wishes() -> Vec<(Request, bool)> {
     };
     let pair = PairHead { width: 320, height: 240, capture_time_us: 0, right_capture_time_us: None };
     let person = RegionBox { label: 1, left: 40, top: 30, right: 120, bottom: 200 };
-    let mut damaged = rig_bytes(&super::rig());
+    let mut damaged = rig_bytes();
     damaged[40] ^= 1;
     let mut wishes = vec![
         (Request::Describe, true),
@@ -199,15 +201,14 @@ static BY_USB: LazyLock<Option<Run>> = LazyLock::new(|| {
         json!([OPENED_US, "open"]),
     ]);
     host.sort_by_key(|at| at[0].as_u64());
-    let ask = |bytes: &[u8]| hex(bytes);
     let messages = json!([
-        [300_000, ask(&message(&Raw::<21, 159>(vec![1, 196])))],
-        [500_000, ask(&message(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name("RANGE_M")].concat())))],
-        [520_000, ask(&message(&Raw::<20, 214>([vec![3, 0, 1, 196], name("")].concat())))],
-        [540_000, ask(&message(&Timesync { tc1: 0, ts1: 123_456_789 }))],
+        [300_000, hex(&message(&Raw::<21, 159>(vec![1, 196])))],
+        [500_000, hex(&message(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name("RANGE_M")].concat())))],
+        [520_000, hex(&message(&Raw::<20, 214>([vec![3, 0, 1, 196], name("")].concat())))],
+        [540_000, hex(&message(&Timesync { tc1: 0, ts1: 123_456_789 }))],
         [
             560_000,
-            ask(&message(&Raw::<23, 168>(
+            hex(&message(&Raw::<23, 168>(
                 [1f32.to_le_bytes().to_vec(), vec![1, 196], name("POLICY"), vec![9]].concat()
             )))
         ],
@@ -217,11 +218,6 @@ static BY_USB: LazyLock<Option<Run>> = LazyLock::new(|| {
     });
     execute("live", &scenario)
 });
-/// The host resets the bus, closes the port, and opens it.
-const RESET_US: u64 = 1_800_000;
-const CLOSED_US: u64 = 2_100_000;
-const OPENED_US: u64 = 2_300_000;
-const HOST_CLOCK_US: u64 = 1_000_000_000;
 
 /// A message of these fields.
 struct Raw<const ID: u32, const EXTRA: u8>(Vec<u8>);
@@ -299,7 +295,7 @@ fn a_host_on_usb() {
     assert!(ids.contains(&111), "{ids:?}");
 }
 
-/// What is wrong with pictures, each for some time, and what is said of them at least. The pattern has 8 px blocks: a lower or a swapped one
+/// Faults of pictures, each for [`PICTURES_US`], and a flag that names it. The pattern has 8 px blocks: a lower or a swapped one
 /// looks like one without matches.
 const PICTURES: [(&str, HealthFlags); 6] = [
     ("covered", HealthFlags::LEFT_EXPOSURE),
@@ -339,7 +335,7 @@ fn bad_pictures_are_named() {
     assert!(first.health.of_pair().is_fit(), "{first:?}");
 }
 
-/// What these runs of `live` execute together: 139 642 of 177 622 bytes when this was written, 740 of which are constants; 3 % less is allowed, since
+/// Code that these runs of `live` execute together, bytes: 139 642 of 177 622 bytes when this was written, 740 of which are constants; 3 % less is allowed, since
 /// compilers differ. What is left is printed.
 #[test]
 fn most_of_the_code_runs() {
