@@ -1,5 +1,6 @@
 //! Arm Cortex-M.
 
+mod memory;
 pub(crate) mod protection;
 
 use crate::stack;
