@@ -62,7 +62,10 @@ pub(super) struct Found {
 fn second_best(costs: &mut [u8], at: usize) -> u8 {
     let end = (at + NEIGHBOURHOOD + 1).min(costs.len());
     if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
-        near.fill(u8::MAX);
+        match near.first_chunk_mut() {
+            Some(whole) => *whole = [u8::MAX; 2 * NEIGHBOURHOOD + 1], // two stores, not a call
+            None => near.fill(u8::MAX),
+        }
     }
     lowest_byte(costs)
 }
@@ -123,8 +126,12 @@ impl Found {
         let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));
         let [one, other] = [before, after].map(|side| u16::from(side.unwrap_or(here)));
         let curvature = (one + other).saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
-        let of = |at: i32| usize::try_from(at).ok().and_then(cost).map(u16::from);
-        let at_q6 = ((best - at) << 6) as i32 + subpixel_q6(at as i32, of);
+        let beside = |distance: i32| match distance {
+            -1 => before,
+            0 => Some(here),
+            _ => after,
+        };
+        let at_q6 = (best << 6) as i32 + subpixel_q6(0, |distance| beside(distance).map(u16::from));
         let length = costs.len() as u32;
         let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
         let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);

@@ -7,6 +7,7 @@
 //! columns four of them a round
 //! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
 //! path    two words a round; the entries before and behind four are cut out of three words
+//! sums    two words a round
 //! ```
 //!
 //! # Source
@@ -264,25 +265,28 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
     }
 }
 
+/// True where curves so long and at these addresses are pairs of whole words, as double loads and stores want them.
+#[inline(always)]
+fn are_pairs_of_words(length: usize, starts: &[*const u8]) -> bool {
+    length.is_multiple_of(8) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
+}
+
 /// See [`portable::path_step`].
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    let words = path.len() / 4;
-    if words == 0 || !path.len().is_multiple_of(4) || costs.len() < path.len() {
+    let pairs = path.len() / 8;
+    if pairs == 0 || costs.len() < path.len() || !are_pairs_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()]) {
         return portable::path_step(costs, lowest, path);
     }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
     let mut lows = u32::MAX;
-    // SAFETY: both hold `words` words. A word is read when the one before it is worked on, the first one before all; the last one works on its own.
+    // SAFETY: both hold so many pairs of words, at aligned addresses. A word is read when the one before it is worked on, the first one before all.
     unsafe {
         asm!(
+            "push {{r7}}", // the frame pointer, which no operand is given
             "ldr {here}, [{path}]",
             "uqsub8 {here}, {reach}, {here}",
-            "mov {then}, {here}",
-            "tst {words}, #1",
-            "add {words}, {words}, #1",
-            "lsr {words}, {words}, #1", // rounds of two words, the first one of one where they are odd
-            "bne 3f",
             "2:",
+            "ldrd {cost}, r7, [{costs}], #8",
             "ldr {then}, [{path}, #4]",
             "uqsub8 {then}, {reach}, {then}",
             "orr {near}, {carry}, {here}, lsl #8",
@@ -294,16 +298,13 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "uqsub8 {near}, {near}, {step}",
             "uqsub8 {near}, {near}, {here}",
             "uadd8 {near}, {near}, {here}",
-            "ldr {other}, [{costs}], #4",
-            "usub8 {other}, {other}, {near}",
-            "str {other}, [{path}], #4",
-            "usub8 {near}, {other}, {lows}",
-            "sel {lows}, {lows}, {other}",
-            "3:",
+            "usub8 {cost}, {cost}, {near}",
+            "usub8 {near}, {cost}, {lows}",
+            "sel {lows}, {lows}, {cost}",
             "mov {here}, #-1",
-            "subs {words}, {words}, #1",
+            "subs {pairs}, {pairs}, #1",
             "it ne",
-            "ldrne {here}, [{path}, #4]",
+            "ldrne {here}, [{path}, #8]",
             "uqsub8 {here}, {reach}, {here}",
             "orr {near}, {carry}, {then}, lsl #8",
             "lsr {carry}, {then}, #24",
@@ -314,16 +315,17 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "uqsub8 {near}, {near}, {step}",
             "uqsub8 {near}, {near}, {then}",
             "uadd8 {near}, {near}, {then}",
-            "ldr {other}, [{costs}], #4",
-            "usub8 {other}, {other}, {near}",
-            "str {other}, [{path}], #4",
-            "usub8 {near}, {other}, {lows}",
-            "sel {lows}, {lows}, {other}",
+            "usub8 r7, r7, {near}",
+            "usub8 {near}, r7, {lows}",
+            "sel {lows}, {lows}, r7",
+            "strd {cost}, r7, [{path}], #8",
             "bne 2b",
-            words = inout(reg) words => _,
+            "pop {{r7}}",
+            pairs = inout(reg) pairs => _,
             path = inout(reg) path.as_mut_ptr() => _,
             costs = inout(reg) costs.as_ptr() => _,
             carry = inout(reg) 0 => _,
+            cost = out(reg) _,
             here = out(reg) _,
             then = out(reg) _,
             near = out(reg) _,
@@ -331,7 +333,6 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             lows = inout(reg) lows,
             reach = in(reg) all(lowest.saturating_add(JUMP_PENALTY)),
             step = in(reg) all(STEP_PENALTY),
-            options(nostack),
         );
     }
     lowest_of(lows)
@@ -339,31 +340,38 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
 
 /// See [`portable::sum_paths`].
 pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
-    let words = sums.len() / 4;
-    if words == 0 || !sums.len().is_multiple_of(4) || a.len() < sums.len() || b.len() < sums.len() {
+    let (pairs, length) = (sums.len() / 8, sums.len());
+    let starts = [a.as_ptr(), b.as_ptr(), sums.as_ptr()];
+    if pairs == 0 || a.len() < length || b.len() < length || !are_pairs_of_words(length, &starts) {
         return portable::sum_paths(a, b, sums);
     }
     let mut lows = u32::MAX;
-    // SAFETY: all three hold so many words.
+    // SAFETY: all three hold so many pairs of words, at aligned addresses.
     unsafe {
         asm!(
             "2:",
-            "ldr {x}, [{a}], #4",
-            "ldr {sum}, [{sums}]",
+            "ldrd {sum}, {then}, [{sums}]",
+            "ldrd {x}, {y}, [{a}], #8",
             "uqadd8 {sum}, {sum}, {x}",
-            "ldr {x}, [{b}], #4",
+            "uqadd8 {then}, {then}, {y}",
+            "ldrd {x}, {y}, [{b}], #8",
             "uqadd8 {sum}, {sum}, {x}",
-            "str {sum}, [{sums}], #4",
+            "uqadd8 {then}, {then}, {y}",
+            "strd {sum}, {then}, [{sums}], #8",
             "usub8 {x}, {sum}, {lows}",
             "sel {lows}, {lows}, {sum}",
-            "subs {words}, {words}, #1",
+            "usub8 {x}, {then}, {lows}",
+            "sel {lows}, {lows}, {then}",
+            "subs {pairs}, {pairs}, #1",
             "bne 2b",
             a = inout(reg) a.as_ptr() => _,
             b = inout(reg) b.as_ptr() => _,
             sums = inout(reg) sums.as_mut_ptr() => _,
-            words = inout(reg) words => _,
+            pairs = inout(reg) pairs => _,
             x = out(reg) _,
+            y = out(reg) _,
             sum = out(reg) _,
+            then = out(reg) _,
             lows = inout(reg) lows,
             options(nostack),
         );
