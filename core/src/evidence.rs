@@ -32,7 +32,7 @@ macro_rules! define_evidence {
 
             pub(crate) fn set(&mut self, kind: $SegmentKind, value_q8: i32) {
                 if let Some(slot) = self.0.get_mut(kind as usize) {
-                    *slot = i16::try_from(value_q8.clamp(-32767, 32767)).unwrap_or(0);
+                    *slot = crate::units::narrow(value_q8);
                 }
             }
 

@@ -282,11 +282,10 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     // SAFETY: both hold so many pairs of words, at aligned addresses. A word is read when the one before it is worked on, the first one before all.
     unsafe {
         asm!(
-            "push {{r7}}", // the frame pointer, which no operand is given
             "ldr {here}, [{path}]",
             "uqsub8 {here}, {reach}, {here}",
             "2:",
-            "ldrd {cost}, r7, [{costs}], #8",
+            "ldrd {cost}, {next}, [{costs}], #8",
             "ldr {then}, [{path}, #4]",
             "uqsub8 {then}, {reach}, {then}",
             "orr {near}, {carry}, {here}, lsl #8",
@@ -315,17 +314,17 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "uqsub8 {near}, {near}, {step}",
             "uqsub8 {near}, {near}, {then}",
             "uadd8 {near}, {near}, {then}",
-            "usub8 r7, r7, {near}",
-            "usub8 {near}, r7, {lows}",
-            "sel {lows}, {lows}, r7",
-            "strd {cost}, r7, [{path}], #8",
+            "usub8 {next}, {next}, {near}",
+            "usub8 {near}, {next}, {lows}",
+            "sel {lows}, {lows}, {next}",
+            "strd {cost}, {next}, [{path}], #8",
             "bne 2b",
-            "pop {{r7}}",
             pairs = inout(reg) pairs => _,
             path = inout(reg) path.as_mut_ptr() => _,
             costs = inout(reg) costs.as_ptr() => _,
             carry = inout(reg) 0 => _,
             cost = out(reg) _,
+            next = out(reg) _,
             here = out(reg) _,
             then = out(reg) _,
             near = out(reg) _,
@@ -333,6 +332,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             lows = inout(reg) lows,
             reach = in(reg) all(lowest.saturating_add(JUMP_PENALTY)),
             step = in(reg) all(STEP_PENALTY),
+            options(nostack),
         );
     }
     lowest_of(lows)
