@@ -47,6 +47,16 @@ impl Curve {
         self.close();
     }
 
+    /// Sums costs upon those of another curve, over the same disparities; `add` is given whole blocks.
+    pub(crate) fn fill_upon(&mut self, base: &Self, add: impl FnOnce(&mut [u16])) {
+        (self.first, self.len) = (base.first, base.len);
+        for (cost, &below) in self.blocks().iter_mut().zip(base.whole()) {
+            *cost = below;
+        }
+        add(self.blocks());
+        self.close();
+    }
+
     /// Becomes a curve of zeros; returns its whole blocks.
     #[inline(never)]
     fn cleared(&mut self, (first, len): (i32, i32)) -> &mut [u16] {
@@ -147,7 +157,16 @@ impl Curve {
     /// The first lowest entry within `centre +- reach`.
     #[inline(never)]
     pub(crate) fn minimum_near(&self, centre: i32, reach: i32) -> Minimum {
-        minimum_near(centre, reach, |d| self.at(d))
+        let mut best = Minimum { at: centre, cost: u16::MAX };
+        let index = |d: i32| usize::try_from(d - self.first).unwrap_or(0).min(self.len);
+        let from = index(centre - reach);
+        let near = self.costs.get(from..index(centre + reach + 1)).unwrap_or(&[]);
+        for (d, &cost) in (self.first + from as i32..).zip(near) {
+            if cost < best.cost {
+                best = Minimum { at: d, cost };
+            }
+        }
+        best
     }
 
     /// The first lowest entry.

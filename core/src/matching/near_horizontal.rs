@@ -168,8 +168,7 @@ impl<'w> SideWindows<'w> {
         let halves = [(&mut *near_a, &mut *a, (first, middle)), (&mut *near_b, &mut *b, (middle + 1, last))];
         for (near, half, columns) in halves {
             near.fill(range, |costs| pixels += add_blocks(line, columns, near_row, range.0, band, costs));
-            half.fill(range, |costs| pixels += add_blocks(line, columns, far_row, range.0, band, costs));
-            half.add(near);
+            half.fill_upon(near, |costs| pixels += add_blocks(line, columns, far_row, range.0, band, costs));
         }
         whole.set_sum(a, b);
         near_a.add(near_b);

@@ -20,6 +20,7 @@
 
 use super::super::portable::{self, LANES, STRIP, Strip};
 use super::{two_operands, word};
+use core::mem::MaybeUninit;
 
 /// See [`portable::sad_curve`].
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
@@ -187,9 +188,12 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     let whole = curve.as_chunks_mut::<LANES>().0.as_flattened_mut();
     let len = whole.len();
     // A byte per disparity holds the sum of all points.
-    let mut sums = [0_u32; MAX_WORDS];
+    let mut sums = [const { MaybeUninit::uninit() }; MAX_WORDS];
     let fits = points.len() <= MAX_POINTS && points.iter().all(|(_, other)| other.len() >= len);
     let Some(sums) = sums.get_mut(..len / 4).filter(|_| fits) else { return portable::hamming_curve(points, curve) };
+    sums.fill(MaybeUninit::new(0));
+    // SAFETY: all of these were just set; the longest curve's 256 bytes would be cleared otherwise.
+    let sums: &mut [u32] = unsafe { sums.assume_init_mut() };
     let (threes, rest) = points.as_chunks::<3>();
     // SAFETY: every point's slice holds at least `len` bytes, four for each of the `len / 4` sums.
     unsafe {
