@@ -80,49 +80,28 @@ pub const STEP_PENALTY: u8 = 3;
 /// P2 of a path: cost of a larger change of disparity.
 pub const JUMP_PENALTY: u8 = 10;
 
-/// Rank of the middle one of three rows, each two below the one before: number of the four neighbours at distance 2 (left, right,
-/// above, below) that are darker, 0 ..= 4. The first and last two pixels are [`RANK_FLAT`], and so are entries of `out` beyond the row.
-pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
-    out.fill(RANK_FLAT);
-    let [above, row, below] = rows;
-    let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
-    let (Some(above), Some(centre), Some(below), Some(right)) =
-        (above.get(2..), row.get(2..), below.get(2..), row.get(4..))
-    else {
-        return;
-    };
-    let columns = row.iter().zip(right).zip(centre).zip(above.iter().zip(below));
-    for ((((left, right), centre), (above, below)), rank) in columns.zip(inner) {
-        *rank =
-            u8::from(left < centre) + u8::from(right < centre) + u8::from(above < centre) + u8::from(below < centre);
-    }
-}
-
 /// Ranks of [`RANK_ROWS`] rows at one column.
 pub type RankColumn = [u8; RANK_ROWS];
 
-/// Transposes [`RANK_ROWS`] rows of ranks, consecutive and as long as `columns`, to columns. [`RANK_FLAT`] where there are too few ranks.
-pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
-    let width = columns.len();
-    let mut rows = rows.chunks(width.max(1));
-    let [a, b, c, d] = core::array::from_fn(|_| rows.next().unwrap_or(&[]));
-    let (fours, _) = columns.as_chunks_mut::<4>();
-    let words = |row: &'_ [u8]| row.len() / 4;
-    let done = fours.len().min(words(a)).min(words(b)).min(words(c)).min(words(d));
-    // The first and third, the second and fourth byte of two words.
-    let (even, odd) = (0x00ff_00ff_u32, 0xff00_ff00_u32);
-    let pair = |x: u32, y: u32| (x & even | (y & even) << 8, (x & odd) >> 8 | y & odd);
-    let rows = [a, b, c, d].map(|row| row.as_chunks().0);
-    let [upper, lower] = [[rows[0], rows[1]], [rows[2], rows[3]]].map(|[a, b]| a.iter().zip(b));
-    for (four, ((a, b), (c, d))) in fours.iter_mut().zip(upper.zip(lower)) {
-        let [a, b, c, d] = [a, b, c, d].map(|&word| u32::from_le_bytes(word));
-        let ((ab02, ab13), (cd02, cd13)) = (pair(a, b), pair(c, d));
-        let halves = |low: u32, high: u32| (low & 0xffff | high << 16, low >> 16 | high & 0xffff_0000);
-        let ((first, third), (second, fourth)) = (halves(ab02, cd02), halves(ab13, cd13));
-        *four = [first, second, third, fourth].map(u32::to_le_bytes);
+/// Ranks of the inner ones of six rows, each two below the one before, column by column: number of the four neighbours at distance 2 (left, right,
+/// above, below) that are darker, 0 ..= 4. The first and last two columns are [`RANK_FLAT`], and all where a row has fewer pixels than there are columns.
+pub fn rank_columns(rows: [&[u8]; RANK_ROWS + 2], columns: &mut [RankColumn]) {
+    fn from(row: &[u8], first: usize) -> core::slice::Iter<'_, u8> {
+        row.get(first..).unwrap_or(&[]).iter()
     }
-    for (column, x) in columns.iter_mut().zip(0..).skip(4 * done) {
-        *column = [a, b, c, d].map(|row| row.get(x).copied().unwrap_or(RANK_FLAT));
+    columns.fill([RANK_FLAT; RANK_ROWS]);
+    let width = columns.len();
+    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else { return };
+    let whole = rows.map(|row| row.get(..width));
+    let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = whole else { return };
+    for (k, [above, row, below]) in [[a, b, c], [b, c, d], [c, d, e], [d, e, f]].into_iter().enumerate() {
+        let beside = from(row, 0).zip(from(row, 4)).zip(from(above, 2).zip(from(below, 2)));
+        for ((((left, right), (above, below)), centre), column) in beside.zip(from(row, 2)).zip(&mut *columns) {
+            let is_darker = |neighbour: &u8| u8::from(neighbour < centre);
+            if let Some(rank) = column.get_mut(k) {
+                *rank = is_darker(left) + is_darker(right) + is_darker(above) + is_darker(below);
+            }
+        }
     }
 }
 

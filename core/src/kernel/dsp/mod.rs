@@ -45,7 +45,7 @@ pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
 pub use lags::add_products;
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, reverse_row};
-pub use support::{lowest_byte, path_step, place_of_byte, rank_columns, rank_costs, rank_row, sum_paths};
+pub use support::{lowest_byte, path_step, place_of_byte, rank_columns, rank_costs, sum_paths};
 
 /// A function of two words that is one instruction.
 macro_rules! two_operands {

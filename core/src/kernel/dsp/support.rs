@@ -3,8 +3,7 @@
 //! In: rows of pixels or ranks, curves of bytes over disparity. Out: ranks, costs, path costs and their sums, four bytes a word.
 //!
 //! ```text
-//! rank    each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
-//! columns four of them a round
+//! ranks   four columns of four rows a round: each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
 //! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
 //! path    two words a round; the entries before and behind four are cut out of three words
 //! sums    two words a round
@@ -35,127 +34,141 @@ fn lowest_of(word: u32) -> u8 {
     lower(pairs, pairs.rotate_right(8)) as u8
 }
 
-/// See [`portable::rank_row`].
-pub fn rank_row(rows: [&[u8]; 3], out: &mut [u8]) {
-    let [above, row, below] = rows;
-    let width = row.len();
-    if width < 8 || above.len() < width || below.len() < width || out.len() < width {
-        return portable::rank_row(rows, out);
-    }
-    let words = (width - 4) / 4;
-    let (rows, to) = ([above, row, below].map(<[u8]>::as_ptr), out.as_mut_ptr());
-    // SAFETY: words * 4 + 4 pixels of all rows, which are at least as long, are read, from column 0 to the last but `width & 3`; there is a word.
-    unsafe {
-        rank_words(rows, to, words);
-        if !width.is_multiple_of(4) {
-            // The rest, and some of those before it again.
-            let at = width - 8;
-            rank_words(rows.map(|row| row.add(at)), to.add(at), 1);
-        }
-    }
-    for border in [0..2, width - 2..out.len()] {
-        if let Some(border) = out.get_mut(border) {
-            border.fill(RANK_FLAT);
-        }
-    }
-}
-
-/// Ranks of four pixels each from the third on, `words` times.
-///
-/// # Safety
-/// There is a word at least; `4 * words + 4` bytes can be read from each row, and written.
-#[inline(never)]
-unsafe fn rank_words([above, row, below]: [*const u8; 3], out: *mut u8, words: usize) {
-    // SAFETY: the caller's.
-    unsafe {
-        asm!(
-            "2:",
-            "ldr {centre}, [{row}, #2]",
-            "ldr {other}, [{row}], #4",
-            "usub8 {other}, {other}, {centre}",
-            "sel {rank}, {zero}, {ones}",
-            "ldr {other}, [{row}]",
-            "usub8 {other}, {other}, {centre}",
-            "sel {other}, {zero}, {ones}",
-            "add {rank}, {rank}, {other}",
-            "ldr {other}, [{above}], #4",
-            "usub8 {other}, {other}, {centre}",
-            "sel {other}, {zero}, {ones}",
-            "add {rank}, {rank}, {other}",
-            "ldr {other}, [{below}], #4",
-            "usub8 {other}, {other}, {centre}",
-            "sel {other}, {zero}, {ones}",
-            "add {rank}, {rank}, {other}",
-            "str {rank}, [{out}], #4",
-            "subs {words}, {words}, #1",
-            "bne 2b",
-            row = inout(reg) row => _,
-            above = inout(reg) above.add(2) => _,
-            below = inout(reg) below.add(2) => _,
-            out = inout(reg) out.add(2) => _,
-            words = inout(reg) words => _,
-            centre = out(reg) _,
-            other = out(reg) _,
-            rank = out(reg) _,
-            zero = in(reg) 0,
-            ones = in(reg) 0x0101_0101,
-            options(nostack),
-        );
-    }
-}
-
 /// See [`portable::rank_columns`].
-pub fn rank_columns(rows: &[u8], columns: &mut [RankColumn]) {
+pub fn rank_columns(rows: [&[u8]; RANK_ROWS + 2], columns: &mut [RankColumn]) {
     let width = columns.len();
-    let words = width / 4;
-    if words == 0
-        || !width.is_multiple_of(4)
-        || rows.len() < RANK_ROWS * width
-        || !columns.as_ptr().cast::<u32>().is_aligned()
+    let [above, inner @ .., below] = rows.map(<[u8]>::as_ptr);
+    let [first, second, third, fourth] = inner.map(|row| row.addr());
+    let stride = second.wrapping_sub(first);
+    // Rows that the border of an image repeats are above and below the inner ones alone.
+    let are_even = third.wrapping_sub(second) == stride && fourth.wrapping_sub(third) == stride;
+    let are_whole = rows.iter().all(|row| row.len() >= width);
+    if width < 8 || !width.is_multiple_of(4) || !are_even || !are_whole || !columns.as_ptr().cast::<u32>().is_aligned()
     {
         return portable::rank_columns(rows, columns);
     }
-    // SAFETY: `words` words of each of the four rows are read, and four times as many written, at aligned addresses.
+    // SAFETY: words * 4 + 4 pixels are read of the four inner rows, which are as long, as many but for the first two of the others; words * 4
+    // columns are written from the third on, at aligned addresses. There is a word.
+    unsafe { rank_words([above.add(2), inner[0], below.add(2)], stride, columns.as_mut_ptr().add(2), (width - 4) / 4) }
+    for border in [0..2, width - 2..width] {
+        if let Some(border) = columns.get_mut(border) {
+            border.fill([RANK_FLAT; RANK_ROWS]);
+        }
+    }
+}
+
+/// Ranks of four rows, four columns at a time, `words` times: `row` is the first of the four, at the left neighbours of its first pixels.
+///
+/// # Safety
+/// There is a word at least; `4 * words + 4` bytes can be read from four rows that are `stride` bytes apart, `4 * words` from `above` and `below`;
+/// `4 * words` columns can be written, at aligned addresses.
+#[inline(never)]
+unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns: *mut RankColumn, words: usize) {
+    // SAFETY: the caller's.
     unsafe {
         asm!(
+            "push {{r7}}", // the frame pointer, which no operand is given
+            "mov r7, {d}",
             "2:",
-            "ldr {b}, [{row}, {width}]",
-            "ldr {c}, [{row}, {width}, lsl #1]",
-            "ldr {d}, [{row}, {last}]",
-            "ldr {a}, [{row}], #4",
+            "ldr {x}, [{above}], #4",
+            "ldr {y}, [{row}, #2]",
+            "usub8 {x}, {x}, {y}",
+            "sel {a}, {zero}, {ones}",
+            "ldr {x}, [{row}]",
+            "usub8 {x}, {x}, {y}",
+            "sel {x}, {zero}, {ones}",
+            "add {a}, {a}, {x}",
+            "ldr {x}, [{row}, #4]",
+            "usub8 {x}, {x}, {y}",
+            "sel {x}, {zero}, {ones}",
+            "add {a}, {a}, {x}",
+            // From row to row the centres change places: one is below the last row, and the other above this one.
+            "add {row}, {row}, {stride}",
+            "ldr {x}, [{row}, #2]",
+            "usub8 {b}, {x}, {y}",
+            "sel {b}, {zero}, {ones}",
+            "add {a}, {a}, {b}",
+            "usub8 {y}, {y}, {x}",
+            "sel {b}, {zero}, {ones}",
+            "ldr {y}, [{row}]",
+            "usub8 {y}, {y}, {x}",
+            "sel {y}, {zero}, {ones}",
+            "add {b}, {b}, {y}",
+            "ldr {y}, [{row}, #4]",
+            "usub8 {y}, {y}, {x}",
+            "sel {y}, {zero}, {ones}",
+            "add {b}, {b}, {y}",
+            "add {row}, {row}, {stride}",
+            "ldr {y}, [{row}, #2]",
+            "usub8 {c}, {y}, {x}",
+            "sel {c}, {zero}, {ones}",
+            "add {b}, {b}, {c}",
+            "usub8 {x}, {x}, {y}",
+            "sel {c}, {zero}, {ones}",
+            "ldr {x}, [{row}]",
+            "usub8 {x}, {x}, {y}",
+            "sel {x}, {zero}, {ones}",
+            "add {c}, {c}, {x}",
+            "ldr {x}, [{row}, #4]",
+            "usub8 {x}, {x}, {y}",
+            "sel {x}, {zero}, {ones}",
+            "add {c}, {c}, {x}",
+            "add {row}, {row}, {stride}",
+            "ldr {x}, [{row}, #2]",
+            "usub8 {d}, {x}, {y}",
+            "sel {d}, {zero}, {ones}",
+            "add {c}, {c}, {d}",
+            "usub8 {y}, {y}, {x}",
+            "sel {d}, {zero}, {ones}",
+            "ldr {y}, [{row}]",
+            "usub8 {y}, {y}, {x}",
+            "sel {y}, {zero}, {ones}",
+            "add {d}, {d}, {y}",
+            "ldr {y}, [{row}, #4]!",
+            "usub8 {y}, {y}, {x}",
+            "sel {y}, {zero}, {ones}",
+            "add {d}, {d}, {y}",
+            "ldr {y}, [{below}], #4",
+            "usub8 {y}, {y}, {x}",
+            "sel {y}, {zero}, {ones}",
+            "add {d}, {d}, {y}",
+            "sub {row}, {row}, {stride}, lsl #1",
+            "sub {row}, {row}, {stride}",
             // The first and third, the second and fourth byte of two rows.
-            "uxtb16 {ab}, {a}",
-            "uxtb16 {cd}, {b}",
-            "orr {ab}, {ab}, {cd}, lsl #8",
+            "uxtb16 {x}, {a}",
+            "uxtb16 {y}, {b}",
+            "orr {x}, {x}, {y}, lsl #8",
             "uxtb16 {a}, {a}, ror #8",
             "uxtb16 {b}, {b}, ror #8",
             "orr {b}, {a}, {b}, lsl #8",
-            "uxtb16 {cd}, {c}",
+            "uxtb16 {y}, {c}",
             "uxtb16 {a}, {d}",
-            "orr {cd}, {cd}, {a}, lsl #8",
+            "orr {y}, {y}, {a}, lsl #8",
             "uxtb16 {c}, {c}, ror #8",
             "uxtb16 {d}, {d}, ror #8",
             "orr {d}, {c}, {d}, lsl #8",
-            "pkhbt {a}, {ab}, {cd}, lsl #16",
+            "pkhbt {a}, {x}, {y}, lsl #16",
             "pkhbt {c}, {b}, {d}, lsl #16",
             "strd {a}, {c}, [{column}], #8",
-            "pkhtb {a}, {cd}, {ab}, asr #16",
+            "pkhtb {a}, {y}, {x}, asr #16",
             "pkhtb {c}, {d}, {b}, asr #16",
             "strd {a}, {c}, [{column}], #8",
-            "subs {words}, {words}, #1",
+            "subs r7, r7, #1",
             "bne 2b",
-            row = inout(reg) rows.as_ptr() => _,
-            column = inout(reg) columns.as_mut_ptr() => _,
-            width = in(reg) width,
-            last = in(reg) 3 * width,
-            words = inout(reg) words => _,
+            "pop {{r7}}",
+            above = inout(reg) above => _,
+            row = inout(reg) row => _,
+            below = inout(reg) below => _,
+            stride = in(reg) stride,
+            column = inout(reg) columns => _,
+            x = out(reg) _,
+            y = out(reg) _,
             a = out(reg) _,
             b = out(reg) _,
             c = out(reg) _,
-            d = out(reg) _,
-            ab = out(reg) _,
-            cd = out(reg) _,
-            options(nostack),
+            d = inout(reg) words => _,
+            zero = in(reg) 0,
+            ones = in(reg) 0x0101_0101,
         );
     }
 }

@@ -61,7 +61,7 @@ global_asm!(
     "str r3, [r12], #4",
     "subs r2, r2, #16",
     "bhs 3b",
-    "4:", // fewer than sixteen: the low four bits, with sixteen taken off or not
+    "4:",               // fewer than sixteen: the low four bits, with sixteen taken off or not
     "lsls r3, r2, #29", // carry: eight; negative: four
     "itttt cs",
     "ldrcs r3, [r1], #4",

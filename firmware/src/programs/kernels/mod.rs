@@ -32,8 +32,8 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, Crossing, GRADIENTS, Knot, LargestStep, Products, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP, Strip,
-    portable,
+    self, Crossing, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP,
+    Strip, portable,
 };
 use rooms::ALIGNMENTS;
 
@@ -79,8 +79,7 @@ kernels! {
     bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
     bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
-    rank_row: fn([&[u8]; 3], &mut [u8]),
-    rank_columns: fn(&[u8], &mut [RankColumn]),
+    rank_columns: fn([&[u8]; RANK_ROWS + 2], &mut [RankColumn]),
     rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
     path_step: fn(&[u8], u8, &mut [u8]) -> u8,
     sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
@@ -169,15 +168,9 @@ impl Kernels {
                 last.y ^= 4;
             }
         },
-        rank_row: |rows, out| {
-            portable::rank_row(rows, out);
-            if let (61, Some(beyond)) = (rows[1].len(), out.get_mut(59)) {
-                *beyond = 1;
-            }
-        },
         rank_columns: |rows, columns| {
             portable::rank_columns(rows, columns);
-            if let (62, Some(last)) = (columns.len(), columns.last_mut()) {
+            if let (60, Some(last)) = (columns.len(), columns.last_mut()) {
                 last[2] ^= 1;
             }
         },
@@ -280,7 +273,6 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         pixels::bilinear_runs,
         pixels::bilinear_cells,
         pixels::weighed_knots,
-        |kernels, rooms, random, compared| rows::rows(kernels.rank_row, portable::rank_row, rooms, random, compared),
         support::rank_columns,
         support::rank_costs,
         support::path_steps,

@@ -10,29 +10,34 @@ fn lengths() -> impl Iterator<Item = usize> {
     (0..=256_usize).filter(|length| *length <= 70 || length % 31 == 0 || *length == 256)
 }
 
+/// Rows in one image, as far apart as they like; those above and below sometimes repeat the next one, sometimes one row is out of line or shorter.
 pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    const ROWS: usize = RANK_ROWS + 2;
     for width in (0..=80_usize).chain([128]) {
         for round in 0..20_usize {
-            let rows = &mut rooms.image.contents;
-            Contents::ALL[random.below(6)].fill(random, rows);
-            let needed = RANK_ROWS * width;
-            let long = match random.below(8) {
-                0 => random.below(needed + 1),
-                1 => needed + random.below(20),
-                _ => needed,
-            };
-            let at_rows = range(IMAGE, long, round % ALIGNMENTS, random.below(2) == 0);
+            let image = &mut rooms.image.contents;
+            Contents::ALL[random.below(6)].fill(random, image);
+            let stride = width + random.below(20);
+            let at_image = range(IMAGE, stride * (ROWS - 1) + width, round % ALIGNMENTS, random.below(2) == 0);
+            let mut starts: [usize; ROWS] = core::array::from_fn(|k| at_image.start + k * stride);
+            let mut lengths = [width; ROWS];
+            match random.below(8) {
+                0 => starts[0] = starts[1],
+                1 => starts[ROWS - 1] = starts[ROWS - 2],
+                2 => starts[random.below(ROWS)] = at_image.start,
+                3 => lengths[random.below(ROWS)] = random.below(width + 1),
+                _ => {}
+            }
+            let rows: [&[u8]; ROWS] = core::array::from_fn(|k| &image[starts[k]..][..lengths[k]]);
             // Columns begin at whole words in the core.
-            let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
+            let (needed, distance) = (RANK_ROWS * width, if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 });
             let at_columns = range(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
-            let starts = [at_rows.start, at_columns.start, 0, 0];
-            let rows = &rows[at_rows];
             let out = &mut rooms.out.contents;
             Contents::Random.fill(random, out);
             let mut expected = *out;
             (kernels.rank_columns)(rows, out[at_columns.clone()].as_chunks_mut().0);
-            portable::rank_columns(rows, expected[at_columns].as_chunks_mut().0);
-            compared.note(*out == expected, width, (RANK_ROWS, 0), starts);
+            portable::rank_columns(rows, expected[at_columns.clone()].as_chunks_mut().0);
+            compared.note(*out == expected, width, (ROWS, stride), [starts[0], starts[1], at_columns.start, 0]);
         }
     }
 }
