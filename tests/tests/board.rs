@@ -7,7 +7,7 @@ use linestereo_boards::{Board, Exit};
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
-use linestereo_firmware::programs::kernels::Kernels;
+use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
@@ -95,7 +95,7 @@ fn every_kernel_equals_the_portable_one_between_fences() {
         let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
         let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
         assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
-        assert_eq!(log.len(), Kernels::COUNT, "{log:?}");
+        assert_eq!(log.len(), Kernels::COUNT + MEMORY_FUNCTIONS, "{log:?}");
 
         // Controls: kernels that give other bits are all found, by a comparison that is the same on every board and so tried on one; one that
         // reads a byte too far is stopped.

@@ -1,4 +1,4 @@
-//! Do the kernels of this board equal the portable ones? Exit code 0 if so.
+//! Do the kernels of this board equal the portable ones, and are its copies and fills of memory right? Exit code 0 if so.
 //!
 //! Controls, as argument: `wrong` compares kernels that are wrong, `beyond` one that reads a byte too far.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -28,14 +28,15 @@ fn kernels() -> linestereo_boards::Exit {
         Some(_) => return Exit::Usage,
     };
     let Some(rooms) = ROOMS.take().filter(|rooms| arch::forbid_fences(&rooms.fences())) else { return Exit::Usage };
-    let all_equal = kernels::run(&kernels, rooms, |compared| match compared.first {
+    let report = |compared: &kernels::Compared| match compared.first {
         None => info!("{=str}: {=u32} comparisons, all equal", compared.kernel, compared.comparisons),
         Some(at) => error!(
             "{=str} differs: length {=usize}, count {=usize}, stride {=usize}, alignments {=[u8; 4]}",
             compared.kernel, at.length, at.count, at.stride, at.alignments
         ),
-    });
-    if all_equal { Exit::Success } else { Exit::Difference }
+    };
+    let are_equal = [kernels::run(&kernels, rooms, report), kernels::run_memory(rooms, report)];
+    if are_equal == [true; 2] { Exit::Success } else { Exit::Difference }
 }
 
 linestereo_firmware::program!(kernels);

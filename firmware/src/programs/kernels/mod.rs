@@ -16,6 +16,7 @@
 //! lags    products of gradients along two rows, at several lags
 //! pixels  grey levels between pixels
 //! support ranks, costs of windows of ranks, paths
+//! memory  copies and fills of memory, which are no kernels but as delicate
 //! ```
 //!
 //! On a board the fences are forbidden memory (`fence.rs`): a kernel that reads or writes one byte too far ends in a fault.
@@ -23,6 +24,7 @@
 mod curves;
 mod edges;
 mod lags;
+mod memory;
 mod pixels;
 mod rooms;
 mod rows;
@@ -35,6 +37,7 @@ use linestereo::diagnostics::kernel::{
     self, Crossing, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP,
     Strip, portable,
 };
+use memory::Memory;
 use rooms::ALIGNMENTS;
 
 /// [`Kernels`] with those of the core.
@@ -289,6 +292,17 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         report(&compared);
     }
     all_equal
+}
+
+/// Number of functions of [`run_memory`].
+pub const MEMORY_FUNCTIONS: usize = 2;
+
+/// Compares copies and fills of memory with loops over the bytes, and says whether all are equal.
+pub fn run_memory(rooms: &mut Rooms, report: impl FnMut(&Compared)) -> bool {
+    let compared: [Compared; MEMORY_FUNCTIONS] =
+        [memory::copies(Memory::CALLED, rooms, &mut Random::new()), memory::fills(Memory::CALLED, rooms)];
+    compared.iter().for_each(report);
+    compared.iter().all(|compared| compared.first.is_none())
 }
 
 #[cfg(test)]
