@@ -5,7 +5,7 @@
 //! ```text
 //! memory   costs | path from above | path from the left, then the sum      of each point of a row, and the path along it
 //! ```
-//! Lengths are rounded up to pairs of words; entries beyond the disparities are the largest cost.
+//! Lengths are rounded up to fours of words; entries beyond the disparities are the largest cost.
 //!
 //! # Cost
 //! Three steps of a path and a sum for every point and disparity, whatever the costs are: 1200 instructions a point at 64 disparities (Armv7E-M).
@@ -18,7 +18,7 @@ pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::
 
 /// Bytes of one curve.
 const fn stride(disparities: usize) -> usize {
-    disparities.next_multiple_of(8)
+    disparities.next_multiple_of(16)
 }
 
 /// Bytes of memory for rows of `columns` points.

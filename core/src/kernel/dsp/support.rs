@@ -5,8 +5,8 @@
 //! ```text
 //! ranks   four columns of four rows a round: each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
 //! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
-//! path    two words a round; the entries before and behind four are cut out of three words
-//! sums    two words a round
+//! path    four words a round; the entries before and behind four are cut out of three words
+//! sums    four words a round
 //! ```
 //!
 //! # Source
@@ -278,21 +278,20 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
     }
 }
 
-/// True where curves so long and at these addresses are pairs of whole words, as double loads and stores want them.
+/// True where curves so long and at these addresses are fours of whole words: double loads and stores want whole words, rounds four of them.
 #[inline(always)]
-fn are_pairs_of_words(length: usize, starts: &[*const u8]) -> bool {
-    length.is_multiple_of(8) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
+fn are_fours_of_words(length: usize, starts: &[*const u8]) -> bool {
+    length > 0 && length.is_multiple_of(16) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
 }
 
 /// See [`portable::path_step`].
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    let pairs = path.len() / 8;
-    if pairs == 0 || costs.len() < path.len() || !are_pairs_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()]) {
+    if costs.len() < path.len() || !are_fours_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()]) {
         return portable::path_step(costs, lowest, path);
     }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
     let mut lows = u32::MAX;
-    // SAFETY: both hold so many pairs of words, at aligned addresses. A word is read when the one before it is worked on, the first one before all.
+    // SAFETY: both hold fours of words, at aligned addresses. A word is read when the one before it is worked on, the first one before all.
     unsafe {
         asm!(
             "ldr {here}, [{path}]",
@@ -313,8 +312,38 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "usub8 {cost}, {cost}, {near}",
             "usub8 {near}, {cost}, {lows}",
             "sel {lows}, {lows}, {cost}",
+            "ldr {here}, [{path}, #8]",
+            "uqsub8 {here}, {reach}, {here}",
+            "orr {near}, {carry}, {then}, lsl #8",
+            "lsr {carry}, {then}, #24",
+            "lsr {other}, {then}, #8",
+            "orr {other}, {other}, {here}, lsl #24",
+            "uqsub8 {near}, {near}, {other}",
+            "uadd8 {near}, {near}, {other}",
+            "uqsub8 {near}, {near}, {step}",
+            "uqsub8 {near}, {near}, {then}",
+            "uadd8 {near}, {near}, {then}",
+            "usub8 {next}, {next}, {near}",
+            "usub8 {near}, {next}, {lows}",
+            "sel {lows}, {lows}, {next}",
+            "strd {cost}, {next}, [{path}], #8",
+            "ldrd {cost}, {next}, [{costs}], #8",
+            "ldr {then}, [{path}, #4]",
+            "uqsub8 {then}, {reach}, {then}",
+            "orr {near}, {carry}, {here}, lsl #8",
+            "lsr {carry}, {here}, #24",
+            "lsr {other}, {here}, #8",
+            "orr {other}, {other}, {then}, lsl #24",
+            "uqsub8 {near}, {near}, {other}",
+            "uadd8 {near}, {near}, {other}",
+            "uqsub8 {near}, {near}, {step}",
+            "uqsub8 {near}, {near}, {here}",
+            "uadd8 {near}, {near}, {here}",
+            "usub8 {cost}, {cost}, {near}",
+            "usub8 {near}, {cost}, {lows}",
+            "sel {lows}, {lows}, {cost}",
             "mov {here}, #-1",
-            "subs {pairs}, {pairs}, #1",
+            "subs {rounds}, {rounds}, #1",
             "it ne",
             "ldrne {here}, [{path}, #8]",
             "uqsub8 {here}, {reach}, {here}",
@@ -332,7 +361,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "sel {lows}, {lows}, {next}",
             "strd {cost}, {next}, [{path}], #8",
             "bne 2b",
-            pairs = inout(reg) pairs => _,
+            rounds = inout(reg) path.len() / 16 => _,
             path = inout(reg) path.as_mut_ptr() => _,
             costs = inout(reg) costs.as_ptr() => _,
             carry = inout(reg) 0 => _,
@@ -353,13 +382,12 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
 
 /// See [`portable::sum_paths`].
 pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
-    let (pairs, length) = (sums.len() / 8, sums.len());
-    let starts = [a.as_ptr(), b.as_ptr(), sums.as_ptr()];
-    if pairs == 0 || a.len() < length || b.len() < length || !are_pairs_of_words(length, &starts) {
+    let (length, starts) = (sums.len(), [a.as_ptr(), b.as_ptr(), sums.as_ptr()]);
+    if a.len() < length || b.len() < length || !are_fours_of_words(length, &starts) {
         return portable::sum_paths(a, b, sums);
     }
     let mut lows = u32::MAX;
-    // SAFETY: all three hold so many pairs of words, at aligned addresses.
+    // SAFETY: all three hold fours of words, at aligned addresses.
     unsafe {
         asm!(
             "2:",
@@ -375,12 +403,24 @@ pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
             "sel {lows}, {lows}, {sum}",
             "usub8 {x}, {then}, {lows}",
             "sel {lows}, {lows}, {then}",
-            "subs {pairs}, {pairs}, #1",
+            "ldrd {sum}, {then}, [{sums}]",
+            "ldrd {x}, {y}, [{a}], #8",
+            "uqadd8 {sum}, {sum}, {x}",
+            "uqadd8 {then}, {then}, {y}",
+            "ldrd {x}, {y}, [{b}], #8",
+            "uqadd8 {sum}, {sum}, {x}",
+            "uqadd8 {then}, {then}, {y}",
+            "strd {sum}, {then}, [{sums}], #8",
+            "usub8 {x}, {sum}, {lows}",
+            "sel {lows}, {lows}, {sum}",
+            "usub8 {x}, {then}, {lows}",
+            "sel {lows}, {lows}, {then}",
+            "subs {rounds}, {rounds}, #1",
             "bne 2b",
             a = inout(reg) a.as_ptr() => _,
             b = inout(reg) b.as_ptr() => _,
             sums = inout(reg) sums.as_mut_ptr() => _,
-            pairs = inout(reg) pairs => _,
+            rounds = inout(reg) sums.len() / 16 => _,
             x = out(reg) _,
             y = out(reg) _,
             sum = out(reg) _,
