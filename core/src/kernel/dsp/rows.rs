@@ -47,14 +47,14 @@ unsafe fn mean([above, row, below]: [*const u8; 3]) -> u32 {
     unsafe { halving_add(halving_add(word(above), word(below)), word(row)) }
 }
 
-/// Four gradients at a time, `count` times, at least once; `here` is the mean of the first four columns.
+/// Eight gradients at a time, `count` times, at least once; `here` is the mean of the first four columns.
 ///
 /// # Safety
-/// `4 * count + 4` bytes can be read from each row, `4 * count` written.
+/// `8 * count + 4` bytes can be read from each row, `8 * count` written.
 #[inline(always)]
 unsafe fn gradient_words(rows: [*const u8; 3], out: *mut u8, here: u32, count: usize) {
     let [above, row, below] = rows;
-    // SAFETY: the caller's. Step i reads four bytes from 4 i + 4 on and writes four from 4 i on.
+    // SAFETY: the caller's. Step i reads eight bytes from 8 i + 4 on and writes eight from 8 i on.
     unsafe {
         asm!(
             "2:",
@@ -73,7 +73,20 @@ unsafe fn gradient_words(rows: [*const u8; 3], out: *mut u8, here: u32, count: u
             // At most one of the two differs from CLIP, so no byte of the result leaves 1 ..= 63.
             "sub {t}, {t}, {right}",
             "add {t}, {t}, {zero}",
-            "mov {here}, {next}",
+            "str {t}, [{out}], #4",
+            "ldr {here}, [{above}, #4]!",
+            "ldr {t}, [{below}, #4]!",
+            "uhadd8 {here}, {here}, {t}",
+            "ldr {t}, [{row}, #4]!",
+            "uhadd8 {here}, {here}, {t}",
+            "lsr {right}, {next}, #16",
+            "orr {right}, {right}, {here}, lsl #16",
+            "uqsub8 {t}, {right}, {next}",
+            "uqsub8 {right}, {next}, {right}",
+            "uqadd8 {t}, {t}, {clip}",
+            "uqadd8 {right}, {right}, {clip}",
+            "sub {t}, {t}, {right}",
+            "add {t}, {t}, {zero}",
             "str {t}, [{out}], #4",
             "subs {count}, {count}, #1",
             "bne 2b",
@@ -110,18 +123,18 @@ unsafe fn gradient_word(rows: [*const u8; 3]) -> u32 {
 /// See [`portable::gradient_row`].
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
-    if width < 10 || above.len() < width || below.len() < width || out.len() != width {
+    if width < 14 || above.len() < width || below.len() < width || out.len() != width {
         return portable::gradient_row(above, row, below, out);
     }
     let (rows, to) = ([above, row, below].map(<[u8]>::as_ptr), out.as_mut_ptr());
-    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 4 steps: it reads 4 n + 4 <= width bytes and
-    // writes 4 n <= width - 4 from the second on. The last words read the six bytes from `at` on and write four from `at + 1` on, where
+    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 8 steps: it reads 8 n + 4 <= width bytes and
+    // writes 8 n <= width - 4 from the second on. The last words read the six bytes from `at` on and write four from `at + 1` on, where
     // at + 6 <= width.
     unsafe {
-        gradient_words(rows, to.add(1), mean(rows), (width - 4) / 4);
-        // Of the 2 to 5 columns that are left, and some of those before.
+        gradient_words(rows, to.add(1), mean(rows), (width - 4) / 8);
+        // Of the 2 to 9 columns that are left, and some of those before.
         let [above, row, below] = rows;
-        for at in [width - 10, width - 6] {
+        for at in [width - 14, width - 10, width - 6] {
             let word = gradient_word([above.add(at), row.add(at), below.add(at)]);
             to.add(at + 1).cast::<u32>().write_unaligned(word);
         }
@@ -234,18 +247,33 @@ pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
 /// See [`portable::reverse_row`].
 pub fn reverse_row(row: &mut [u8]) {
     let (words, rest) = row.as_chunks_mut::<4>();
-    if !rest.is_empty() {
+    let pairs = words.len() / 2;
+    if !rest.is_empty() || pairs == 0 {
         return portable::reverse_row(row);
     }
-    let Some((head, tail)) = words.split_at_mut_checked(words.len() / 2) else { return };
-    for (a, b) in head.iter_mut().zip(tail.iter_mut().rev()) {
-        let (from_head, from_tail) = (u32::from_le_bytes(*a), u32::from_le_bytes(*b));
-        *a = from_tail.swap_bytes().to_le_bytes();
-        *b = from_head.swap_bytes().to_le_bytes();
+    // SAFETY: so many words from the front and from the back are within, and apart.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {a}, [{head}]",
+            "ldr {b}, [{tail}, #-4]!",
+            "rev {a}, {a}",
+            "rev {b}, {b}",
+            "str {b}, [{head}], #4",
+            "str {a}, [{tail}]",
+            "subs {pairs}, {pairs}, #1",
+            "bne 2b",
+            head = inout(reg) words.as_mut_ptr() => _,
+            tail = inout(reg) words.as_mut_ptr_range().end => _,
+            pairs = inout(reg) pairs => _,
+            a = out(reg) _,
+            b = out(reg) _,
+            options(nostack),
+        );
     }
     // The middle of an odd number of words.
-    if tail.len() > head.len()
-        && let Some(middle) = tail.first_mut()
+    if !words.len().is_multiple_of(2)
+        && let Some(middle) = words.get_mut(pairs)
     {
         middle.reverse();
     }
