@@ -286,7 +286,18 @@ fn lint(boards: &[Board]) -> Result<()> {
     let without = boards.iter().take(1).map(|board| (board, Logs::None));
     for (board, logs) in boards.iter().map(|board| (board, Logs::of(board))).chain(without) {
         println!("clippy: {}{}", board.name, if logs == Logs::None { " without logs" } else { "" });
-        firmware::lint(&Toolchain::for_board(board)?, board, &programs(board)?, logs)?;
+        firmware::lint(&Toolchain::for_board(board)?, board, &programs(board)?, logs, &[])?;
+    }
+    // Code that one board has with a feature alone.
+    for board in boards.iter().filter(|board| **board == Board::PORTENTA_H7) {
+        println!("clippy: {} with ahead", board.name);
+        firmware::lint(
+            &Toolchain::for_board(board)?,
+            board,
+            &programs(board)?,
+            Logs::of(board),
+            &["ahead".to_owned()],
+        )?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 //! The first and last column computed (two, of census) are treated like the image's border: request two more columns on both sides than needed.
 //!
 //! # Cost
-//! A pass over the columns by a kernel, and one over the border's: 4 instructions a gradient, 9 a census code (Armv7E-M).
+//! A pass over the columns by a kernel, and one over the border's: 4 instructions a gradient, 8 a census code (Armv7E-M).
 
 use crate::image::{Gray, Span};
 use crate::kernel::{FLAT, census_row, gradient_row};

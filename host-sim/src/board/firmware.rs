@@ -106,11 +106,11 @@ pub fn build_all(
     Ok(elfs)
 }
 
-/// Has clippy read the library and these programs as a board builds them: much of both is for boards only, and nothing on a PC sees it.
+/// Has clippy read the library and these programs as a board builds them with these features: much of both is for boards only, and nothing on a PC sees it.
 /// Warnings are errors.
-pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs) -> Result<()> {
+pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs, features: &[String]) -> Result<()> {
     let mut command = toolchain.clippy()?;
-    finish(&mut command, &target_folder(toolchain)?, board, logs, &[])?;
+    finish(&mut command, &target_folder(toolchain)?, board, logs, features)?;
     command.arg("--lib");
     for program in programs {
         command.args(["--bin", program]);

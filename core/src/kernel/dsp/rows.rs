@@ -8,8 +8,8 @@
 //! ```
 //!
 //! # Cost
-//! A row of 320 pixels, instructions under QEMU, and those of the portable version: gradient 1448 (7752), census 2861 (14 122), reversal
-//! 504 (1230).
+//! A row of 320 pixels, instructions under QEMU, and those of the portable version: gradient 1297 (7476), census 2638 (13 430), reversal
+//! 336 (973).
 //!
 //! # Source
 //! See [`super`].
