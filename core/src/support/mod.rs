@@ -183,7 +183,7 @@ impl Matching<'_> {
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
         let last = self.grid.last();
-        let mut ranges = [const { 0..0 }; MAX_COLUMNS];
+        let mut ranges = [Span::default(); MAX_COLUMNS];
         let mut changes = [0; MAX_COLUMNS];
         let mut valid_before = None;
         for row in area.top..area.bottom {
@@ -192,11 +192,11 @@ impl Matching<'_> {
             let valid = [left.valid_columns(y), right.valid_columns(y + self.row_offset)];
             if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
-                    *range = self.range(column, valid).unwrap_or(0..0);
+                    *range = self.range(column, valid).unwrap_or_default();
                 }
             }
             paths.forward(columns.clone(), |column, costs| {
-                let range = ranges.get(column).cloned().unwrap_or_default();
+                let range = indices(ranges.get(column));
                 if range.len() < costs.len() {
                     costs.fill(OUTSIDE);
                 }
@@ -217,7 +217,8 @@ impl Matching<'_> {
             });
             let first = usize::from(row) * self.grid.columns;
             paths.back(columns.clone(), |column, costs| {
-                if let Some(range) = ranges.get(column).filter(|range| !range.is_empty())
+                let range = indices(ranges.get(column));
+                if !range.is_empty()
                     && let Some(point) = points.get_mut(first + column)
                     && let Some(&changes) = changes.get(column)
                 {
@@ -243,7 +244,7 @@ impl Matching<'_> {
     }
 
     /// Indices of the disparities that a point can have, if any: its window has to lie on valid pixels of both images.
-    fn range(&self, column: usize, [left, right]: [Span; 2]) -> Option<Range<usize>> {
+    fn range(&self, column: usize, [left, right]: [Span; 2]) -> Option<Span> {
         let width = WINDOW_COLUMNS as i32;
         let x = self.grid.window(column);
         if x < i32::from(left.start) || x + width > i32::from(left.end) {
@@ -253,9 +254,15 @@ impl Matching<'_> {
         let first = (i32::from(right.start).max(BORDER) - at_first).max(0);
         let end =
             (i32::from(right.end).min(self.grid.border()) - width - at_first + 1).min(self.grid.disparities as i32);
-        let range = usize::try_from(first).ok()?..usize::try_from(end).ok()?;
-        (range.len() >= MIN_RANGE).then_some(range)
+        let range = Span { start: u16::try_from(first).ok()?, end: u16::try_from(end).ok()? };
+        (indices(Some(&range)).len() >= MIN_RANGE).then_some(range)
     }
+}
+
+/// Indices of disparities; none without.
+#[inline]
+fn indices(range: Option<&Span>) -> Range<usize> {
+    range.map_or(0..0, |range| range.start.into()..range.end.into())
 }
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.

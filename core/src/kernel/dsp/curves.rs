@@ -20,7 +20,6 @@
 
 use super::super::portable::{self, LANES, STRIP, Strip};
 use super::{two_operands, word};
-use core::mem::MaybeUninit;
 
 /// See [`portable::sad_curve`].
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
@@ -178,8 +177,8 @@ fn nibble_counts(mut bits: u32) -> u32 {
     (bits & 0x3333_3333) + ((bits >> 2) & 0x3333_3333)
 }
 
-/// Words of the longest curve's bytes.
-const MAX_WORDS: usize = 64;
+/// Disparities whose sums are held at a time, a byte each: those of most searches.
+const BLOCK: usize = 64;
 /// Points whose distances a byte holds.
 const MAX_POINTS: usize = 31;
 
@@ -187,45 +186,46 @@ const MAX_POINTS: usize = 31;
 pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     let whole = curve.as_chunks_mut::<LANES>().0.as_flattened_mut();
     let len = whole.len();
-    // A byte per disparity holds the sum of all points.
-    let mut sums = [const { MaybeUninit::uninit() }; MAX_WORDS];
-    let fits = points.len() <= MAX_POINTS && points.iter().all(|(_, other)| other.len() >= len);
-    let Some(sums) = sums.get_mut(..len / 4).filter(|_| fits) else { return portable::hamming_curve(points, curve) };
-    sums.fill(MaybeUninit::new(0));
-    // SAFETY: all of these were just set; the longest curve's 256 bytes would be cleared otherwise.
-    let sums: &mut [u32] = unsafe { sums.assume_init_mut() };
-    let (threes, rest) = points.as_chunks::<3>();
-    // SAFETY: every point's slice holds at least `len` bytes, four for each of the `len / 4` sums.
-    unsafe {
-        for three in threes {
-            add_points(sums, three);
-        }
-        match rest.first_chunk::<2>() {
-            Some(two) => add_points(sums, two),
-            None => rest.as_chunks::<1>().0.iter().for_each(|one| add_points(sums, one)),
-        }
+    if points.len() > MAX_POINTS || points.iter().any(|(_, other)| other.len() < len) {
+        return portable::hamming_curve(points, curve);
     }
-    for (four, &mut sum) in whole.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
-        let ([a, b, c, d], of) = (four, sum.to_le_bytes());
-        *a = a.wrapping_add(of[0].into());
-        *b = b.wrapping_add(of[1].into());
-        *c = c.wrapping_add(of[2].into());
-        *d = d.wrapping_add(of[3].into());
+    let (threes, rest) = points.as_chunks::<3>();
+    for (first, block) in (0..).step_by(BLOCK).zip(whole.chunks_mut(BLOCK)) {
+        let mut all = [0_u32; BLOCK / 4];
+        let sums = all.get_mut(..block.len() / 4).unwrap_or(&mut []);
+        // SAFETY: every point's slice holds at least `len` bytes, four for each of the sums from `first` on.
+        unsafe {
+            for three in threes {
+                add_points(sums, three, first);
+            }
+            match rest.first_chunk::<2>() {
+                Some(two) => add_points(sums, two, first),
+                None => rest.as_chunks::<1>().0.iter().for_each(|one| add_points(sums, one, first)),
+            }
+        }
+        for (four, &mut sum) in block.as_chunks_mut::<4>().0.iter_mut().zip(sums) {
+            let ([a, b, c, d], of) = (four, sum.to_le_bytes());
+            *a = a.wrapping_add(of[0].into());
+            *b = b.wrapping_add(of[1].into());
+            *c = c.wrapping_add(of[2].into());
+            *d = d.wrapping_add(of[3].into());
+        }
     }
 }
 
-/// Adds the distances of at most three points to the bytes of four disparities at a time.
+/// Adds the distances of at most three points to the bytes of four disparities at a time, from disparity `first` on.
 ///
 /// # Safety
-/// Four bytes of each point's slice can be read for every sum.
+/// Four bytes of each point's slice can be read from there on for every sum.
 #[inline(never)] // one loop of each kind, without the others' conditions
-unsafe fn add_points<const N: usize>(sums: &mut [u32], points: &[(u8, &[u8]); N]) {
+unsafe fn add_points<const N: usize>(sums: &mut [u32], points: &[(u8, &[u8]); N], first: usize) {
     const { assert!(N <= 3) }
     for (i, sum) in sums.iter_mut().enumerate() {
         let counts = |place: usize| {
             points.get(place).map_or(0, |&(code, other)| {
                 // SAFETY: the caller's.
-                nibble_counts(unsafe { word(other.as_ptr().add(4 * i)) } ^ u32::from(code).wrapping_mul(0x0101_0101))
+                let codes = unsafe { word(other.as_ptr().add(first + 4 * i)) };
+                nibble_counts(codes ^ u32::from(code).wrapping_mul(0x0101_0101))
             })
         };
         let nibbles = counts(0) + counts(1) + counts(2);
