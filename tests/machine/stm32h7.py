@@ -9,7 +9,7 @@ bootloader, power controller, what USB's PHY does beyond its power and pins, sec
 
 Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or on USB close|open|reset]];
 autopilot: [[us, hex]]; faults: [[camera, frame, short|few|overrun]];
-pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen]]; flash: hex of bank 2's last four sectors or absent;
+pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or one of images]]; images: {name: [hex of the left one's pixels, right one's]}; flash: hex of bank 2's last four sectors or absent;
 erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, sys
@@ -33,6 +33,7 @@ WIRINGS = {
 USB_BYTES, ULPI_PINS = 0x40000, (("A", 3), ("A", 5), ("B", 0), ("B", 1), ("B", 5), ("B", 10), ("B", 11), ("B", 12), ("B", 13), ("C", 0), ("H", 4), ("I", 11))
 TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
 DARK = bytes(level // 16 for level in range(256))
+LIGHTER = [bytes(min(level + more, 255) for level in range(256)) for more in range(4)]
 bit = lambda value, at: value >> at & 1
 
 
@@ -219,9 +220,11 @@ class Timer:
 
     def read(self, at):
         self.core.wait(0.02)
+        if at == 0x24:
+            return self.count()
         if 0x34 <= at <= 0x40:
             return self.compare[(at - 0x34) // 4]
-        return {0x24: self.count(), 0x10: self.flags, 0x0C: self.wanted}.get(at, self.core.registers.get(TIM5 + at, 0))
+        return {0x10: self.flags, 0x0C: self.wanted}.get(at, self.core.registers.get(TIM5 + at, 0))
 
     def write(self, at, value):
         self.core.registers[TIM5 + at] = value
@@ -295,12 +298,14 @@ class Board:
         self.core.serve(self.read, self.write, {base + 0x28 for base in (wiring.host[0], wiring.autopilot[0], wiring.i2c)})
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
         self.pictures, self.erase_us = scenario.get("pictures", []), scenario.get("erase_us", 1e6)
+        self.images = {name: [bytes.fromhex(image) for image in pair] for name, pair in scenario.get("images", {}).items()}
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
         self.uart, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
         self.commands, self.messages, self.on_usb = scenario.get("host", []), scenario.get("autopilot", []), scenario.get("port") == "usb"
         self.usb = Otg(self.core, wiring.usb[1], self.phy, self.on_usb)
         self.host = self.usb.host if self.on_usb else self.uart
         self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.sensors)
+        self.parts = {wiring.i2c: self.i2c, TIM5: self.timer, wiring.host[0]: self.uart, wiring.autopilot[0]: self.autopilot}
         self.pins, self.vsync, self.reset_flags = {}, 0, 0x00EE0000
         self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
         self.core.uc.mem_write(*UNIQUE_ID)
@@ -380,6 +385,13 @@ class Board:
         elif len(waiting) == 2:
             self.play(waiting)
 
+    def row(self, camera, frame, y, picture):
+        """Of an image that was given each pair is up to three grey levels lighter than the one before: a camera whose pixels stay is frozen."""
+        if picture not in self.images:
+            return sensor_row(camera, frame, y, picture)
+        image = self.images[picture][camera == "right"]
+        return image[y * WIDTH:(y + 1) * WIDTH].translate(LIGHTER[frame // 2 % 4])
+
     def play(self, sensors):
         """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
         core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
@@ -404,7 +416,7 @@ class Board:
 
         def row_ends(y):
             if on_bus():
-                data = b"".join(sensor_row(name, frame, y, picture) for name in names)
+                data = b"".join(self.row(name, frame, y, picture) for name in names)
                 capture.put(data[:300] if fault == "short" and y == 77 else data)
                 capture.in_blanking = 1
                 capture.signal(16 | (2 if fault == "overrun" and y == 50 else 0))
@@ -423,16 +435,12 @@ class Board:
 
     # Registers.
 
-    def parts(self):
-        return (self.wiring.i2c, self.i2c), (TIM5, self.timer), (self.uart.base, self.uart), (self.autopilot.base, self.autopilot)
-
     def read(self, at):
         core, usb = self.core, self.wiring.usb[0]
         if usb <= at < usb + USB_BYTES:
             return self.usb.read(at - usb)
-        for base, part in self.parts():
-            if base <= at < base + 0x400:
-                return part.read(at - base)
+        if at & ~0x3FF in self.parts:
+            return self.parts[at & ~0x3FF].read(at & 0x3FF)
         value = core.registers.get(at, 0)
         if DCMI <= at < DCMI + 0x40:
             return self.capture.read(at - DCMI)
@@ -456,9 +464,8 @@ class Board:
         core, usb = self.core, self.wiring.usb[0]
         if usb <= at < usb + USB_BYTES:
             return self.usb.write(at - usb, value)
-        for base, part in self.parts():
-            if base <= at < base + 0x400:
-                return part.write(at - base, value)
+        if at & ~0x3FF in self.parts:
+            return self.parts[at & ~0x3FF].write(at & 0x3FF, value)
         core.registers[at] = value
         if DCMI <= at < DCMI + 0x40:
             self.capture.write(at - DCMI, value)
