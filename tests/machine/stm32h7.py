@@ -297,7 +297,7 @@ class Board:
         self.core = CortexM7(image, FLASH, RAM, MHZ)
         self.core.serve(self.read, self.write, {base + 0x28 for base in (wiring.host[0], wiring.autopilot[0], wiring.i2c)})
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
-        self.pictures, self.erase_us = scenario.get("pictures", []), scenario.get("erase_us", 1e6)
+        self.pictures, self.picture, self.erase_us = scenario.get("pictures", []), None, scenario.get("erase_us", 1e6)
         self.images = {name: [bytes.fromhex(image) for image in pair] for name, pair in scenario.get("images", {}).items()}
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
         self.uart, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
@@ -378,6 +378,8 @@ class Board:
 
     def trigger(self):
         self.triggers += 1
+        if self.reaches("left"):  # both images of a pair are of one picture
+            self.picture = next((kind for first, last, kind in self.pictures if first <= self.core.now < last), None)
         waiting = [sensor for sensor in self.sensors.values() if sensor.waits_for_trigger()]
         if not self.wiring.joined:
             for sensor in waiting:
@@ -395,7 +397,7 @@ class Board:
     def play(self, sensors):
         """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
         core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
-        picture = next((kind for first, last, kind in self.pictures if first <= core.now < last), None)
+        picture = self.picture
         fault, start = self.faults.get((name, frame)), core.now + max(sensor.exposed_rows() for sensor in sensors) * row_us
         names = [sensor.name for sensor in sensors]
         for sensor in sensors:

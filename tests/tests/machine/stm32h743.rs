@@ -2,6 +2,8 @@
 //!
 //! Not in the model, and so not shown here: caches, MPU faults, USB below its packets, the ADC, the time of anything within a few tens of percent.
 
+mod scenes;
+
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::HealthFlags;
 use linestereo_firmware::programs::expected::QVGA;
