@@ -1,7 +1,7 @@
 //! Scenes whose depths are known, seen by two cameras with lenses: the board's segments are those of the PC, bit for bit, and those of the scene.
 
 use super::super::{Run, hex, host, rig};
-use super::execute;
+use super::{execute, frames};
 use linestereo::{Dims, Match};
 use linestereo_boards::Board;
 use linestereo_firmware::boards::stm32h743::Workspace;
@@ -15,8 +15,8 @@ use linestereo_sim::input::Truth;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 use linestereo_wire::{
-    Command, Counts, FrameHead, Health, MAX_REGIONS, Message, ObjectRecord, Outcome, Refusal, RegionBox, Regions,
-    Request, RigBytes, RigFault, Segment, name,
+    Command, Counts, Health, MAX_REGIONS, ObjectRecord, Outcome, Refusal, RegionBox, Regions, Request, RigBytes,
+    RigFault, Segment, name,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -212,7 +212,7 @@ fn oversized() -> [(RigImage, Refusal); 4] {
     ]
 }
 
-static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
+pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
     let mut requests: Vec<_> =
         (0..).zip(FAULTS).map(|(n, (at, with, _))| (ORDERS_US + 4000 * n, faulty(at, with))).collect();
     let mut number = 0;
@@ -239,26 +239,6 @@ static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
     });
     execute("live", &scenario)
 });
-
-/// A frame and what came with it.
-struct Frame<'a> {
-    head: &'a FrameHead,
-    segments: Vec<Segment>,
-    objects: Vec<ObjectRecord>,
-}
-
-fn frames(run: &Run) -> Vec<Frame<'_>> {
-    let mut frames: Vec<Frame<'_>> = Vec::new();
-    for (_, record) in &run.records {
-        match (record, frames.last_mut()) {
-            (Message::Frame(head), _) => frames.push(Frame { head, segments: Vec::new(), objects: Vec::new() }),
-            (Message::Segments(of), Some(frame)) => frame.segments.extend(of.list.iter().copied()),
-            (Message::Objects(of), Some(frame)) => frame.objects.extend(of.list.iter().copied()),
-            _ => {}
-        }
-    }
-    frames
-}
 
 /// The board's memory and session on this machine.
 struct Twin {
