@@ -3,15 +3,17 @@ the rows of both as one; a host on a UART or on USB, an autopilot on another UAR
 
     python3 stm32h7.py IMAGE SCENARIO.json RESULT.json
 
-In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, USB down to packets (`otg.py`), bank 2
-of the flash, watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, ADC, option bytes; of the Portenta its
-bootloader, power controller, what USB's PHY does beyond its power and pins, second core and the joiner's own behaviour.
+In it: clocks, I2C and its errors, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, USB down to packets
+(`otg.py`), bank 2 of the flash and its errors, watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, the bus fault of a word of flash that
+cannot be corrected, ADC, option bytes; of the Portenta its bootloader, power controller, what USB's PHY does beyond its power and pins, second core and
+the joiner's own behaviour.
 
-Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or on USB
-close|open|reset|pause|resume|ask]]; autopilot: [[us, hex]]; autopilot_clock_us: what its clock is ahead, by which it answers TIMESYNC; faults: [[camera, frame, short|few|overrun]];
-pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or one of images]]; images: {name: [hex of the left one's pixels, right one's]}; i2c: [[from us, to us, left|right,
-absent|other|forgets|hung|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses; flash: hex of bank 2's last four sectors or
-absent; broken: [offset there of a word that power failed in]; flash_errors: [[from us, to us]] in which that bank fails; reset_flags: RCC_RSR; erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
+Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or an act of a USB host]];
+autopilot: [[us, hex]]; autopilot_clock_us: what its clock is ahead, by which it answers TIMESYNC, or absent; faults: [[camera, frame, short|few|overrun]];
+pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or a name of images]]; images: {name: [left, right]} in hex;
+i2c: [[from us, to us, camera, absent|other|forgets|hung|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses;
+flash: hex of bank 2's last four sectors or absent; broken: [offset there of a word that power failed in]; flash_errors: [[from us, to us]]; erase_us;
+reset_flags: RCC_RSR; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, struct, sys
 from collections import namedtuple
@@ -376,7 +378,7 @@ class Board:
                     self.core.at(time, lambda take=take, data=data: take(data))
 
     def command(self, data):
-        if self.on_usb and data in ("close", "open", "reset", "pause", "resume", "ask"):
+        if self.on_usb and data in self.host.ACTS:
             self.host.act(data)
         elif self.on_usb:
             self.host.send(bytes.fromhex(data))

@@ -2,7 +2,7 @@
 
 A controller (`rp2350_usb.py`, `otg.py`) calls `plugged` when its pull-up comes, and `ready(endpoint, is_in)` when an endpoint may have become so. It has
 `begin_reset`, `end_reset`, `setup(data)`; `answer(endpoint, is_in)`: True, None (NAK) or False (STALL); `pid(endpoint, is_in)` of the packet that is next;
-`take(endpoint)` and `give(endpoint, data)` of a packet; `address`; `is_fast`: at high speed.
+`take(endpoint)` and `give(endpoint, data)` of a packet; `address`; `is_fast`: at high speed; for a bus that is suspended `suspend` and `resume`.
 
 Not in it: the wire (bits, SOF, errors, retries), ISO, double buffers, the interrupt endpoint, a hub's wait of 100 ms. What the device does against
 the protocol (data toggle, address, sizes of packets) is a line in `faults`. USB 2.0: 5.8.3, 8.4, 9.4; CDC PSTN 1.2.
@@ -15,6 +15,8 @@ TRANSFER = 2  # packets that a read of Linux's driver for CDC ACM takes; fewer i
 
 
 class UsbHost:
+    ACTS = ("close", "open", "pause", "resume", "ask", "suspend", "wake", "reset")
+
     def __init__(self, core, device):
         self.core, self.device = core, device
         self.sent, self.times, self.faults, self.wanted = bytearray(), [], [], []
@@ -40,9 +42,11 @@ class UsbHost:
         self._want(lambda: self._queue(data))
 
     def act(self, name):
-        """`close` or `open` the port; `pause` and `resume` reading; `ask` what no enumeration does; `reset`: the bus, and the device is enumerated anew."""
+        """`close` or `open` the port; `pause` and `resume` reading; `ask` what no enumeration does; `suspend` and `wake` the bus; `reset` it, and the
+        device is enumerated anew."""
         scripts = {"close": lambda: self._set_lines(0), "open": lambda: self._set_lines(3), "reset": self._enumerate,
-                   "pause": lambda: self._read(False), "resume": lambda: self._read(True), "ask": self._ask}
+                   "pause": lambda: self._read(False), "resume": lambda: self._read(True), "ask": self._ask,
+                   "suspend": self._suspend, "wake": self._wake}
         self._want(lambda: self._run(scripts[name]()))
 
     def _want(self, call):
@@ -204,6 +208,16 @@ class UsbHost:
         self.is_reading = is_reading
         self.ready(self.in_endpoint, True)
         yield 0
+
+    def _suspend(self):
+        self.is_reading = False
+        yield 3000
+        self.device.suspend()
+
+    def _wake(self):
+        self.device.resume()
+        yield 20_000
+        yield from self._read(True)
 
     def _ask(self):
         """Requests of all kinds; the answers are hexadecimal, none where the device stalled."""

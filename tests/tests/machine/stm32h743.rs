@@ -368,8 +368,9 @@ fn bad_pictures_are_named() {
     assert!(first.health.of_pair().is_fit(), "{first:?}");
 }
 
-/// Code that these runs of `live` execute together, bytes: 139 642 of 177 622 bytes when this was written, 740 of which are constants; 3 % less is allowed, since
-/// compilers differ. What is left is printed.
+/// Code that these runs of `live` execute together, bytes: 150 606 of 177 638 when this was written, some 740 of which are constants; 3 % less is allowed,
+/// since compilers differ. Of the rest a quarter is out of reach here: masks, cameras wider than 512 px, portable forms of kernels, records of other programs.
+/// What is left is printed.
 #[test]
 fn most_of_the_code_runs() {
     let runs = [
@@ -383,12 +384,11 @@ fn most_of_the_code_runs() {
         &usb::ASKED,
         &kept::DAMAGED,
     ];
-    let runs = runs.map(|run| run.as_ref());
-    let Some(code) = runs.into_iter().map(|run| run.map(Run::code)).reduce(|all, more| Some(all?.and(more?))).flatten()
-    else {
+    let runs = runs.iter().map(|run| run.as_ref()).chain(kept::RESETS.iter().map(Option::as_ref));
+    let Some(code) = runs.map(|run| run.map(Run::code)).reduce(|all, more| Some(all?.and(more?))).flatten() else {
         return;
     };
-    code.assert_executed(135_000);
+    code.assert_executed(146_000);
 }
 
 /// The clocks and caches of `live`, cycles by the core's counter, and the PC's digests.

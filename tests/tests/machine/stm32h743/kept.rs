@@ -61,20 +61,23 @@ fn damaged_slots_and_a_flash_that_fails_are_named() {
     assert_eq!(last.rig.slots, [Ok(0), Err(RigFault::Unreadable)]);
 }
 
+const PIN: u32 = 1 << 22;
 /// Flags of RCC_RSR (RM0433: 8.7.39), of which every reset sets that of its pin, and the cause that a host is told.
+const CAUSES: [(u32, ResetCause); 6] = [
+    (PIN | 1 << 21, ResetCause::BrownOut),
+    (PIN, ResetCause::Pin),
+    (PIN | 1 << 26, ResetCause::Watchdog),
+    (PIN | 1 << 28, ResetCause::Watchdog),
+    (PIN | 1 << 24, ResetCause::Software),
+    (0, ResetCause::Unknown),
+];
+pub(super) static RESETS: LazyLock<[Option<Run>; CAUSES.len()]> =
+    LazyLock::new(|| CAUSES.map(|(flags, _)| execute("live", &json!({ "until_us": 150_000, "reset_flags": flags }))));
+
 #[test]
 fn each_cause_of_a_reset_is_told() {
-    const PIN: u32 = 1 << 22;
-    let causes = [
-        (PIN | 1 << 21, ResetCause::BrownOut),
-        (PIN, ResetCause::Pin),
-        (PIN | 1 << 26, ResetCause::Watchdog),
-        (PIN | 1 << 28, ResetCause::Watchdog),
-        (PIN | 1 << 24, ResetCause::Software),
-        (0, ResetCause::Unknown),
-    ];
-    for (flags, cause) in causes {
-        let Some(run) = execute("live", &json!({ "until_us": 150_000, "reset_flags": flags })) else { return };
+    for (run, (flags, cause)) in RESETS.iter().zip(CAUSES) {
+        let Some(run) = run else { return };
         run.assert_whole();
         assert_eq!(run.reset_causes(), [Some(cause)], "{flags:#x}");
     }

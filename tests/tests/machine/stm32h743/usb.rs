@@ -12,12 +12,19 @@ const RESUMED_US: u64 = 1_250_000;
 pub(super) static ASKED: LazyLock<Option<Run>> = LazyLock::new(|| {
     let requests = [(350_000, Request::Start), (RESUMED_US + 100_000, Request::Describe)];
     let mut host = host(&requests).as_array().unwrap().clone();
-    host.extend([json!([150_000, "ask"]), json!([PAUSED_US, "pause"]), json!([RESUMED_US, "resume"])]);
+    host.extend([
+        json!([150_000, "ask"]),
+        json!([300_000, "suspend"]),
+        json!([330_000, "wake"]),
+        json!([PAUSED_US, "pause"]),
+        json!([RESUMED_US, "resume"]),
+    ]);
     host.sort_by_key(|at| at[0].as_u64());
     execute("live", &json!({ "until_us": RESUMED_US + 200_000, "port": "usb", "host": host }))
 });
 
-/// Requests that no enumeration makes: answered as USB 2.0 and CDC say, stalled where there is nothing to answer, and the port works afterwards.
+/// Requests that no enumeration makes: answered as USB 2.0 and CDC say, stalled where there is nothing to answer. The port works afterwards, and
+/// after the bus was suspended.
 #[test]
 fn other_requests_are_answered_or_stalled() {
     let Some(run) = &*ASKED else { return };
