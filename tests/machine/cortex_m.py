@@ -10,7 +10,8 @@ from unicorn.unicorn_py3.unicorn import uclib
 
 IT_BITS = 0x0600FC00
 SYSTICK = -1
-LOW = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR)
+LOW = [UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR]
+FLOATS = [UC_ARM_REG_S0 + i for i in range(16)] + [UC_ARM_REG_FPSCR]
 
 # Called for every block of code: in C, because it is most of the time that a run takes.
 HOOK = """
@@ -46,6 +47,23 @@ class Clock(ctypes.Structure):
     _fields_ = [("now", ctypes.c_double), ("stop", ctypes.c_double), ("step", ctypes.c_double), ("due", ctypes.c_double),
                 ("end", ctypes.c_void_p), ("read", ctypes.c_void_p), ("work", ctypes.c_void_p), ("covered", ctypes.c_void_p),
                 ("blocks", ctypes.c_void_p), ("first", ctypes.c_uint64), ("bytes", ctypes.c_uint64)]
+
+
+class Registers:
+    """Registers that are read or written together, in this order: one by one they take half of a run's time."""
+
+    def __init__(self, uc, names):
+        self.uc, self.count = uc, len(names)
+        self.names, self.values = (ctypes.c_int * self.count)(*names), (ctypes.c_uint32 * self.count)()
+        self.places = (ctypes.c_void_p * self.count)(*(ctypes.addressof(self.values) + 4 * i for i in range(self.count)))
+
+    def read(self):
+        uclib.uc_reg_read_batch(self.uc._uch, self.names, self.places, self.count)
+        return self.values[:]
+
+    def write(self, *values):
+        self.values[:] = values
+        uclib.uc_reg_write_batch(self.uc._uch, self.names, self.places, self.count)
 
 
 def load(path):
@@ -84,6 +102,11 @@ class Core:
         self.uc.mem_write(self.flash, b"\xff" * self.flash_bytes)
         for start, data in self.segments:
             self.uc.mem_write(start, data)
+        self.state = Registers(self.uc, [UC_ARM_REG_PC, UC_ARM_REG_XPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK])
+        self.entered = Registers(self.uc, LOW + [UC_ARM_REG_PC, UC_ARM_REG_XPSR, UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_SP, UC_ARM_REG_MSP])
+        self.floats = Registers(self.uc, FLOATS)
+        self.entering = Registers(self.uc, [UC_ARM_REG_SP, UC_ARM_REG_IPSR, UC_ARM_REG_CONTROL, UC_ARM_REG_LR, UC_ARM_REG_PC])
+        self.left = Registers(self.uc, LOW + [UC_ARM_REG_SP, UC_ARM_REG_APSR, UC_ARM_REG_PC])
         self.registers, self.bytewise = {}, set()
         self.uc.mmio_map(0xE0000000, 0x100000, self._read, 0xE0000000, self._write, 0xE0000000)
         self._hooks(chip_sources)
@@ -265,36 +288,31 @@ class Core:
         return self.registers.get(0xE000E400 + (number & ~3), 0) >> ((number & 3) * 8) & 0xFF
 
     def _next(self):
-        if self.uc.reg_read(UC_ARM_REG_PRIMASK) & 1 or self.uc.reg_read(UC_ARM_REG_FAULTMASK) & 1:
-            return None
         ready = [(self._priority(n), n) for n in self.pending & self.enabled if n not in self.active]
         best = min(ready, default=None)
         running = min((self._priority(n) if n >= SYSTICK else -1 for n in self.active), default=256)
         return best[1] if best and best[0] < running else None
 
     def enter(self, number):
-        """Enters an interrupt, or with a negative number the exception 16 + number."""
-        uc, read = self.uc, self.uc.reg_read
-        control, thread = read(UC_ARM_REG_CONTROL), read(UC_ARM_REG_IPSR) & 0x1FF == 0
-        floats, own_stack, sp = control >> 2 & 1, thread and control >> 1 & 1, read(UC_ARM_REG_SP)
+        """Enters an interrupt, or with a negative number the exception 16 + number. Where it begins."""
+        uc = self.uc
+        *low, pc, status, control, exception, sp, msp = self.entered.read()
+        thread = exception & 0x1FF == 0
+        floats, own_stack = control >> 2 & 1, thread and control >> 1 & 1
         frame = (sp - (0x68 if floats else 0x20)) & ~7
-        status = (read(UC_ARM_REG_XPSR) & ~0x200) | 1 << 24 | (sp >> 2 & 1) << 9
-        words = struct.pack("<8I", *map(read, LOW), read(UC_ARM_REG_PC), status)
+        words = struct.pack("<8I", *low, pc, (status & ~0x200) | 1 << 24 | (sp >> 2 & 1) << 9)
         if floats:
-            words += struct.pack("<16I", *(read(UC_ARM_REG_S0 + i) for i in range(16)))
-            words += struct.pack("<2I", read(UC_ARM_REG_FPSCR), 0)
+            words += struct.pack("<18I", *self.floats.read(), 0)
         uc.mem_write(frame, words)
-        uc.reg_write(UC_ARM_REG_SP, frame)
         self.active.append(number)
         self.frames.append((thread, own_stack, floats))
-        uc.reg_write(UC_ARM_REG_IPSR, number + 16)
-        uc.reg_write(UC_ARM_REG_CONTROL, control & ~(14 if own_stack else 12))
-        uc.reg_write(UC_ARM_REG_LR, 0xFFFFFFE1 | (0 if floats else 0x10) | thread << 3 | (4 if own_stack else 0))
-        vector = self.registers[0xE000ED08] + 4 * (16 + number)
-        uc.reg_write(UC_ARM_REG_PC, struct.unpack("<I", uc.mem_read(vector, 4))[0] | 1)
+        link = 0xFFFFFFE1 | (0 if floats else 0x10) | thread << 3 | (4 if own_stack else 0)
+        handler, = struct.unpack("<I", uc.mem_read(self.registers[0xE000ED08] + 4 * (16 + number), 4))
+        self.entering.write(frame, number + 16, control & ~(14 if own_stack else 12), link, handler | 1)
         self.interrupts[number] = self.interrupts.get(number, 0) + 1
         if own_stack or not thread:
-            self.longest_handler_stack = max(self.longest_handler_stack, self.stack_top - read(UC_ARM_REG_MSP))
+            self.longest_handler_stack = max(self.longest_handler_stack, self.stack_top - (msp if own_stack else frame))
+        return handler
 
     def _leave(self):
         uc, (thread, own_stack, floats), _ = self.uc, self.frames.pop(), self.active.pop()
@@ -303,17 +321,10 @@ class Core:
             uc.reg_write(UC_ARM_REG_CONTROL, (uc.reg_read(UC_ARM_REG_CONTROL) & ~14) | (2 if own_stack else 0))
         sp, count = uc.reg_read(UC_ARM_REG_SP), 26 if floats else 8
         words = struct.unpack("<%dI" % count, uc.mem_read(sp, 4 * count))
-        for register, word in zip(LOW, words):
-            uc.reg_write(register, word)
         if floats:
-            for i in range(16):
-                uc.reg_write(UC_ARM_REG_S0 + i, words[8 + i])
-            uc.reg_write(UC_ARM_REG_FPSCR, words[24])
-        uc.reg_write(UC_ARM_REG_SP, sp + 4 * count + (4 if words[7] >> 9 & 1 else 0))
-        if floats:
+            self.floats.write(*words[8:25])
             uc.reg_write(UC_ARM_REG_CONTROL, uc.reg_read(UC_ARM_REG_CONTROL) | self.FLOATS_IN_USE)
-        uc.reg_write(UC_ARM_REG_APSR, words[7] & 0xF80F0000)
-        uc.reg_write(UC_ARM_REG_PC, words[6] | 1)
+        self.left.write(*words[:6], sp + 4 * count + (4 if words[7] >> 9 & 1 else 0), words[7] & 0xF80F0000, words[6] | 1)
 
     # Running.
 
@@ -325,20 +336,21 @@ class Core:
             while self.events and self.events[0][0] <= self.now:
                 heapq.heappop(self.events)[2]()
             edges()
-            number, count = self.forced or self._next(), 0
-            if number is not None and uc.reg_read(UC_ARM_REG_XPSR) & IT_BITS:
+            pc, status, *masks = self.state.read()
+            number, count = self.forced or (None if any(masks) else self._next()), 0
+            if number is not None and status & IT_BITS:
                 number, count = None, 1  # Unicorn cannot come back into an IT block: a step, and again
             if number is not None:
                 self.pending.discard(number)
                 self.forced = None
-                self.enter(number)
+                pc = self.enter(number)
                 self.event = True
             self.clock.stop = min(self.events[0][0] if self.events else limit, limit)
             if self.pending & self.enabled:
                 self.clock.stop = min(self.clock.stop, self.now + 2.0)  # masked, or of lower priority
             self.number, self.sleeping, self.fault = None, False, None
             try:
-                uc.emu_start(uc.reg_read(UC_ARM_REG_PC) | 1, 0xFFFFFFFE, 0, count)
+                uc.emu_start(pc | 1, 0xFFFFFFFE, 0, count)
             except UcError as error:
                 if uc.reg_read(UC_ARM_REG_PC) >= 0xFFFFFF00:
                     self.number = 8

@@ -1,15 +1,15 @@
 """The USB core of an STM32H7 (Synopsys OTG, ID 0x2300) as a device whose program moves the packets, with a host at the other end (`usb_host.py`).
 
-In it: what the core needs before it connects, FIFOs by their sizes, status words of packets that came, endpoints' NAK, STALL and data toggles, the address
-from the end of its transfer on, suspend of an idle bus, bus resets. What the program does against the core's rules is a line in the host's `faults`.
-Not in it: DMA, host mode, ISO, transfers of more than a packet, what a bus reset leaves of a transfer (here nothing), resume and remote wakeup, SOF, LPM,
+In it: what the core needs before it connects, FIFOs by their sizes, status words of packets that came, endpoints' NAK, STALL and data toggles, the
+address from the end of its transfer on, suspend of an idle bus and resume by the host, bus resets. What the program does against the core's rules is a line in the host's `faults`.
+Not in it: DMA, host mode, ISO, transfers of more than a packet, what a bus reset leaves of a transfer (here nothing), remote wakeup, SOF, LPM,
 session requests; EPENA of OUT endpoints: they take packets from CNAK on, as embassy's driver, which runs on such chips, counts on. RM0433: 60.
 """
 import struct
 from collections import deque
 from usb_host import UsbHost
 
-RXFLVL, USBSUSP, USBRST, ENUMDNE, IEPINT, OEPINT = 1 << 4, 1 << 11, 1 << 12, 1 << 13, 1 << 18, 1 << 19
+RXFLVL, USBSUSP, USBRST, ENUMDNE, IEPINT, OEPINT, WKUPINT = 1 << 4, 1 << 11, 1 << 12, 1 << 13, 1 << 18, 1 << 19, 1 << 31
 XFRC, EPDISD, STUP, TXFE = 1 << 0, 1 << 1, 1 << 3, 1 << 7
 ACTIVE, NAK, STALL, CNAK, SNAK, PID0, PID1, DISABLE, ENABLE = (1 << n for n in (15, 17, 21, 26, 27, 28, 29, 30, 31))
 OUT_DATA, OUT_DONE, SETUP_DONE, SETUP_DATA = 2, 3, 4, 6
@@ -111,10 +111,17 @@ class Otg:
 
         def suspend():
             if self.suspends == order:
-                self.flags |= USBSUSP
-                self.signal()
+                self.suspend()
 
         self.core.at(self.core.now + IDLE_US, suspend)
+
+    def suspend(self):
+        self.flags |= USBSUSP
+        self.signal()
+
+    def resume(self):
+        self.flags |= WKUPINT
+        self.signal()
 
     def begin_reset(self):
         self.suspends += 1

@@ -3,18 +3,21 @@ the rows of both as one; a host on a UART or on USB, an autopilot on another UAR
 
     python3 stm32h7.py IMAGE SCENARIO.json RESULT.json
 
-In it: clocks, I2C, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, USB down to packets (`otg.py`), bank 2
-of the flash, watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, ADC, option bytes; of the Portenta its
-bootloader, power controller, what USB's PHY does beyond its power and pins, second core and the joiner's own behaviour.
+In it: clocks, I2C and its errors, trigger and camera select, EXTI, DCMI, DMA1 into a ring, TIM5, both UARTs paced byte by byte, USB down to packets
+(`otg.py`), bank 2 of the flash and its errors, watchdog feeds, regions of the MPU. Not in it: caches, MPU faults, the bus fault of a word of flash that
+cannot be corrected, ADC, option bytes; of the Portenta its bootloader, power controller, what USB's PHY does beyond its power and pins, second core and
+the joiner's own behaviour.
 
-Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or on USB close|open|reset]];
-autopilot: [[us, hex]]; faults: [[camera, frame, short|few|overrun]];
-pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen]]; flash: hex of bank 2's last four sectors or absent;
-erase_us; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
+Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or an act of a USB host]];
+autopilot: [[us, hex]]; autopilot_clock_us: what its clock is ahead, by which it answers TIMESYNC, or absent; faults: [[camera, frame, short|few|overrun]];
+pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or a name of images]]; images: {name: [left, right]} in hex;
+i2c: [[from us, to us, camera, absent|other|forgets|hung|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses;
+flash: hex of bank 2's last four sectors or absent; broken: [offset there of a word that power failed in]; flash_errors: [[from us, to us]]; erase_us;
+reset_flags: RCC_RSR; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
-import functools, json, sys
+import functools, json, struct, sys
 from collections import namedtuple
-from unicorn import UC_HOOK_CODE
+from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ
 from cortex_m import execute
 from cortex_m7 import CortexM7
 from otg import Otg
@@ -33,6 +36,7 @@ WIRINGS = {
 USB_BYTES, ULPI_PINS = 0x40000, (("A", 3), ("A", 5), ("B", 0), ("B", 1), ("B", 5), ("B", 10), ("B", 11), ("B", 12), ("B", 13), ("C", 0), ("H", 4), ("I", 11))
 TIM5_IRQ, DCMI_IRQ, VSYNC_IRQ = 50, 78, 23
 DARK = bytes(level // 16 for level in range(256))
+LIGHTER = [bytes(min(level + more, 255) for level in range(256)) for more in range(4)]
 bit = lambda value, at: value >> at & 1
 
 
@@ -80,12 +84,33 @@ class Sensor:
 
 
 class I2c:
-    def __init__(self, sensors):
+    ERRORS = {"bus": 1 << 8, "arbitration": 1 << 9}
+
+    def __init__(self, core, sensors, faults):
+        self.core, self.faults = core, faults
         self.sensors, self.registers, self.flags, self.mode, self.left, self.data, self.answer = sensors, {}, 1, None, 0, [], []
 
+    def _fault(self, address):
+        name = self.sensors[address].name if address in self.sensors else None
+        return next(((kind, last) for first, last, camera, kind in self.faults if camera == name and first <= self.core.now < last), (None, 0))
+
+    def _start(self, is_read):
+        (fault, last), sensor = self._fault(self.address), self.sensors.get(self.address)
+        if fault in self.ERRORS:
+            self.flags |= self.ERRORS[fault]
+        elif sensor is None or fault == "absent":
+            self.flags |= 1 << 4 | 1 << 5
+        elif fault == "hung":
+            self.core.at(last, self._stop)
+        elif is_read:
+            self.mode, self.answer = "read", [0x13, 0x13] if fault == "other" and sensor.pointer == 0 else sensor.read(self.left)
+            self.flags |= 4
+        else:
+            self.mode, self.flags = "forget" if fault == "forgets" else "write", self.flags | 2
+
     def _finish(self):
-        if self.mode == "write" and self.data:
-            self.sensors[self.address].write(self.data)
+        if self.mode in ("write", "forget") and self.data:
+            self.sensors[self.address].write(self.data if self.mode == "write" else self.data[:1])
         self.data, self.mode = [], None
 
     def _stop(self):
@@ -114,13 +139,7 @@ class I2c:
         if at == 4 and bit(value, 13):
             self._finish()
             self.address, self.left, self.flags = value >> 1 & 0x7F, value >> 16 & 0xFF, 1 | 1 << 15
-            if self.address not in self.sensors:
-                self.flags |= 1 << 4 | 1 << 5
-            elif bit(value, 10):
-                self.mode, self.answer = "read", self.sensors[self.address].read(self.left)
-                self.flags |= 4
-            else:
-                self.mode, self.flags = "write", self.flags | 2
+            self._start(bit(value, 10))
             self.registers[4] = value & ~(1 << 13)
         elif at == 4 and bit(value, 14):
             self._stop()
@@ -137,7 +156,7 @@ class I2c:
 class Uart:
     def __init__(self, core, base, irq, baud):
         self.core, self.base, self.irq, self.byte_us = core, base, irq, 10e6 / baud
-        self.sent, self.times, self.received = bytearray(), [], []
+        self.sent, self.times, self.received, self.listener = bytearray(), [], [], None
         self.restart()
 
     def restart(self):
@@ -178,10 +197,38 @@ class Uart:
             self.times.append(round(self.core.now))
             self.empty = 0
             self.core.at(self.core.now + self.byte_us, self._is_empty)
+            if self.listener:
+                self.listener.hear()
 
     def _is_empty(self):
         self.empty = 1
         self.signal()
+
+
+class AutopilotClock:
+    """An autopilot that answers a board's TIMESYNC by its own clock."""
+
+    def __init__(self, core, uart, ahead_us):
+        self.core, self.uart, self.ahead_us, self.heard = core, uart, ahead_us, 0
+
+    def hear(self):
+        frame = self.uart.sent[self.heard:]
+        if len(frame) < 2 or len(frame) < frame[1] + 12:
+            return
+        self.heard += len(frame)
+        theirs, ours = struct.unpack("<2q", bytes(frame[10:-2].ljust(16, b"\0")[:16]))
+        if int.from_bytes(frame[7:10], "little") == 111 and theirs == 0:
+            message = bytes((16, 0, 0, 0, 1, 1, 111, 0, 0)) + struct.pack("<2q", round(self.core.now + self.ahead_us) * 1000, ours)
+            self.uart.receive_all(b"\xfd" + message + struct.pack("<H", crc_x25(message + bytes((34,)))))
+
+
+def crc_x25(data):
+    crc = 0xFFFF
+    for byte in data:
+        low = (byte ^ crc) & 0xFF
+        low = (low ^ low << 4) & 0xFF
+        crc = crc >> 8 ^ low << 8 ^ low << 3 ^ low >> 4
+    return crc
 
 
 class Timer:
@@ -219,9 +266,11 @@ class Timer:
 
     def read(self, at):
         self.core.wait(0.02)
+        if at == 0x24:
+            return self.count()
         if 0x34 <= at <= 0x40:
             return self.compare[(at - 0x34) // 4]
-        return {0x24: self.count(), 0x10: self.flags, 0x0C: self.wanted}.get(at, self.core.registers.get(TIM5 + at, 0))
+        return {0x10: self.flags, 0x0C: self.wanted}.get(at, self.core.registers.get(TIM5 + at, 0))
 
     def write(self, at, value):
         self.core.registers[TIM5 + at] = value
@@ -294,30 +343,42 @@ class Board:
         self.core = CortexM7(image, FLASH, RAM, MHZ)
         self.core.serve(self.read, self.write, {base + 0x28 for base in (wiring.host[0], wiring.autopilot[0], wiring.i2c)})
         self.faults = {(camera, frame): kind for camera, frame, kind in scenario.get("faults", [])}
-        self.pictures, self.erase_us = scenario.get("pictures", []), scenario.get("erase_us", 1e6)
+        self.pictures, self.picture, self.erase_us = scenario.get("pictures", []), None, scenario.get("erase_us", 1e6)
+        self.images = {name: [bytes.fromhex(image) for image in pair] for name, pair in scenario.get("images", {}).items()}
         self.sensors = {0x48: Sensor("left"), 0x4C: Sensor("right")}
         self.uart, self.autopilot = Uart(self.core, *wiring.host, 921600), Uart(self.core, *wiring.autopilot, 57600)
         self.commands, self.messages, self.on_usb = scenario.get("host", []), scenario.get("autopilot", []), scenario.get("port") == "usb"
+        self.exposures = scenario.get("exposures", [])
         self.usb = Otg(self.core, wiring.usb[1], self.phy, self.on_usb)
         self.host = self.usb.host if self.on_usb else self.uart
-        self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.sensors)
-        self.pins, self.vsync, self.reset_flags = {}, 0, 0x00EE0000
+        self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.core, self.sensors, scenario.get("i2c", []))
+        self.parts = {wiring.i2c: self.i2c, TIM5: self.timer, wiring.host[0]: self.uart, wiring.autopilot[0]: self.autopilot}
+        self.pins, self.vsync, self.reset_flags = {}, 0, scenario.get("reset_flags", 0x00EE0000)
+        self.flash_errors, self.broken = scenario.get("flash_errors", []), set(scenario.get("broken", []))
         self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
+        for word in self.broken:
+            self.core.uc.hook_add(UC_HOOK_MEM_READ, lambda *_, word=word: self.read_word(word), None, self.KEPT_FLASH + word, self.KEPT_FLASH + word + 31)
+        if "autopilot_clock_us" in scenario:
+            self.autopilot.listener = AutopilotClock(self.core, self.autopilot, scenario["autopilot_clock_us"])
         self.core.uc.mem_write(*UNIQUE_ID)
         self.core.uc.mem_write(LOADER, (0x20001000).to_bytes(4, "little") + (LOADER + 9).to_bytes(4, "little"))
         self.core.uc.hook_add(UC_HOOK_CODE, lambda *_: self.core._end("the chip's boot loader"), None, LOADER + 8, LOADER + 8)
         self._begin()
 
+    def expose(self, rows):
+        for sensor in self.sensors.values():
+            sensor.registers[0xBB] = rows
+
     def _begin(self):
         self.core.registers[AHB1LPENR] = 0x1E03C023
-        takes = {self.command: self.commands, lambda data: self.autopilot.receive_all(bytes.fromhex(data)): self.messages}
+        takes = {self.command: self.commands, lambda data: self.autopilot.receive_all(bytes.fromhex(data)): self.messages, self.expose: self.exposures}
         for take, all_data in takes.items():
             for time, data in all_data:
                 if time > self.core.now:
                     self.core.at(time, lambda take=take, data=data: take(data))
 
     def command(self, data):
-        if self.on_usb and data in ("close", "open", "reset"):
+        if self.on_usb and data in self.host.ACTS:
             self.host.act(data)
         elif self.on_usb:
             self.host.send(bytes.fromhex(data))
@@ -373,6 +434,8 @@ class Board:
 
     def trigger(self):
         self.triggers += 1
+        if self.reaches("left"):  # both images of a pair are of one picture
+            self.picture = next((kind for first, last, kind in self.pictures if first <= self.core.now < last), None)
         waiting = [sensor for sensor in self.sensors.values() if sensor.waits_for_trigger()]
         if not self.wiring.joined:
             for sensor in waiting:
@@ -380,10 +443,17 @@ class Board:
         elif len(waiting) == 2:
             self.play(waiting)
 
+    def row(self, camera, frame, y, picture):
+        """Of an image that was given each pair is up to three grey levels lighter than the one before: a camera whose pixels stay is frozen."""
+        if picture not in self.images:
+            return sensor_row(camera, frame, y, picture)
+        image = self.images[picture][camera == "right"]
+        return image[y * WIDTH:(y + 1) * WIDTH].translate(LIGHTER[frame // 2 % 4])
+
     def play(self, sensors):
         """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
         core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
-        picture = next((kind for first, last, kind in self.pictures if first <= core.now < last), None)
+        picture = self.picture
         fault, start = self.faults.get((name, frame)), core.now + max(sensor.exposed_rows() for sensor in sensors) * row_us
         names = [sensor.name for sensor in sensors]
         for sensor in sensors:
@@ -404,7 +474,7 @@ class Board:
 
         def row_ends(y):
             if on_bus():
-                data = b"".join(sensor_row(name, frame, y, picture) for name in names)
+                data = b"".join(self.row(name, frame, y, picture) for name in names)
                 capture.put(data[:300] if fault == "short" and y == 77 else data)
                 capture.in_blanking = 1
                 capture.signal(16 | (2 if fault == "overrun" and y == 50 else 0))
@@ -423,16 +493,12 @@ class Board:
 
     # Registers.
 
-    def parts(self):
-        return (self.wiring.i2c, self.i2c), (TIM5, self.timer), (self.uart.base, self.uart), (self.autopilot.base, self.autopilot)
-
     def read(self, at):
         core, usb = self.core, self.wiring.usb[0]
         if usb <= at < usb + USB_BYTES:
             return self.usb.read(at - usb)
-        for base, part in self.parts():
-            if base <= at < base + 0x400:
-                return part.read(at - base)
+        if at & ~0x3FF in self.parts:
+            return self.parts[at & ~0x3FF].read(at & 0x3FF)
         value = core.registers.get(at, 0)
         if DCMI <= at < DCMI + 0x40:
             return self.capture.read(at - DCMI)
@@ -449,6 +515,7 @@ class Board:
             DMA1 + 0x10: lambda: (value & ~1) | self.capture.dma,
             DMA1 + 0x14: lambda: (self.capture.words * 4 - self.capture.place) // 4,
             EXTI + 0x88: lambda: self.vsync,
+            FLASH2 + 0x10: lambda: value | any(first <= core.now < last for first, last in self.flash_errors) << 22,
         }
         return special[at]() if at in special else value
 
@@ -456,9 +523,8 @@ class Board:
         core, usb = self.core, self.wiring.usb[0]
         if usb <= at < usb + USB_BYTES:
             return self.usb.write(at - usb, value)
-        for base, part in self.parts():
-            if base <= at < base + 0x400:
-                return part.write(at - base, value)
+        if at & ~0x3FF in self.parts:
+            return self.parts[at & ~0x3FF].write(at & 0x3FF, value)
         core.registers[at] = value
         if DCMI <= at < DCMI + 0x40:
             self.capture.write(at - DCMI, value)
@@ -472,6 +538,8 @@ class Board:
             self.vsync &= ~value
         elif at == FLASH2 + 0x0C and bit(value, 7) and bit(value, 2):
             self.erase(value)
+        elif at == FLASH2 + 0x14:
+            core.registers[FLASH2 + 0x10] = core.registers.get(FLASH2 + 0x10, 0) & ~value
         elif 0x58020000 <= at < 0x58022C00:
             self.set_pins(chr(65 + (at - 0x58020000 >> 10)), at & 0x3FF, value)
         elif at == 0x58024484 and value & 1:
@@ -485,10 +553,16 @@ class Board:
     def erase(self, command):
         """Nothing runs meanwhile: the other bank's code could, and it waits for this one."""
         sector = command >> 8 & 7
+        self.broken = {word for word in self.broken if word >> 17 != sector - 4}
         self.core.uc.mem_write(0x08100000 + sector * 0x20000, b"\xff" * 0x20000)
         self.core.wait(self.erase_us)
         self.core.registers[FLASH2 + 0x0C] = command & ~0x80
         self.erases += 1
+
+    def read_word(self, word):
+        """A word that power failed in cannot be corrected (here it faults no processor)."""
+        if word in self.broken:
+            self.core.registers[FLASH2 + 0x10] = self.core.registers.get(FLASH2 + 0x10, 0) | 1 << 26
 
     def set_pins(self, port, at, value):
         before = self.pins.get(port, 0)

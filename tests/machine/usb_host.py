@@ -1,8 +1,8 @@
-"""A host of a USB device controller: bus reset, enumeration, a CDC ACM port that is opened and closed (DTR), bulk packets.
+"""A host of a USB device controller: bus reset, enumeration, other requests, a CDC ACM port that is opened and closed (DTR), bulk packets.
 
 A controller (`rp2350_usb.py`, `otg.py`) calls `plugged` when its pull-up comes, and `ready(endpoint, is_in)` when an endpoint may have become so. It has
 `begin_reset`, `end_reset`, `setup(data)`; `answer(endpoint, is_in)`: True, None (NAK) or False (STALL); `pid(endpoint, is_in)` of the packet that is next;
-`take(endpoint)` and `give(endpoint, data)` of a packet; `address`; `is_fast`: at high speed.
+`take(endpoint)` and `give(endpoint, data)` of a packet; `address`; `is_fast`: at high speed; for a bus that is suspended `suspend` and `resume`.
 
 Not in it: the wire (bits, SOF, errors, retries), ISO, double buffers, the interrupt endpoint, a hub's wait of 100 ms. What the device does against
 the protocol (data toggle, address, sizes of packets) is a line in `faults`. USB 2.0: 5.8.3, 8.4, 9.4; CDC PSTN 1.2.
@@ -15,10 +15,12 @@ TRANSFER = 2  # packets that a read of Linux's driver for CDC ACM takes; fewer i
 
 
 class UsbHost:
+    ACTS = ("close", "open", "pause", "resume", "ask", "suspend", "wake", "reset")
+
     def __init__(self, core, device):
         self.core, self.device = core, device
         self.sent, self.times, self.faults, self.wanted = bytearray(), [], [], []
-        self.descriptors = {}
+        self.descriptors, self.answers, self.is_reading = {}, {}, True
         self.restart()
 
     def restart(self):
@@ -40,8 +42,11 @@ class UsbHost:
         self._want(lambda: self._queue(data))
 
     def act(self, name):
-        """`close` or `open` the port; `reset`: the bus is reset, and the device enumerated anew."""
-        scripts = {"close": lambda: self._set_lines(0), "open": lambda: self._set_lines(3), "reset": self._enumerate}
+        """`close` or `open` the port; `pause` and `resume` reading; `ask` what no enumeration does; `suspend` and `wake` the bus; `reset` it, and the
+        device is enumerated anew."""
+        scripts = {"close": lambda: self._set_lines(0), "open": lambda: self._set_lines(3), "reset": self._enumerate,
+                   "pause": lambda: self._read(False), "resume": lambda: self._read(True), "ask": self._ask,
+                   "suspend": self._suspend, "wake": self._wake}
         self._want(lambda: self._run(scripts[name]()))
 
     def _want(self, call):
@@ -63,7 +68,7 @@ class UsbHost:
         """The device may have something there, or room."""
         if (endpoint, is_in) in self.is_busy or not self.device.answer(endpoint, is_in):
             return
-        if (endpoint, is_in) == (self.in_endpoint, True) and self.is_open:
+        if (endpoint, is_in) == (self.in_endpoint, True) and self.is_open and self.is_reading:
             self._later(endpoint, is_in, self._take_results)
         elif (endpoint, is_in) == (self.out_endpoint, False) and self.to_send:
             self._later(endpoint, is_in, self._send_next)
@@ -199,6 +204,36 @@ class UsbHost:
         if self.is_open:
             self.ready(self.in_endpoint, True)
 
+    def _read(self, is_reading):
+        self.is_reading = is_reading
+        self.ready(self.in_endpoint, True)
+        yield 0
+
+    def _suspend(self):
+        self.is_reading = False
+        yield 3000
+        self.device.suspend()
+
+    def _wake(self):
+        self.device.resume()
+        yield 20_000
+        yield from self._read(True)
+
+    def _ask(self):
+        """Requests of all kinds; the answers are hexadecimal, none where the device stalled."""
+        coding, other = struct.pack("<IBBB", 57600, 0, 0, 8), self.notices
+        for name, kind, request, value, index, data, length in (
+            ("status", 0x80, 0, 0, 0, b"", 2), ("wake", 0, 3, 1, 0, b"", 0), ("woken status", 0x80, 0, 0, 0, b"", 2), ("no wake", 0, 1, 1, 0, b"", 0),
+            ("configuration", 0x80, 8, 0, 0, b"", 1), ("interface", 0x81, 10, 0, 1, b"", 1), ("no such setting", 1, 11, 5, 1, b"", 0),
+            ("languages", 0x80, 6, 0x0300, 0, b"", 255), ("no such text", 0x80, 6, 0x0309, 0x0409, b"", 255), ("no such descriptor", 0x80, 6, 0x2100, 0, b"", 9),
+            ("endpoint", 0x82, 0, 0, other, b"", 2), ("halt", 2, 3, 0, other, b"", 0), ("halted", 0x82, 0, 0, other, b"", 2),
+            ("go on", 2, 1, 0, other, b"", 0), ("gone on", 0x82, 0, 0, other, b"", 2), ("set coding", 0x21, 0x20, 0, 0, coding, 0),
+            ("coding", 0xA1, 0x21, 0, 0, b"", 7), ("unknown in", 0xC0, 1, 0, 0, b"", 4), ("unknown out", 0x40, 1, 0, 0, b"", 0),
+            ("too long", 0x40, 2, 0, 0, bytes(130), 0),
+        ):
+            answer = yield from self._transfer(kind, request, value, index, data, length)
+            self.answers[name] = None if answer is None else answer.hex()
+
     def _endpoints(self, configuration):
         at, found = 0, {}
         while at < len(configuration):
@@ -208,6 +243,8 @@ class UsbHost:
                 self.packet_bytes[address & 15, bool(address >> 7)] = size
                 if size not in ((512,) if self.device.is_fast else (8, 16, 32, 64)):
                     self.faults.append("a bulk endpoint of %d bytes" % size)
+            elif configuration[at + 1] == 5:
+                self.notices = configuration[at + 2]
             at += configuration[at]
         return found[1], found[0]
 
@@ -215,4 +252,4 @@ class UsbHost:
         texts = {name: value for name, value in self.descriptors.items() if name != "device"}
         device = self.descriptors.get("device") or b""
         ids = list(struct.unpack_from("<2H", device, 8)) if len(device) == 18 else None
-        return {"usb": {**texts, "faults": self.faults, "ids": ids, "is_fast": self.device.is_fast, "unread": len(self.part)}}
+        return {"answers": self.answers, "usb": {**texts, "faults": self.faults, "ids": ids, "is_fast": self.device.is_fast, "unread": len(self.part)}}

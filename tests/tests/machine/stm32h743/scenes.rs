@@ -1,0 +1,373 @@
+//! Scenes whose depths are known, seen by two cameras with lenses: the board's segments are those of the PC, bit for bit, and those of the scene.
+
+use super::super::{Run, hex, host, rig};
+use super::{execute, frames};
+use linestereo::{Dims, Match};
+use linestereo_boards::Board;
+use linestereo_firmware::boards::stm32h743::Workspace;
+use linestereo_firmware::memory::Memory;
+use linestereo_firmware::session::{Reply, Session};
+use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens, Rectification, RigImage, View};
+use linestereo_sim::engine::FrameResult;
+use linestereo_sim::evaluate::FrameScore;
+use linestereo_sim::input::Truth;
+use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
+use linestereo_tests::drawn::painted;
+use linestereo_wire::{
+    Command, Counts, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions, Request,
+    RigBytes, RigFault, Segment, name,
+};
+use serde_json::{Value, json};
+use std::sync::LazyLock;
+
+const QVGA: Dims = Dims { width: 320, height: 240 };
+
+/// Two cameras that look past each other a little, and how they are rectified.
+struct Lenses {
+    calibration: Calibration,
+    view: View,
+    /// Disparities, px.
+    range: (i16, u16),
+}
+
+impl Lenses {
+    fn new(lenses: [Lens; 2], focal: f64, rotation: [f64; 4], view: View, range: (i16, u16)) -> Self {
+        let [left, right] = [(lenses[0], [161.5, 117.25]), (lenses[1], [157.0, 121.75])]
+            .map(|(lens, centre)| Camera::new(QVGA, [focal, 1.002 * focal], centre, 0.0, lens).unwrap());
+        Self { calibration: Calibration::new(left, right, rotation, [-0.12, 0.0006, 0.001]).unwrap(), view, range }
+    }
+
+    fn rig(&self) -> RigImage {
+        RigImage::new(self.calibration, QVGA, self.view, self.range).unwrap()
+    }
+
+    fn rectification(&self) -> Rectification {
+        self.calibration.rectify(QVGA, self.view).unwrap()
+    }
+}
+
+/// A scene: what is true of it, what both cameras send, and boxes around its objects.
+struct Shown {
+    truth: Rendering,
+    raw: [Vec<u8>; 2],
+    boxes: Vec<RegionBox>,
+}
+
+/// A scene is rendered wider by this on all sides, px, before the lenses' positions are read out of it.
+const MARGIN: u16 = 40;
+
+impl Shown {
+    fn new(kind: Kind, rectification: &Rectification) -> Self {
+        let (focal_px, baseline_m, centre) = (rectification.focal(), rectification.baseline(), rectification.centre());
+        let mut scene = scene::build(kind, QVGA, 7);
+        scene.pair = Pair { focal_px, baseline_m, centre, disparity_offset_px: 0.0 };
+        let truth = scene::render(&scene, QVGA, &Sensor::default());
+        let wider = |at: f64| at + f64::from(MARGIN);
+        scene.pair.centre = centre.map(wider);
+        let dims = Dims { width: QVGA.width + 2 * MARGIN, height: QVGA.height + 2 * MARGIN };
+        let wide = scene::render(&scene, dims, &Sensor { noise: 2.0, seed: 7, ..Sensor::default() });
+        let raw = CameraSide::BOTH.map(|eye| {
+            let image = if eye == CameraSide::Left { &wide.left } else { &wide.right };
+            let grey = |[x, y]: [f64; 2]| {
+                let pixel = |column: f64, row: f64| {
+                    let inside =
+                        (0.0..f64::from(dims.width)).contains(&column) && (0.0..f64::from(dims.height)).contains(&row);
+                    if inside {
+                        f64::from(image.pixels[row as usize * usize::from(dims.width) + column as usize])
+                    } else {
+                        0.0
+                    }
+                };
+                let (column, row) = (x.floor(), y.floor());
+                let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+                let of_row = |row: f64| mix(pixel(column, row), pixel(column + 1.0, row), x - column);
+                mix(of_row(row), of_row(row + 1.0), y - row).round().min(250.0) as u8 // frames get lighter by up to 3
+            };
+            let raw = painted(QVGA.width, QVGA.height, |x, y| {
+                rectification.rectified(eye, [x.into(), y.into()]).map_or(0, |at| grey(at.map(wider)))
+            });
+            raw.pixels
+        });
+        let boxes = boxes(&truth, scene.objects.len());
+        Self { truth, raw, boxes }
+    }
+}
+
+/// Boxes around the objects of a scene that are in view, the largest first.
+fn boxes(truth: &Rendering, objects: usize) -> Vec<RegionBox> {
+    let mut boxes = Vec::new();
+    for label in 1..=objects as u16 {
+        let none = RegionBox { label, left: u16::MAX, top: u16::MAX, right: 0, bottom: 0 };
+        let (mut count, mut of) = (0, none);
+        for (x, y) in pixels().filter(|&at| label_at(truth, at) == label) {
+            count += 1;
+            (of.left, of.right) = (of.left.min(x), of.right.max(x + 1));
+            (of.top, of.bottom) = (of.top.min(y), of.bottom.max(y + 1));
+        }
+        if count > 100 {
+            boxes.push((count, of));
+        }
+    }
+    boxes.sort_by_key(|&(count, of)| (core::cmp::Reverse(count), of.label));
+    boxes.into_iter().map(|(_, of)| of).take(MAX_REGIONS).collect()
+}
+
+fn pixels() -> impl Iterator<Item = (u16, u16)> {
+    (0..QVGA.height).flat_map(|y| (0..QVGA.width).map(move |x| (x, y)))
+}
+
+fn label_at(truth: &Rendering, (x, y): (u16, u16)) -> u16 {
+    truth.label((x.into(), y.into())).unwrap().into()
+}
+
+/// The lenses, and what is seen through them.
+static LENSES: LazyLock<[(Lenses, [Kind; 3]); 2]> = LazyLock::new(|| {
+    let barrel = |k: [f64; 3]| Lens::BrownConrady { k, p: [8e-4, -5e-4] };
+    let first = Lenses::new(
+        [barrel([-0.3, 0.1, -0.01]), barrel([-0.28, 0.09, 0.0])],
+        250.0,
+        [0.9998, 0.004, 0.006, 0.016],
+        View::Alpha(0.25),
+        (0, 96),
+    );
+    let second = Lenses::new(
+        [Lens::Fisheye { k: [0.02, -0.01, 0.0, 0.0] }, Lens::Fisheye { k: [0.025, -0.012, 0.0, 0.0] }],
+        150.0,
+        [0.9999, -0.008, 0.003, -0.01],
+        View::Alpha(0.0),
+        (-3, 58),
+    );
+    [(first, [Kind::Demo, Kind::Cards, Kind::Repetition]), (second, [Kind::Corridor, Kind::Poles, Kind::Blank])]
+});
+
+static SHOWN: LazyLock<Vec<Shown>> = LazyLock::new(|| {
+    let all = LENSES.iter().flat_map(|(lenses, kinds)| kinds.iter().map(|&kind| (kind, lenses.rectification())));
+    all.map(|(kind, rectification)| Shown::new(kind, &rectification)).collect()
+});
+
+/// When the board gets its first orders and the first scene is shown, for how long each is, and when a pair with its boxes has come: a whole one
+/// before it, after a rig.
+const ORDERS_US: u64 = 100_000;
+const FIRST_US: u64 = 210_000;
+const SCENE_US: u64 = 260_000;
+const SETTLED_US: u64 = 140_000;
+
+fn start_us(scene: usize) -> u64 {
+    FIRST_US + SCENE_US * scene as u64
+}
+
+/// What is asked for when a scene is shown. Some scenes are matched in the boxes of their smallest objects alone.
+fn regions(kind: Kind, shown: &Shown) -> Request {
+    let only = kind == Kind::Corridor; // once a whole pair has been matched
+    let of = if only { &shown.boxes[4..] } else { &shown.boxes[..] };
+    Request::SetRegions(Regions { boxes: of.iter().copied().collect(), only })
+}
+
+fn rig_request(rig: &RigImage) -> Request {
+    Request::SetRig(RigBytes::from_slice(&rig.encode(0)).unwrap())
+}
+
+/// Rigs that no board can use: bytes at this place of a good one, and the fault that has to be named.
+const FAULTS: [(usize, &[u8], RigFault); 12] = [
+    (0, b"RIFF", RigFault::Foreign),
+    (4, &[9, 0], RigFault::OtherVersion),
+    (6, &[0, 1], RigFault::Length),
+    (18, &[0xff, 0x7f], RigFault::Range),
+    (24, &[0, 0, 0xc0, 0x7f], RigFault::View), // not a number
+    (28, &[0, 0, 0xc0, 0x7f], RigFault::View),
+    (36, &[0, 0, 0xc0, 0x7f], RigFault::View),
+    (40, &[0, 0, 0xc0, 0x7f], RigFault::View), // of a rotation
+    (76, &[0, 0, 0xc0, 0x7f], RigFault::LeftCamera),
+    (96, &[7, 0, 0, 0], RigFault::LeftCamera), // no such lens
+    (160, &[0, 0, 0xc0, 0x7f], RigFault::RightCamera),
+    (180, &[7, 0, 0, 0], RigFault::RightCamera),
+];
+
+/// Parameters outside of what they may be, their names, and the ends of what is allowed.
+fn out_of_range() -> Vec<(ParamUpdate, Refusal)> {
+    let none = ParamUpdate::default;
+    let refusal = |what: &str, value, low, high| Refusal::OutOfRange { name: name(what), value, low, high };
+    vec![
+        (ParamUpdate { min_disparity: Some(1), ..none() }, refusal("min_disparity", 1, -32, 0)),
+        (ParamUpdate { max_disparity: Some(300), ..none() }, refusal("max_disparity", 300, 8, 256)),
+        (ParamUpdate { anchor_gradient: Some(3), ..none() }, refusal("anchor_gradient", 3, 4, 1020)),
+        (ParamUpdate { edge_gradient: Some(49), ..none() }, refusal("edge_gradient", 49, 4, 48)),
+        (ParamUpdate { min_extent: Some(33), ..none() }, refusal("min_extent", 33, 6, 32)),
+        (ParamUpdate { cell: Some(257), ..none() }, refusal("cell", 257, 8, 256)),
+        (ParamUpdate { reach: Some(0), ..none() }, refusal("reach", 0, 1, 6)),
+    ]
+}
+
+/// A rig with a fault; its checksum is that of its bytes.
+fn faulty(at: usize, with: &[u8]) -> Request {
+    let mut bytes = rig().encode(0);
+    bytes[at..at + with.len()].copy_from_slice(with);
+    let end = bytes.len() - CRC_BYTES;
+    let crc = CRC_32.checksum(&bytes[..end]).to_le_bytes();
+    bytes[end..].copy_from_slice(&crc);
+    Request::SetRig(RigBytes::from_slice(&bytes).unwrap())
+}
+
+/// A rig of raw images of this size, rectified to that one, with the right camera rolled; `roll` is the sine of half the angle.
+fn sized(raw: Dims, rectified: Dims, roll: f64) -> RigImage {
+    let [width, height] = [raw.width, raw.height].map(f64::from);
+    let camera = Camera::new(raw, [width; 2], [0.5 * width, 0.5 * height], 0.0, Lens::NONE).unwrap();
+    let calibration =
+        Calibration::new(camera, camera, [(1.0 - roll * roll).sqrt(), 0.0, 0.0, roll], [-0.1, 0.0, 0.0]).unwrap();
+    RigImage::new(calibration, rectified, View::default(), (0, 64)).unwrap()
+}
+
+/// Rigs that this board has no memory for, and what it says.
+fn oversized() -> [(RigImage, Refusal); 4] {
+    let dims = |width, height| Dims { width, height };
+    let small = |what: &str, needed, given| Refusal::MemoryTooSmall { name: name(what), needed, given };
+    [
+        (sized(dims(752, 480), QVGA, 0.0), small("raw row", 752, 320)),
+        (sized(QVGA, dims(640, 480), 0.0), Refusal::OutOfRange { name: name("width"), value: 640, low: 16, high: 320 }),
+        (sized(QVGA, dims(320, 256), 0.0), small("frame", 320 * 256, 320 * 240)),
+        (sized(QVGA, QVGA, 0.2), small("band", 16_833, 12 * 1024)), // 52 rows of 320 px and 193 bytes that the kernel may read
+    ]
+}
+
+pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
+    let mut requests: Vec<_> =
+        (0..).zip(FAULTS).map(|(n, (at, with, _))| (ORDERS_US + 4000 * n, faulty(at, with))).collect();
+    let updates = out_of_range().into_iter().map(|(update, _)| Request::SetParams(update));
+    requests.extend((0..).zip(updates).map(|(n, request)| (ORDERS_US + 50_000 + 2000 * n, request)));
+    let mut number = 0;
+    for (lenses, kinds) in LENSES.iter() {
+        requests.push((start_us(number) - 30_000, rig_request(&lenses.rig())));
+        for &kind in kinds {
+            requests.push((start_us(number), regions(kind, &SHOWN[number])));
+            number += 1;
+        }
+    }
+    let end_us = start_us(number);
+    requests.push((FIRST_US - 20_000, Request::Start));
+    requests
+        .extend([0, 1, 2, 4].into_iter().zip(oversized()).map(|(n, (rig, _))| (start_us(n) + 5000, rig_request(&rig))));
+    requests.push((end_us, rig_request(&sized(Dims { width: 160, height: 120 }, QVGA, 0.0))));
+    requests.sort_by_key(|&(time_us, _)| time_us);
+    let images: serde_json::Map<String, Value> = (0..)
+        .zip(SHOWN.iter())
+        .map(|(n, shown)| (format!("{n}"), json!(shown.raw.each_ref().map(|raw| hex(raw)))))
+        .collect();
+    let pictures: Vec<_> = (0..number).map(|n| json!([start_us(n), start_us(n + 1), format!("{n}")])).collect();
+    let scenario = json!({
+        "until_us": end_us + 180_000, "host": host(&requests), "images": images, "pictures": pictures, "erase_us": 1000,
+    });
+    execute("live", &scenario)
+});
+
+/// The board's memory and session on this machine.
+struct Twin {
+    memory: Box<Workspace>,
+    session: Session<'static>,
+    pairs: u8,
+}
+
+impl Twin {
+    fn new() -> Self {
+        Self { memory: Box::new(Workspace::new()), session: Session::new(Board::STM32H743), pairs: 0 }
+    }
+
+    fn take(&mut self, request: Request) {
+        let reply = self.session.command(&Command { id: 1, request }, &mut *self.memory);
+        let Reply::Answer(answer) = reply else { panic!("{reply:?}") };
+        assert_eq!(answer.outcome, Outcome::Accepted);
+    }
+
+    fn pair(&mut self, raw: &[Vec<u8>; 2]) -> (Vec<Segment>, Vec<ObjectRecord>) {
+        self.memory.restart();
+        self.pairs += 1;
+        let lighter = self.pairs % 4; // as in the model: a camera whose pixels stay is frozen
+        for (pixels, eye) in raw.iter().zip(CameraSide::BOTH) {
+            for row in pixels.chunks(QVGA.width.into()) {
+                let grey = row.iter().map(|grey| grey + lighter);
+                self.memory.raw_row().iter_mut().zip(grey).for_each(|(slot, grey)| *slot = grey);
+                self.memory.push_row(eye).unwrap();
+            }
+        }
+        let areas = self.session.areas();
+        let matcher = self.session.matcher(QVGA).unwrap();
+        let mut matched = self.memory.run(matcher, areas.as_deref(), None, &mut ()).unwrap();
+        let objects = self.session.objects(&mut matched);
+        (matched.segments().iter().map(Segment::from).collect(), objects.iter().map(ObjectRecord::from).collect())
+    }
+}
+
+/// Scenes through two pairs of lenses: what the board says is what the PC says of the same pixels, and it is true.
+#[test]
+fn depths_of_scenes_are_those_of_the_pc_and_true() {
+    let Some(run) = &*SCENES else { return };
+    run.assert_whole();
+    let frames = frames(run);
+    let (mut twin, mut number) = (Twin::new(), 0);
+    for (lenses, kinds) in LENSES.iter() {
+        twin.take(rig_request(&lenses.rig()));
+        for &kind in kinds {
+            let shown = &SHOWN[number];
+            twin.take(regions(kind, shown));
+            twin.pair(&shown.raw); // of the first one nobody knows yet how far the rows are apart
+            let (segments, objects) = twin.pair(&shown.raw);
+            let settled = start_us(number) + SETTLED_US..start_us(number + 1);
+            let settled: Vec<_> = frames.iter().filter(|frame| settled.contains(&frame.head.capture_time_us)).collect();
+            assert!(!settled.is_empty(), "{kind:?}");
+            for frame in settled {
+                assert_eq!((&frame.segments, &frame.objects), (&segments, &objects), "{kind:?}: {:?}", frame.head);
+            }
+            assert_true(kind, shown, &segments, &objects);
+            number += 1;
+        }
+    }
+}
+
+/// Segments and objects of a scene as they are promised: nine of ten segments within a pixel of what is there; a box's depth is one of something in it.
+/// Stripes and fences have look-alikes by construction, and are not held to that.
+fn assert_true(kind: Kind, shown: &Shown, segments: &[Segment], objects: &[ObjectRecord]) {
+    let truth = Truth::new(QVGA, shown.truth.disparity.clone(), shown.truth.visible.clone());
+    let (matches, points) = (segments.iter().map(Match::from).collect(), Vec::new());
+    let result = FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None };
+    let score = FrameScore::new(kind.name(), &truth, &result);
+    let right = score.scored_segments.iter().filter(|of| of.median_error <= 1.0).count();
+    println!("{kind:?}: {right} of {} segments within a pixel", segments.len());
+    if kind == Kind::Repetition {
+        return;
+    }
+    assert!(right * 10 >= segments.len() * 9, "{kind:?}: {right} of {}", segments.len());
+    let near = |disparity_q6: i16, true_px: f32| (f32::from(disparity_q6) / 64.0 - true_px).abs() <= 1.0;
+    for object in objects {
+        let Ok(disparity_q6) = object.disparity_q6 else { continue };
+        let of = shown.boxes.iter().find(|of| of.label == object.label).unwrap();
+        let mut inside = pixels().filter(|&(x, y)| of.area().contains(x.into(), y.into()));
+        let disparity = |(x, y): (u16, u16)| truth.disparity(x.into(), y.into()).unwrap();
+        assert!(inside.any(|at| near(disparity_q6, disparity(at))), "{kind:?}: {object:?}");
+    }
+    if kind == Kind::Cards {
+        // Nothing hides them: each has its own depth.
+        let right = objects.iter().filter(|object| {
+            let mut own = pixels().filter(|&at| label_at(&shown.truth, at) == object.label);
+            let disparity = own.next().and_then(|(x, y)| truth.disparity(x.into(), y.into())).unwrap();
+            object.disparity_q6.is_ok_and(|disparity_q6| near(disparity_q6, disparity))
+        });
+        assert_eq!(right.count(), MAX_REGIONS);
+    }
+}
+
+/// Rigs and parameters that cannot be used are refused by what is wrong with them, and those in use stay; one of other cameras makes every pair one of another size.
+#[test]
+fn rigs_and_parameters_are_refused_by_their_fault() {
+    let Some(run) = &*SCENES else { return };
+    let mut expected: Vec<_> = FAULTS.map(|(_, _, fault)| Refusal::Rig(fault)).into();
+    expected.extend(out_of_range().into_iter().map(|(_, refusal)| refusal));
+    expected.extend(oversized().map(|(_, refusal)| refusal));
+    let refused = run.answers().filter_map(|answer| match &answer.outcome {
+        Outcome::Refused(refusal) => Some(refusal.clone()),
+        Outcome::Accepted => None,
+    });
+    assert_eq!(refused.collect::<Vec<_>>(), expected);
+    let end_us = start_us(SHOWN.len());
+    let last = *run.frames().last().unwrap();
+    assert!(last.health.contains(Health::SIZE_MISMATCH) && last.segments == 0, "{last:?} after {end_us} us");
+}
