@@ -59,9 +59,15 @@ impl Config {
         Ok(Some(if self.has_principal_point == 0 { rig } else { rig.with_principal_point(self.principal_point_px)? }))
     }
 
+    /// True for sizes that are accepted.
+    #[inline(never)] // what follows from the bounds would be worked into the code behind it: 200 bytes
+    fn has_size(&self) -> bool {
+        (MIN_SIDE..=MAX_WIDTH).contains(&self.width) && (MIN_SIDE..=MAX_HEIGHT).contains(&self.height)
+    }
+
     /// Checks all parameters.
     pub fn plan(&self) -> Result<Plan, Status> {
-        if !(MIN_SIDE..=MAX_WIDTH).contains(&self.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&self.height) {
+        if !self.has_size() {
             return Err(Status::ImageSize);
         }
         if !(1..=4096).contains(&self.segments) {

@@ -15,8 +15,8 @@ use linestereo_sim::input::Truth;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 use linestereo_wire::{
-    Command, Counts, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions, Request,
-    RigBytes, RigFault, Segment, name,
+    Command, Counts, Health, MAX_REGIONS, MarginUpdate, ObjectRecord, Outcome, ParamUpdate, PartsUpdate, Refusal,
+    RegionBox, Regions, Request, RigBytes, RigFault, Segment, name,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -164,6 +164,17 @@ fn regions(kind: Kind, shown: &Shown) -> Request {
     Request::SetRegions(Regions { boxes: of.iter().copied().collect(), only })
 }
 
+/// Parameters that change when a scene is shown: how far the techniques may be apart, and which parts are asked for.
+fn parameters(kind: Kind) -> Option<Request> {
+    let (margin, parts) = match kind {
+        Kind::Repetition => (Some(MarginUpdate::MetresQ16 { nearer: 0x2000, farther: 0x6000 }), None),
+        Kind::Corridor => (Some(MarginUpdate::PixelsQ6(96)), None),
+        Kind::Blank => (None, Some(PartsUpdate::Support)),
+        _ => return None,
+    };
+    Some(Request::SetParams(ParamUpdate { margin, parts, ..ParamUpdate::default() }))
+}
+
 fn rig_request(rig: &RigImage) -> Request {
     Request::SetRig(RigBytes::from_slice(&rig.encode(0)).unwrap())
 }
@@ -240,6 +251,7 @@ pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
         requests.push((start_us(number) - 30_000, rig_request(&lenses.rig())));
         for &kind in kinds {
             requests.push((start_us(number), regions(kind, &SHOWN[number])));
+            requests.extend(parameters(kind).map(|request| (start_us(number) + 2000, request)));
             number += 1;
         }
     }
@@ -309,6 +321,7 @@ fn depths_of_scenes_are_those_of_the_pc_and_true() {
         for &kind in kinds {
             let shown = &SHOWN[number];
             twin.take(regions(kind, shown));
+            parameters(kind).into_iter().for_each(|request| twin.take(request));
             twin.pair(&shown.raw); // of the first one nobody knows yet how far the rows are apart
             let (segments, objects) = twin.pair(&shown.raw);
             let settled = start_us(number) + SETTLED_US..start_us(number + 1);
