@@ -27,7 +27,7 @@ pub(crate) struct Grid {
 
 impl Grid {
     /// The grid of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond
-    /// 200), columns are twice as far apart.
+    /// 192), columns are twice as far apart.
     pub(crate) fn new(params: &Params, dims: Dims) -> Self {
         let min_disparity = params.min_disparity;
         let disparities = usize::try_from(i32::from(params.max_disparity) - i32::from(min_disparity)).unwrap_or(0);

@@ -154,7 +154,7 @@ const RESET_US: u64 = 1_800_000;
 const CLOSED_US: u64 = 2_100_000;
 const OPENED_US: u64 = 2_300_000;
 const HOST_CLOCK_US: u64 = 1_000_000_000;
-/// What the autopilot's clock is ahead of the board's: frames have its time until the host sets another.
+/// Lead of the autopilot's clock over the board's, us: frames have its time until the host sets another.
 const AUTOPILOT_CLOCK_US: u64 = 500_000_000;
 
 /// Requests of a host over USB, and is each accepted.
@@ -370,7 +370,7 @@ fn bad_pictures_are_named() {
 
 /// Code that these runs of `live` execute together, bytes: 149 472 of 175 834 when this was written, some 740 of which are constants; 3 % less is allowed,
 /// since compilers differ. Of the rest a quarter is out of reach here: masks, cameras wider than 512 px, portable forms of kernels, records of other programs.
-/// What is left is printed.
+/// The rest is printed.
 #[test]
 fn most_of_the_code_runs() {
     let runs = [

@@ -57,6 +57,19 @@ pub fn rank_columns(rows: [&[u8]; RANK_ROWS + 2], columns: &mut [RankColumn]) {
     }
 }
 
+/// Adds ones to ranks where the neighbours at an address are darker than the centres.
+#[rustfmt::skip] // an instruction a line
+macro_rules! add_neighbour {
+    ($neighbour:literal, $address:literal, $centre:literal, $rank:literal) => {
+        concat!(
+            "ldr {", $neighbour, "}, ", $address, "\n",
+            "usub8 {", $neighbour, "}, {", $neighbour, "}, {", $centre, "}\n",
+            "sel {", $neighbour, "}, {zero}, {ones}\n",
+            "add {", $rank, "}, {", $rank, "}, {", $neighbour, "}\n",
+        )
+    };
+}
+
 /// Ranks of four rows, four columns at a time, `words` times: `row` is the first of the four, at the left neighbours of its first pixels.
 ///
 /// # Safety
@@ -74,14 +87,8 @@ unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns
             "ldr {y}, [{row}, #2]",
             "usub8 {x}, {x}, {y}",
             "sel {a}, {zero}, {ones}",
-            "ldr {x}, [{row}]",
-            "usub8 {x}, {x}, {y}",
-            "sel {x}, {zero}, {ones}",
-            "add {a}, {a}, {x}",
-            "ldr {x}, [{row}, #4]",
-            "usub8 {x}, {x}, {y}",
-            "sel {x}, {zero}, {ones}",
-            "add {a}, {a}, {x}",
+            add_neighbour!("x", "[{row}]", "y", "a"),
+            add_neighbour!("x", "[{row}, #4]", "y", "a"),
             // From row to row the centres change places: one is below the last row, and the other above this one.
             "add {row}, {row}, {stride}",
             "ldr {x}, [{row}, #2]",
@@ -90,14 +97,8 @@ unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns
             "add {a}, {a}, {b}",
             "usub8 {y}, {y}, {x}",
             "sel {b}, {zero}, {ones}",
-            "ldr {y}, [{row}]",
-            "usub8 {y}, {y}, {x}",
-            "sel {y}, {zero}, {ones}",
-            "add {b}, {b}, {y}",
-            "ldr {y}, [{row}, #4]",
-            "usub8 {y}, {y}, {x}",
-            "sel {y}, {zero}, {ones}",
-            "add {b}, {b}, {y}",
+            add_neighbour!("y", "[{row}]", "x", "b"),
+            add_neighbour!("y", "[{row}, #4]", "x", "b"),
             "add {row}, {row}, {stride}",
             "ldr {y}, [{row}, #2]",
             "usub8 {c}, {y}, {x}",
@@ -105,14 +106,8 @@ unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns
             "add {b}, {b}, {c}",
             "usub8 {x}, {x}, {y}",
             "sel {c}, {zero}, {ones}",
-            "ldr {x}, [{row}]",
-            "usub8 {x}, {x}, {y}",
-            "sel {x}, {zero}, {ones}",
-            "add {c}, {c}, {x}",
-            "ldr {x}, [{row}, #4]",
-            "usub8 {x}, {x}, {y}",
-            "sel {x}, {zero}, {ones}",
-            "add {c}, {c}, {x}",
+            add_neighbour!("x", "[{row}]", "y", "c"),
+            add_neighbour!("x", "[{row}, #4]", "y", "c"),
             "add {row}, {row}, {stride}",
             "ldr {x}, [{row}, #2]",
             "usub8 {d}, {x}, {y}",
@@ -120,14 +115,8 @@ unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns
             "add {c}, {c}, {d}",
             "usub8 {y}, {y}, {x}",
             "sel {d}, {zero}, {ones}",
-            "ldr {y}, [{row}]",
-            "usub8 {y}, {y}, {x}",
-            "sel {y}, {zero}, {ones}",
-            "add {d}, {d}, {y}",
-            "ldr {y}, [{row}, #4]!",
-            "usub8 {y}, {y}, {x}",
-            "sel {y}, {zero}, {ones}",
-            "add {d}, {d}, {y}",
+            add_neighbour!("y", "[{row}]", "x", "d"),
+            add_neighbour!("y", "[{row}, #4]!", "x", "d"),
             "ldr {y}, [{below}], #4",
             "usub8 {y}, {y}, {x}",
             "sel {y}, {zero}, {ones}",
@@ -284,6 +273,27 @@ fn are_fours_of_words(length: usize, starts: &[*const u8]) -> bool {
     length > 0 && length.is_multiple_of(16) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
 }
 
+/// One word of a path: the entries before and behind four are cut out of three words.
+#[rustfmt::skip] // an instruction a line
+macro_rules! path_word {
+    ($here:literal, $then:literal, $cost:literal) => {
+        concat!(
+            "orr {near}, {carry}, {", $here, "}, lsl #8\n",
+            "lsr {carry}, {", $here, "}, #24\n",
+            "lsr {other}, {", $here, "}, #8\n",
+            "orr {other}, {other}, {", $then, "}, lsl #24\n",
+            "uqsub8 {near}, {near}, {other}\n",
+            "uadd8 {near}, {near}, {other}\n",
+            "uqsub8 {near}, {near}, {step}\n",
+            "uqsub8 {near}, {near}, {", $here, "}\n",
+            "uadd8 {near}, {near}, {", $here, "}\n",
+            "usub8 {", $cost, "}, {", $cost, "}, {near}\n",
+            "usub8 {near}, {", $cost, "}, {lows}\n",
+            "sel {lows}, {lows}, {", $cost, "}\n",
+        )
+    };
+}
+
 /// See [`portable::path_step`].
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     if costs.len() < path.len() || !are_fours_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()]) {
@@ -300,65 +310,21 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             "ldrd {cost}, {next}, [{costs}], #8",
             "ldr {then}, [{path}, #4]",
             "uqsub8 {then}, {reach}, {then}",
-            "orr {near}, {carry}, {here}, lsl #8",
-            "lsr {carry}, {here}, #24",
-            "lsr {other}, {here}, #8",
-            "orr {other}, {other}, {then}, lsl #24",
-            "uqsub8 {near}, {near}, {other}",
-            "uadd8 {near}, {near}, {other}",
-            "uqsub8 {near}, {near}, {step}",
-            "uqsub8 {near}, {near}, {here}",
-            "uadd8 {near}, {near}, {here}",
-            "usub8 {cost}, {cost}, {near}",
-            "usub8 {near}, {cost}, {lows}",
-            "sel {lows}, {lows}, {cost}",
+            path_word!("here", "then", "cost"),
             "ldr {here}, [{path}, #8]",
             "uqsub8 {here}, {reach}, {here}",
-            "orr {near}, {carry}, {then}, lsl #8",
-            "lsr {carry}, {then}, #24",
-            "lsr {other}, {then}, #8",
-            "orr {other}, {other}, {here}, lsl #24",
-            "uqsub8 {near}, {near}, {other}",
-            "uadd8 {near}, {near}, {other}",
-            "uqsub8 {near}, {near}, {step}",
-            "uqsub8 {near}, {near}, {then}",
-            "uadd8 {near}, {near}, {then}",
-            "usub8 {next}, {next}, {near}",
-            "usub8 {near}, {next}, {lows}",
-            "sel {lows}, {lows}, {next}",
+            path_word!("then", "here", "next"),
             "strd {cost}, {next}, [{path}], #8",
             "ldrd {cost}, {next}, [{costs}], #8",
             "ldr {then}, [{path}, #4]",
             "uqsub8 {then}, {reach}, {then}",
-            "orr {near}, {carry}, {here}, lsl #8",
-            "lsr {carry}, {here}, #24",
-            "lsr {other}, {here}, #8",
-            "orr {other}, {other}, {then}, lsl #24",
-            "uqsub8 {near}, {near}, {other}",
-            "uadd8 {near}, {near}, {other}",
-            "uqsub8 {near}, {near}, {step}",
-            "uqsub8 {near}, {near}, {here}",
-            "uadd8 {near}, {near}, {here}",
-            "usub8 {cost}, {cost}, {near}",
-            "usub8 {near}, {cost}, {lows}",
-            "sel {lows}, {lows}, {cost}",
+            path_word!("here", "then", "cost"),
             "mov {here}, #-1",
             "subs {rounds}, {rounds}, #1",
             "it ne",
             "ldrne {here}, [{path}, #8]",
             "uqsub8 {here}, {reach}, {here}",
-            "orr {near}, {carry}, {then}, lsl #8",
-            "lsr {carry}, {then}, #24",
-            "lsr {other}, {then}, #8",
-            "orr {other}, {other}, {here}, lsl #24",
-            "uqsub8 {near}, {near}, {other}",
-            "uadd8 {near}, {near}, {other}",
-            "uqsub8 {near}, {near}, {step}",
-            "uqsub8 {near}, {near}, {then}",
-            "uadd8 {near}, {near}, {then}",
-            "usub8 {next}, {next}, {near}",
-            "usub8 {near}, {next}, {lows}",
-            "sel {lows}, {lows}, {next}",
+            path_word!("then", "here", "next"),
             "strd {cost}, {next}, [{path}], #8",
             "bne 2b",
             rounds = inout(reg) path.len() / 16 => _,
@@ -380,6 +346,27 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     lowest_of(lows)
 }
 
+/// Two words of three paths, and the lowest of their sums.
+#[rustfmt::skip] // an instruction a line
+macro_rules! sums_of_two_words {
+    () => {
+        concat!(
+            "ldrd {sum}, {then}, [{sums}]\n",
+            "ldrd {x}, {y}, [{a}], #8\n",
+            "uqadd8 {sum}, {sum}, {x}\n",
+            "uqadd8 {then}, {then}, {y}\n",
+            "ldrd {x}, {y}, [{b}], #8\n",
+            "uqadd8 {sum}, {sum}, {x}\n",
+            "uqadd8 {then}, {then}, {y}\n",
+            "strd {sum}, {then}, [{sums}], #8\n",
+            "usub8 {x}, {sum}, {lows}\n",
+            "sel {lows}, {lows}, {sum}\n",
+            "usub8 {x}, {then}, {lows}\n",
+            "sel {lows}, {lows}, {then}\n",
+        )
+    };
+}
+
 /// See [`portable::sum_paths`].
 pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
     let (length, starts) = (sums.len(), [a.as_ptr(), b.as_ptr(), sums.as_ptr()]);
@@ -391,30 +378,8 @@ pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
     unsafe {
         asm!(
             "2:",
-            "ldrd {sum}, {then}, [{sums}]",
-            "ldrd {x}, {y}, [{a}], #8",
-            "uqadd8 {sum}, {sum}, {x}",
-            "uqadd8 {then}, {then}, {y}",
-            "ldrd {x}, {y}, [{b}], #8",
-            "uqadd8 {sum}, {sum}, {x}",
-            "uqadd8 {then}, {then}, {y}",
-            "strd {sum}, {then}, [{sums}], #8",
-            "usub8 {x}, {sum}, {lows}",
-            "sel {lows}, {lows}, {sum}",
-            "usub8 {x}, {then}, {lows}",
-            "sel {lows}, {lows}, {then}",
-            "ldrd {sum}, {then}, [{sums}]",
-            "ldrd {x}, {y}, [{a}], #8",
-            "uqadd8 {sum}, {sum}, {x}",
-            "uqadd8 {then}, {then}, {y}",
-            "ldrd {x}, {y}, [{b}], #8",
-            "uqadd8 {sum}, {sum}, {x}",
-            "uqadd8 {then}, {then}, {y}",
-            "strd {sum}, {then}, [{sums}], #8",
-            "usub8 {x}, {sum}, {lows}",
-            "sel {lows}, {lows}, {sum}",
-            "usub8 {x}, {then}, {lows}",
-            "sel {lows}, {lows}, {then}",
+            sums_of_two_words!(),
+            sums_of_two_words!(),
             "subs {rounds}, {rounds}, #1",
             "bne 2b",
             a = inout(reg) a.as_ptr() => _,

@@ -6,7 +6,7 @@ use linestereo_wire::{CaptureReport, FrameHead, Health, Message, Request};
 use serde_json::json;
 use std::sync::LazyLock;
 
-/// What a sensor at the bus does wrong: from, to, which, and how (see the model).
+/// Faults of sensors at the bus: from, to, us, which one, and the fault's name in the model.
 const WRONG: [(u64, u64, &str, &str); 6] = [
     (0, 500_000, "right", "absent"),
     (500_000, 1_000_000, "left", "other"),       // another chip at its address

@@ -1,4 +1,4 @@
-//! What a board finds after a reset: slots of its flash that are damaged, a bank that fails, the cause.
+//! State after a reset: slots of the flash that are damaged, a bank that fails, the cause.
 
 use super::super::{Run, hex, host, rig, rig_bytes};
 use super::execute;

@@ -157,7 +157,7 @@ fn start_us(scene: usize) -> u64 {
     FIRST_US + SCENE_US * scene as u64
 }
 
-/// What is asked for when a scene is shown. Some scenes are matched in the boxes of their smallest objects alone.
+/// Boxes asked for when a scene is shown. Some scenes are matched in the boxes of their smallest objects alone.
 fn regions(kind: Kind, shown: &Shown) -> Request {
     let only = kind == Kind::Corridor; // once a whole pair has been matched
     let of = if only { &shown.boxes[4..] } else { &shown.boxes[..] };

@@ -1,4 +1,4 @@
-//! What a host does on USB beside the usual: requests of all kinds, results that it does not read.
+//! Unusual acts of a host on USB: requests of all kinds, results that it does not read.
 
 use super::super::{Run, host};
 use super::{execute, frames};
