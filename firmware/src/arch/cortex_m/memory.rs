@@ -10,7 +10,8 @@
 //! ```
 //!
 //! # Bounds
-//! Words at any address are loaded and stored, as everywhere on Armv7-M and Armv8-M Mainline in normal memory: not for device memory.
+//! Words at any address are loaded and stored, which Armv7-M and Armv8-M Mainline allow in normal memory alone. An end in device memory has to begin at
+//! a word: from there on every access to it is aligned. The RP2350's USB driver copies packets so, whose buffers begin at 64 bytes.
 
 use core::arch::global_asm;
 
