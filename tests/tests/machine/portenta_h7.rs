@@ -30,7 +30,7 @@ fn image_ahead() -> Option<PathBuf> {
 #[test]
 fn seconds_of_a_portenta() {
     const FAULTS: [(CameraSide, u64, &str, usize); 2] =
-        [(CameraSide::Left, 6, "short", 3), (CameraSide::Left, 14, "few", 2)];
+        [(CameraSide::Left, 5, "short", 3), (CameraSide::Left, 9, "few", 2)];
     if !on_all() {
         return; // LINESTEREO_LONG=1
     }
@@ -99,7 +99,7 @@ fn pace(run: &Run) -> [u64; 2] {
     [median(periods.collect()), median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect())]
 }
 
-/// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad frames, more pairs that are no older.
+/// As it is built by default, and captured ahead, for a host on USB (a UART takes 43 ms for a result, longer than a pair): a rig that comes while a pair is on its way, bad frames, more pairs that are no older.
 #[test]
 fn ahead_gives_more_pairs_that_are_no_older() {
     const FAULTS: [(CameraSide, u64, &str, usize); 3] =
@@ -110,7 +110,7 @@ fn ahead_gives_more_pairs_that_are_no_older() {
     let scenario = || {
         let requests = [(60_000, Request::Start), (150_000, Request::SetRig(rig_bytes()))];
         let faults = bad_frames(&FAULTS);
-        json!({ "board": "portenta-h7", "until_us": 1_400_000, "host": host(&requests), "faults": faults, "erase_us": 1000 })
+        json!({ "board": "portenta-h7", "until_us": 1_400_000, "port": "usb", "host": host(&requests), "faults": faults, "erase_us": 1000 })
     };
     let run = |image: fn() -> Option<PathBuf>| {
         let run = Run::of("stm32h7.py", image, &scenario())?;

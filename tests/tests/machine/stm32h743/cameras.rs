@@ -13,7 +13,7 @@ const WRONG: [(u64, u64, &str, &str); 6] = [
     (1_000_000, STARTED_US, "right", "forgets"), // registers do not keep what is written
     (HUNG_US, HUNG_US + 30_000, "left", "hung"), // its clock line is held: the choice of exposure cannot be read
     (BUS_US, BUS_US + 60_000, "right", "bus"),   // errors while it is given another exposure
-    (ARBITRATION_US, ARBITRATION_US + 60_000, "right", "arbitration"), // and it cannot be started at once
+    (ARBITRATION_US, ARBITRATION_US + 120_000, "right", "arbitration"), // and for two pairs it cannot be started
 ];
 const STARTED_US: u64 = 1_500_000;
 const HUNG_US: u64 = 1_900_000;
