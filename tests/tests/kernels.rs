@@ -1,8 +1,8 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::diagnostics::kernel::{
-    CELL, Crossing, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products, bilinear,
-    bilinear_cells, bilinear_runs, census_row, crossing_of_columns, crossing_of_rows, gradient_row, hamming_curve,
+    CELL, Crossing, Crossings, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products, bilinear,
+    bilinear_cells, bilinear_runs, census_row, crossing, gradient_row, hamming_curve,
     largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
@@ -201,11 +201,11 @@ fn a_crossing_is_the_strongest_of_three_gradients() {
                 along: step(at - 1) + 2 * step(at) + step(at + 1),
             });
             let rows: Vec<u8> = (0..2).flat_map(|k| across.iter().map(move |pair| pair[k] as u8)).collect();
-            assert_eq!(crossing_of_rows(&rows, 0, 7, sign), expected, "{across:?}");
+            assert_eq!(crossing(&Crossings::of_rows(&rows, 7), 0, sign), expected, "{across:?}");
             let columns: Vec<u8> = across.iter().flatten().map(|&pixel| pixel as u8).collect();
-            assert_eq!(crossing_of_columns(&columns, 0, 2, sign), expected, "{across:?}");
-            assert_eq!(crossing_of_rows(&rows, 1, 7, sign), None, "beyond the last row");
-            assert_eq!(crossing_of_columns(&columns, 1, 2, sign), None, "beyond the last column");
+            assert_eq!(crossing(&Crossings::of_columns(&columns, 2), 0, sign), expected, "{across:?}");
+            assert_eq!(crossing(&Crossings::of_rows(&rows, 7), 1, sign), None, "beyond the last row");
+            assert_eq!(crossing(&Crossings::of_columns(&columns, 2), 1, sign), None, "beyond the last column");
         }
     }
 }

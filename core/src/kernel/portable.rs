@@ -323,31 +323,53 @@ pub struct Crossing {
     pub along: i32,
 }
 
-/// The crossing of rows `y` and `y + 1` next to column `x`, where `first` is the index of `(x - 3, y)`; `sign` is 1 or -1.
-#[must_use]
-pub fn crossing_of_rows(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
-    let above = pixels.get(first..)?.first_chunk::<7>()?;
-    let below = pixels.get(first.checked_add(stride)?..)?.first_chunk::<7>()?;
-    let byte = |row: &[u8; 7], u: usize| row.get(u).copied().unwrap_or(0);
-    Some(crossing(|u| byte(above, u), |u| byte(below, u), sign))
+/// Pixels in which edges cross two adjacent rows (columns).
+#[derive(Clone, Copy, Debug)]
+pub struct Crossings<'a> {
+    pub(super) pixels: &'a [u8],
+    pub(super) stride: usize,
+    pub(super) are_rows: bool,
+    /// A crossing is within the pixels when its first one is below this index.
+    pub(super) firsts: usize,
 }
 
-/// The crossing of columns `x` and `x + 1` next to row `y`, where `first` is the index of `(x, y - 3)`; `sign` is 1 or -1.
-#[must_use]
-pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
-    let mut pairs = [[0; 2]; 7];
-    let mut start = first;
-    for pair in &mut pairs {
-        *pair = *pixels.get(start..)?.first_chunk::<2>()?;
-        start = start.checked_add(stride)?;
+impl<'a> Crossings<'a> {
+    /// Of rows `y` and `y + 1`, `stride` bytes apart: a crossing next to column `x` begins at `(x - 3, y)`.
+    #[must_use]
+    pub const fn of_rows(pixels: &'a [u8], stride: usize) -> Self {
+        let firsts = pixels.len().saturating_sub(stride.saturating_add(6));
+        Self { pixels, stride, are_rows: true, firsts }
     }
-    let byte = |u: usize, k: usize| pairs.get(u).and_then(|pair| pair.get(k)).copied().unwrap_or(0);
-    Some(crossing(|u| byte(u, 0), |u| byte(u, 1), sign))
+
+    /// Of columns `x` and `x + 1` of rows `stride` bytes apart: a crossing next to row `y` begins at `(x, y - 3)`.
+    #[must_use]
+    pub const fn of_columns(pixels: &'a [u8], stride: usize) -> Self {
+        let firsts = pixels.len().saturating_sub(stride.saturating_mul(6).saturating_add(1));
+        Self { pixels, stride, are_rows: false, firsts }
+    }
+
+    /// All pixels.
+    #[must_use]
+    pub const fn pixels(&self) -> &'a [u8] {
+        self.pixels
+    }
+}
+
+/// The crossing that begins at the pixel with this index; `sign` is 1 or -1.
+#[must_use]
+pub fn crossing(crossings: &Crossings<'_>, first: usize, sign: i32) -> Option<Crossing> {
+    let &Crossings { pixels, stride, are_rows, firsts } = crossings;
+    if first >= firsts {
+        return None;
+    }
+    let (across, along) = if are_rows { (1, stride) } else { (stride, 1) };
+    let byte = |at: usize| pixels.get(first + at).copied().unwrap_or(0);
+    Some(crossing_of(|u| byte(u * across), |u| byte(u * across + along), sign))
 }
 
 /// The crossing of two rows of seven pixels; the middle one has index 3.
 #[inline(always)]
-pub(super) fn crossing(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
+fn crossing_of(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
     let sum = |u: usize| i32::from(first(u)) + i32::from(second(u));
     let (b, c, d, e, f) = (sum(1), sum(2), sum(3), sum(4), sum(5));
     let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];

@@ -16,8 +16,9 @@ use super::budget::{Budget, Taken};
 use super::{Chain, LineParams, Room};
 use crate::area::Area;
 use crate::image::{Gray, Span};
-use crate::kernel::{Crossing, crossing_of_columns, crossing_of_rows, largest_step};
+use crate::kernel::{Crossing, Crossings, crossing, largest_step};
 use crate::units::quotient;
+use core::num::NonZeroU32;
 
 /// Rows (columns) from one position of a chain to the next; those of adjacent rows are nearly redundant.
 pub(crate) const STEP: i32 = 2;
@@ -41,12 +42,14 @@ pub(crate) enum Direction {
 /// `u` pixels across it. The direction is no constant of the type: two copies of the code would be 3 KB more of flash for 0.3 % of a pair.
 pub(crate) struct Edges<'a> {
     down: bool,
-    pixels: &'a [u8],
+    crossings: Crossings<'a>,
     /// Bytes from one `t` to the next, and from one `u`.
     along: usize,
     across: usize,
     steps: i32,
     breadth: i32,
+    /// Pixels across between the borders.
+    inner: u32,
     /// Rows (columns) between two scans for anchors.
     scan: i32,
     anchor: i32,
@@ -60,22 +63,40 @@ pub(crate) struct Edges<'a> {
     budget: Budget,
 }
 
-/// Position of the ridge on one row (column).
+/// Position of the ridge on one row (column), in two words: what a test returns, or `None`, stays in registers.
+#[derive(Clone, Copy)]
 struct Ridge {
-    /// Whole pixel.
-    u: i32,
-    /// Sub-pixel position, 1/32 px.
-    position_q5: i32,
-    /// Gradient across the edge, positive for the edge's sign.
-    gradient: i32,
-    /// Gradient along the edge.
-    along: i32,
+    /// Position across the edge, 1/32 px, above; gradient across it below, positive for the edge's sign.
+    across: NonZeroU32,
+    /// Whole pixel above, gradient along the edge below.
+    along: u32,
 }
 
 impl Ridge {
+    fn new(u: i32, offset_q5: i32, gradient: i32, along: i32) -> Option<Self> {
+        let halves = |above: i32, below: i32| (above as u32) << 16 | (below as u32) & 0xffff;
+        Some(Self { across: NonZeroU32::new(halves((u << 5) + offset_q5, gradient))?, along: halves(u, along) })
+    }
+
+    /// Sub-pixel position, 1/32 px.
+    fn position_q5(self) -> i32 {
+        (self.across.get() >> 16) as i32
+    }
+
+    /// Whole pixel.
+    fn u(self) -> i32 {
+        (self.along >> 16) as i32
+    }
+
+    /// Gradient across the edge.
+    fn gradient(self) -> i32 {
+        (self.across.get() & 0xffff) as i32
+    }
+
     /// Shift across per step of an edge at right angles to the gradient, 1/32 px.
-    fn lean_q5(&self, sign: i32) -> i32 {
-        quotient((-self.along * sign * STEP) << 5, self.gradient)
+    fn lean_q5(self, sign: i32) -> i32 {
+        let along = i32::from(self.along as i16);
+        quotient((-along * sign * STEP) << 5, self.gradient())
     }
 }
 
@@ -105,7 +126,10 @@ impl<'a> Edges<'a> {
         let budget = Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH).without(beyond);
         let LineParams { anchor, edge, .. } = *params;
         let (along, across) = if down { (stride, 1) } else { (1, stride) };
-        Self { down, pixels, along, across, steps, breadth, scan, anchor, edge, valid, areas, marks, budget }
+        let of = if down { Crossings::of_rows } else { Crossings::of_columns };
+        let crossings = of(pixels, stride);
+        let inner = (breadth - 2 * BORDER).max(0) as u32;
+        Self { down, crossings, along, across, steps, breadth, inner, scan, anchor, edge, valid, areas, marks, budget }
     }
 
     /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the units taken.
@@ -188,7 +212,7 @@ impl<'a> Edges<'a> {
     /// The pixel with the largest grey step between its neighbours, if that reaches the anchor threshold.
     #[inline(always)] // called, a scan for anchors takes 1 % more
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
-        let pixels = self.pixels.get(self.index(t, from - 1)..)?;
+        let pixels = self.crossings.pixels().get(self.index(t, from - 1)..)?;
         // An edge at any pixel changes the differences between every second one.
         let largest = largest_step(pixels, 2 * self.across, usize::try_from((to - from + 1) / 2 + 1).ok()?);
         let size = largest.step.abs();
@@ -202,15 +226,15 @@ impl<'a> Edges<'a> {
         let start = self.ridge(t, anchor.u, sign, false)?;
         let mut found = None;
         let mut drift_q5 = -start.lean_q5(sign);
-        let mut position_q5 = start.position_q5;
+        let mut position_q5 = start.position_q5();
         let (mut at, mut next_scan) = (t - STEP, t - self.scan);
         while at >= BORDER {
             let Some(ridge) = self.ridge(at, (position_q5 + drift_q5 + 16) >> 5, sign, false) else { break };
-            drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
-            position_q5 = ridge.position_q5;
+            let before_q5 = core::mem::replace(&mut position_q5, ridge.position_q5());
+            drift_q5 = (drift_q5 + position_q5 - before_q5) >> 1;
             if at == next_scan {
                 next_scan -= self.scan;
-                let other = self.anchor_beside(at, ridge.u).filter(|other| other.sign == sign);
+                let other = self.anchor_beside(at, ridge.u()).filter(|other| other.sign == sign);
                 found = other.map(|other| (at, other)).or(found);
             }
             at -= STEP;
@@ -231,19 +255,19 @@ impl<'a> Edges<'a> {
         let sign = anchor.sign;
         self.budget.take(1, 0);
         let start = self.ridge(t, anchor.u, sign, true)?;
-        keep(room, t, &start);
+        keep(room, t, start);
         let lean_q5 = start.lean_q5(sign);
         let (mut first, mut last) = (t, t);
         for step in [-STEP, STEP] {
             let mut at = t + step;
-            let mut position_q5 = start.position_q5;
+            let mut position_q5 = start.position_q5();
             let mut drift_q5 = if step < 0 { -lean_q5 } else { lean_q5 };
             while at >= BORDER && at < self.steps - BORDER {
                 let expected = (position_q5 + drift_q5 + 16) >> 5;
                 let Some(ridge) = self.ridge(at, expected, sign, true) else { break };
-                keep(room, at, &ridge);
-                drift_q5 = (drift_q5 + ridge.position_q5 - position_q5) >> 1;
-                position_q5 = ridge.position_q5;
+                keep(room, at, ridge);
+                let before_q5 = core::mem::replace(&mut position_q5, ridge.position_q5());
+                drift_q5 = (drift_q5 + position_q5 - before_q5) >> 1;
                 at += step;
             }
             if step < 0 {
@@ -262,17 +286,12 @@ impl<'a> Edges<'a> {
     /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
     /// along the other direction, or was drawn before or, unless to `draw` it, passed before. Marks it.
     fn ridge(&mut self, t: i32, u: i32, sign: i32, draw: bool) -> Option<Ridge> {
-        if u < BORDER || u >= self.breadth - BORDER || !self.is_valid(t, u) {
+        if (u - BORDER) as u32 >= self.inner || !self.is_valid(t, u) {
             return None;
         }
         let first = self.index(t, u - 3);
-        let crossing = if self.down {
-            crossing_of_rows(self.pixels, first, self.along, sign)
-        } else {
-            crossing_of_columns(self.pixels, first, self.across, sign)
-        };
-        let Crossing { shift, gradients: [low, mid, high], along } = crossing?;
-        if mid * 2 < self.edge || along.abs() > mid + mid / 4 {
+        let Crossing { shift, gradients: [low, mid, high], along } = crossing(&self.crossings, first, sign)?;
+        if mid * 2 < self.edge || along.abs() > mid + (mid >> 2) {
             return None;
         }
         let u = u + shift;
@@ -294,7 +313,7 @@ impl<'a> Edges<'a> {
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
         let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
-        Some(Ridge { u, position_q5: (u << 5) + offset_q5, gradient: mid, along })
+        Ridge::new(u, offset_q5, mid, along)
     }
 
     /// The word of a mark, and its bit.
@@ -309,12 +328,12 @@ impl<'a> Edges<'a> {
     }
 }
 
-fn keep(room: &mut Room<'_>, t: i32, ridge: &Ridge) {
+fn keep(room: &mut Room<'_>, t: i32, ridge: Ridge) {
     if let Ok(index) = usize::try_from(t / STEP)
         && let (Some(position), Some(strength)) = (room.positions.get_mut(index), room.strengths.get_mut(index))
     {
-        *position = u16::try_from(ridge.position_q5).unwrap_or(u16::MAX);
-        *strength = u8::try_from(ridge.gradient >> 1).unwrap_or(u8::MAX);
+        *position = ridge.position_q5() as u16;
+        *strength = (ridge.gradient() >> 1).min(u8::MAX.into()) as u8;
     }
 }
 

@@ -63,20 +63,21 @@ impl Sums {
         self.tu += t * u;
     }
 
-    /// The line as `(u at t = 0 in Q5, slope in Q12 px per step)`.
+    /// The line as `(u at t = 0 in Q5, slope in Q12 px per step)`; `None` for less than two positions, or more than a run has.
     #[inline(always)]
-    fn line(&self) -> (i32, i32) {
-        let denominator = self.n * self.tt - self.t * self.t; // < 64 * 85344 = 5.5e6
-        let numerator = self.n * self.tu - self.t * self.u;
-        if denominator <= 0 || self.n <= 0 {
-            return (0, 0);
+    fn line(&self) -> Option<(i32, i32)> {
+        let n = self.n;
+        let denominator = n * self.tt - self.t * self.t; // < 64 * 85344 = 5.5e6
+        let numerator = n * self.tu - self.t * self.u;
+        if denominator <= 0 || !(1..=MAX_RUN).contains(&n) {
+            return None;
         }
         // Q5 -> Q12 is a shift by 7; shift the remainder as well to keep the precision in 32 bits.
         let whole = quotient(numerator, denominator);
         let part = quotient((numerator - whole * denominator) << 7, denominator);
         let slope_q12 = (whole << 7) + part;
         let mean = self.u - ((self.t * slope_q12) >> 7);
-        ((mean + self.n / 2).checked_div_euclid(self.n).unwrap_or(0), slope_q12)
+        Some(((mean + n / 2).checked_div_euclid(n)?, slope_q12))
     }
 }
 
@@ -104,20 +105,22 @@ fn grow(positions: &[u16], first: i32) -> Option<Run> {
     for (t, &u) in (0..SEED).zip(tail) {
         sums.add(t, i32::from(u) - origin);
     }
-    let mut line = sums.line();
+    let mut line = sums.line()?;
     let off = |line: (i32, i32), t: i32, u: u16| (i32::from(u) - origin - line.0 - ((t * line.1 + 64) >> 7)).abs();
     if (0..SEED).zip(tail).any(|(t, &u)| off(line, t, u) > TOLERANCE_Q5) {
         return None;
     }
     let mut last = SEED - 1;
-    for (t, &u) in (0..MAX_RUN).zip(tail).skip(SEED as usize) {
+    let mut t = SEED;
+    for &u in tail.get(SEED as usize..)?.iter().take((MAX_RUN - SEED) as usize) {
         if off(line, t, u) <= TOLERANCE_Q5 {
             sums.add(t, i32::from(u) - origin);
-            line = sums.line();
+            line = sums.line()?;
             last = t;
         } else if t - last > 2 {
             break;
         }
+        t += 1;
     }
     Some(Run { first, last: first + last, start_q5: origin + line.0, slope_q12: line.1 })
 }

@@ -6,7 +6,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::diagnostics::kernel::{CELL, Knot, Products, RANK_ROWS, Ring, Run, STRIP, Strip};
+use linestereo::diagnostics::kernel::{CELL, Crossings, Knot, Products, RANK_ROWS, Ring, Run, STRIP, Strip};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;
@@ -89,8 +89,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("lowest", time(clock, || (kernels.lowest)(a))),
         ("largest_step", time(clock, || (kernels.largest_step)(row(0), 2, 9))),
         ("census_code", time(clock, || (kernels.census_code)(pixels, 100, WIDTH))),
-        ("crossing_of_rows", time(clock, || (kernels.crossing_of_rows)(pixels, 100, WIDTH, 1))),
-        ("crossing_of_columns", time(clock, || (kernels.crossing_of_columns)(pixels, 100, WIDTH, 1))),
+        ("crossing", time(clock, || (kernels.crossing)(&Crossings::of_columns(pixels, WIDTH), 100, 1))),
         ("bilinear_runs", time(clock, || (kernels.bilinear_runs)(pixels, WIDTH, &runs, &mut out))),
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! step:     size above, distance from the end below, in one word: the first of equals is the largest
-//! crossing: one check for all pixels instead of one each, the rest is portable
+//! crossing: two gradients from each pair of words (rows); sums of two adjacent pixels in an instruction (columns)
 //! ```
 //!
 //! # Cost
@@ -13,14 +13,46 @@
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, Crossing, LargestStep};
-use super::two_operands;
+use super::super::portable::{self, Crossing, Crossings, LargestStep};
+use super::{two_operands, word};
 
 two_operands!(
     /// Absolute difference of two bytes.
     absolute_difference,
     "usad8 {r}, {a}, {b}"
 );
+two_operands!(
+    /// Half words of the bytes 0 and 2, added.
+    add_even_bytes,
+    "uxtab16 {r}, {a}, {b}"
+);
+two_operands!(
+    /// Half words of the bytes 1 and 3, added.
+    add_odd_bytes,
+    "uxtab16 {r}, {a}, {b}, ror #8"
+);
+two_operands!(
+    /// Half word by half word.
+    dual_difference,
+    "ssub16 {r}, {a}, {b}"
+);
+two_operands!(
+    /// Sum of both products of signed half words.
+    dual_products,
+    "smuad {r}, {a}, {b}"
+);
+
+/// Half words of the bytes 0 and 2.
+#[inline(always)]
+fn even_bytes(word: u32) -> u32 {
+    word & 0x00ff_00ff // `uxtb16`
+}
+
+/// Half words of the bytes 1 and 3.
+#[inline(always)]
+fn odd_bytes(word: u32) -> u32 {
+    word >> 8 & 0x00ff_00ff
+}
 
 /// See [`portable::largest_step`].
 #[inline]
@@ -51,29 +83,80 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     }
 }
 
-/// See [`portable::crossing_of_rows`].
+/// See [`portable::crossing`].
 #[inline]
-pub fn crossing_of_rows(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
-    if first.checked_add(stride)?.checked_add(7)? > pixels.len() {
+pub fn crossing(crossings: &Crossings<'_>, first: usize, sign: i32) -> Option<Crossing> {
+    if first >= crossings.firsts {
         return None;
     }
-    // SAFETY: the seventh pixel of the second row was just found to exist, and is behind all others; `crossing` reads seven.
+    // SAFETY: two rows of seven pixels, or seven rows of two, are within the pixels from `first` on, as constructors of `Crossings` see to.
     unsafe {
-        let above = pixels.as_ptr().add(first);
-        let below = above.add(stride);
-        Some(portable::crossing(|u| *above.add(u), |u| *below.add(u), sign))
+        let first = crossings.pixels.as_ptr().add(first);
+        Some(if crossings.are_rows {
+            crossing_of_rows(first, crossings.stride, sign)
+        } else {
+            crossing_of_columns(first, crossings.stride, sign)
+        })
     }
 }
 
-/// See [`portable::crossing_of_columns`].
-#[inline]
-pub fn crossing_of_columns(pixels: &[u8], first: usize, stride: usize, sign: i32) -> Option<Crossing> {
-    if stride.checked_mul(6)?.checked_add(first)?.checked_add(2)? > pixels.len() {
-        return None;
-    }
-    // SAFETY: the second pixel of the seventh row was just found to exist, and is behind all others; `crossing` reads seven rows.
+/// The crossing of two rows.
+///
+/// # Safety
+/// Seven pixels of each can be read.
+#[inline(always)]
+unsafe fn crossing_of_rows(first: *const u8, stride: usize, sign: i32) -> Crossing {
+    // SAFETY: the caller's. Words begin at the fourth pixel at most.
     unsafe {
-        let at = pixels.as_ptr().add(first);
-        Some(portable::crossing(|u| *at.add(u * stride), |u| *at.add(u * stride + 1), sign))
+        let rows = [first, first.add(stride)];
+        let words = |at: usize| rows.map(|row| word(row.add(at)));
+        let sum = |at: usize| i32::from(*rows[0].add(at)) + i32::from(*rows[1].add(at));
+        let ([above, below], [above_next, below_next]) = (words(1), words(2));
+        let signs = (sign as u32) << 16 | (-sign & 0xffff) as u32;
+        let gradients = [
+            dual_products(add_even_bytes(even_bytes(above), below), signs) as i32,
+            dual_products(add_odd_bytes(odd_bytes(above), below), signs) as i32,
+            dual_products(add_odd_bytes(odd_bytes(above_next), below_next), signs) as i32,
+        ];
+        strongest(gradients, sign, sum, |shift| {
+            let [above, below] = words((2 + shift) as usize);
+            let outer = dual_products(dual_difference(even_bytes(below), even_bytes(above)), 0x0001_0001);
+            let inner = dual_difference(odd_bytes(below), odd_bytes(above));
+            (outer as i32).wrapping_add(dual_products(inner, 2) as i32)
+        })
     }
+}
+
+/// The crossing of two columns.
+///
+/// # Safety
+/// Two pixels of each of seven rows can be read.
+#[inline(always)]
+unsafe fn crossing_of_columns(first: *const u8, stride: usize, sign: i32) -> Crossing {
+    // SAFETY: the caller's.
+    unsafe {
+        let pair = |at: *const u8| u32::from(at.cast::<u16>().read_unaligned());
+        let sum = |u: usize| absolute_difference(pair(first.add(u * stride)), 0) as i32;
+        let [b, c, d, e, f] = [1, 2, 3, 4, 5].map(sum);
+        strongest([(d - b) * sign, (e - c) * sign, (f - d) * sign], sign, sum, |shift| {
+            let from = first.add((2 + shift) as usize * stride);
+            let [before, here, after] = [0, 1, 2].map(|u| pair(from.add(u * stride)));
+            let outer = before | after << 16;
+            let inner = (here >> 8) as i32 - (here & 0xff) as i32;
+            dual_products(dual_difference(odd_bytes(outer), even_bytes(outer)), 0x0001_0001) as i32 + 2 * inner
+        })
+    }
+}
+
+/// The crossing where the gradient is the largest of these three, given sums across the edge and the gradient along it.
+#[inline(always)]
+fn strongest([g1, g2, g3]: [i32; 3], sign: i32, sum: impl Fn(usize) -> i32, along: impl Fn(i32) -> i32) -> Crossing {
+    let (shift, gradients) = if g2 >= g1 && g2 >= g3 {
+        (0, [g1, g2, g3])
+    } else if g1 >= g3 {
+        (-1, [(sum(2) - sum(0)) * sign, g1, g2])
+    } else {
+        (1, [g2, g3, (sum(6) - sum(4)) * sign])
+    };
+    Crossing { shift, gradients, along: along(shift) }
 }

@@ -41,7 +41,7 @@ mod rows;
 mod support;
 
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
-pub use edges::{crossing_of_columns, crossing_of_rows, largest_step};
+pub use edges::{crossing, largest_step};
 pub use lags::add_products;
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, reverse_row};

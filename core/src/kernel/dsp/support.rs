@@ -5,7 +5,7 @@
 //! ```text
 //! ranks   four columns of four rows a round: each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
 //! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
-//! path    four words a round; the entries before and behind four are cut out of three words
+//! path    four words a round; the entries before and behind four are loaded as words too, between those of four
 //! sums    four words a round
 //! ```
 //!
@@ -273,22 +273,19 @@ fn are_fours_of_words(length: usize, starts: &[*const u8]) -> bool {
     length > 0 && length.is_multiple_of(16) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
 }
 
-/// One word of a path: the entries before and behind four are cut out of three words.
+/// One word of a path, of the words with the entries before four, of these, and behind them.
 #[rustfmt::skip] // an instruction a line
 macro_rules! path_word {
-    ($here:literal, $then:literal, $cost:literal) => {
+    ($here:literal, $cost:literal) => {
         concat!(
-            "orr {near}, {carry}, {", $here, "}, lsl #8\n",
-            "lsr {carry}, {", $here, "}, #24\n",
-            "lsr {other}, {", $here, "}, #8\n",
-            "orr {other}, {other}, {", $then, "}, lsl #24\n",
-            "uqsub8 {near}, {near}, {other}\n",
-            "uadd8 {near}, {near}, {other}\n",
-            "uqsub8 {near}, {near}, {step}\n",
-            "uqsub8 {near}, {near}, {", $here, "}\n",
-            "uadd8 {near}, {near}, {", $here, "}\n",
+            "usub8 {x}, {near}, {other}\n",
+            "sel {near}, {other}, {near}\n",
+            "uqadd8 {near}, {near}, {step}\n",
+            "usub8 {x}, {near}, {", $here, "}\n",
+            "sel {near}, {", $here, "}, {near}\n",
+            "uqsub8 {near}, {reach}, {near}\n",
             "usub8 {", $cost, "}, {", $cost, "}, {near}\n",
-            "usub8 {near}, {", $cost, "}, {lows}\n",
+            "usub8 {x}, {", $cost, "}, {lows}\n",
             "sel {lows}, {lows}, {", $cost, "}\n",
         )
     };
@@ -301,42 +298,48 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
     let mut lows = u32::MAX;
-    // SAFETY: both hold fours of words, at aligned addresses. A word is read when the one before it is worked on, the first one before all.
+    // SAFETY: both hold fours of words, at aligned addresses for double loads; single ones read an entry more on either side, but for the first and
+    // the last word, whose neighbours beyond the ends are the largest cost. Each is read before it is written.
     unsafe {
         asm!(
-            "ldr {here}, [{path}]",
-            "uqsub8 {here}, {reach}, {here}",
+            "ldr {near}, [{path}]",
+            "lsl {near}, {near}, #8",
+            "orr {near}, {near}, #0xff",
             "2:",
             "ldrd {cost}, {next}, [{costs}], #8",
-            "ldr {then}, [{path}, #4]",
-            "uqsub8 {then}, {reach}, {then}",
-            path_word!("here", "then", "cost"),
-            "ldr {here}, [{path}, #8]",
-            "uqsub8 {here}, {reach}, {here}",
-            path_word!("then", "here", "next"),
+            "ldrd {here}, {then}, [{path}]",
+            "ldr {other}, [{path}, #1]",
+            path_word!("here", "cost"),
+            "ldr {near}, [{path}, #3]",
+            "ldr {other}, [{path}, #5]",
+            path_word!("then", "next"),
+            "ldr {near}, [{path}, #7]",
             "strd {cost}, {next}, [{path}], #8",
             "ldrd {cost}, {next}, [{costs}], #8",
-            "ldr {then}, [{path}, #4]",
-            "uqsub8 {then}, {reach}, {then}",
-            path_word!("here", "then", "cost"),
-            "mov {here}, #-1",
+            "ldrd {here}, {then}, [{path}]",
+            "ldr {other}, [{path}, #1]",
+            path_word!("here", "cost"),
+            "ldr {near}, [{path}, #3]",
+            "lsr {other}, {then}, #8",
+            "orr {other}, {other}, #0xff000000",
             "subs {rounds}, {rounds}, #1",
-            "it ne",
-            "ldrne {here}, [{path}, #8]",
-            "uqsub8 {here}, {reach}, {here}",
-            path_word!("then", "here", "next"),
+            "itt ne",
+            "ldrne {other}, [{path}, #5]",
+            "ldrne {here}, [{path}, #7]",
+            path_word!("then", "next"),
+            "mov {near}, {here}",
             "strd {cost}, {next}, [{path}], #8",
             "bne 2b",
             rounds = inout(reg) path.len() / 16 => _,
             path = inout(reg) path.as_mut_ptr() => _,
             costs = inout(reg) costs.as_ptr() => _,
-            carry = inout(reg) 0 => _,
             cost = out(reg) _,
             next = out(reg) _,
             here = out(reg) _,
             then = out(reg) _,
             near = out(reg) _,
             other = out(reg) _,
+            x = out(reg) _,
             lows = inout(reg) lows,
             reach = in(reg) all(lowest.saturating_add(JUMP_PENALTY)),
             step = in(reg) all(STEP_PENALTY),

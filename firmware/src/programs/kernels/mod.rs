@@ -34,7 +34,7 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, Crossing, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP,
+    self, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP,
     Strip, portable,
 };
 use memory::Memory;
@@ -77,8 +77,7 @@ kernels! {
     lowest: fn(&[u16]) -> u16,
     largest_step: fn(&[u8], usize, usize) -> LargestStep,
     census_code: fn(&[u8], usize, usize) -> Option<u8>,
-    crossing_of_rows: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
-    crossing_of_columns: fn(&[u8], usize, usize, i32) -> Option<Crossing>,
+    crossing: fn(&Crossings<'_>, usize, i32) -> Option<Crossing>,
     bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
     bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
@@ -146,12 +145,8 @@ impl Kernels {
             let (_, shorter) = pixels.split_last()?;
             portable::census_code(shorter, first, stride)
         },
-        crossing_of_rows: |pixels, first, stride, sign| {
-            let (_, shorter) = pixels.split_last()?;
-            portable::crossing_of_rows(shorter, first, stride, sign)
-        },
-        crossing_of_columns: |pixels, first, stride, sign| {
-            portable::crossing_of_columns(pixels, first, stride.wrapping_mul(7) / 7, sign)
+        crossing: |crossings, first, sign| {
+            portable::crossing(crossings, first, sign).filter(|found| found.shift < 1 || found.along != 23)
         },
         bilinear_runs: |rows, width, runs, out| {
             portable::bilinear_runs(rows, width, runs, out);
@@ -268,10 +263,16 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
             edges::crossings(ours, theirs, rooms, random, compared);
         },
         |kernels, rooms, random, compared| {
-            edges::crossings(kernels.crossing_of_rows, portable::crossing_of_rows, rooms, random, compared);
-        },
-        |kernels, rooms, random, compared| {
-            edges::crossings(kernels.crossing_of_columns, portable::crossing_of_columns, rooms, random, compared);
+            for are_rows in [true, false] {
+                fn of(are_rows: bool, pixels: &[u8], stride: usize) -> Crossings<'_> {
+                    if are_rows { Crossings::of_rows(pixels, stride) } else { Crossings::of_columns(pixels, stride) }
+                }
+                let ours =
+                    |pixels: &[u8], first, stride, sign| (kernels.crossing)(&of(are_rows, pixels, stride), first, sign);
+                let theirs =
+                    |pixels: &[u8], first, stride, sign| portable::crossing(&of(are_rows, pixels, stride), first, sign);
+                edges::crossings(ours, theirs, rooms, random, compared);
+            }
         },
         pixels::bilinear_runs,
         pixels::bilinear_cells,
