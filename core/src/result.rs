@@ -193,7 +193,7 @@ impl Counts {
         [self.segments_left_dropped, self.segments_right_dropped, self.edges_cut, self.comparisons_cut] != [0; 4]
     }
 
-    /// Work of the edges of both images, in units of some 65 instructions of a Cortex-M7: what [`Counts::edges_cut`] keeps bounded.
+    /// Work of the edges of both images, in units of some 50 instructions of a Cortex-M7: what [`Counts::edges_cut`] keeps bounded.
     #[must_use]
     pub fn edge_units(&self) -> u32 {
         self.edge_units

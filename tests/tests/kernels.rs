@@ -1,9 +1,9 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::diagnostics::kernel::{
-    CELL, Crossing, Crossings, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products, bilinear,
-    bilinear_cells, bilinear_runs, census_row, crossing, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
+    CELL, Crossing, Crossings, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products,
+    bilinear, bilinear_cells, bilinear_runs, census_row, crossing, gradient_row, hamming_curve, largest_step,
+    lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};

@@ -37,19 +37,21 @@ mod simd128;
 mod sse2;
 
 pub use portable::{
-    CELL, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, RANK_FLAT, RANK_ROWS,
-    RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CELL, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, RANK_FLAT,
+    RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step,
-    place_of_byte, rank_columns, rank_costs, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
+    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, place_of_byte, rank_columns,
+    rank_costs, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte,
-    rank_columns, reverse_row, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
+    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, rank_columns, reverse_row,
+    sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{path_step, rank_costs, sad_curve};

@@ -3,7 +3,7 @@
 //! In: the size of the image or of the areas searched, what is done. Out: leave to draw another edge, and the number of those left out.
 //!
 //! ```text
-//! a budget per image and direction; a unit is some 65 instructions of a Cortex-M7: a test of the ridge takes 3, a position kept 1
+//! a budget per image and direction; a unit is some 50 instructions of a Cortex-M7: a test of the ridge takes 3, a position kept 1
 //! what edges down the rows take beyond two thirds of their budget, those along the columns have less: no scene has as many of both
 //! a part of it from the start, for what lies within REACH of the pixels searched; the rest with the pixels, as they are searched, so that
 //!     neither the bottom nor the right is starved
@@ -15,7 +15,7 @@
 //!
 //! # Cost
 //! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along,
-//! 32 k of both, and, in the right image, 11 k: 2.8 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
+//! 32 k of both, and, in the right image, 11 k: 2.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
 use crate::area::Area;
 use crate::image::Dims;

@@ -6,7 +6,7 @@
 //! Sobel of 8-bit pixels: |g| <= 1020. Positions in 1/32 px below 2^16 for images up to 2047 px.
 //!
 //! # Cost
-//! A scan: 2 instructions for each of its pixels, some 60 a stretch. An edge: some 195 a test of the ridge, one for each position and two more; an edge that
+//! A scan: 2 instructions for each of its pixels, some 60 a stretch. An edge: some 150 a test of the ridge, one for each position and two more; an edge that
 //! enters areas is passed once more on the way to its start, at each position once in all. What edges may take in all: [`Budget`].
 //!
 //! # Source

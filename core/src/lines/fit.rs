@@ -12,7 +12,7 @@
 //! and `sum(t) * sum(u)` the same: all sums and products fit `i32`.
 //!
 //! # Cost
-//! Some 70 instructions a position of a run, 150 where no seed is straight; a position is seen at most four times, by a run, by the three misses before it.
+//! Some 50 instructions a position of a run, 150 where no seed is straight; a position is seen at most four times, by a run, by the three misses before it.
 //!
 //! # Source
 //! Least squares line; EDLines (Akinlar, Topal 2011) for growing it along a chain.

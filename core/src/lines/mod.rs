@@ -131,7 +131,7 @@ pub struct Detection {
     pub segments: u16,
     /// Edges that were not drawn, because the budget of work was spent: places where one would have started.
     pub edges: u16,
-    /// Work of the edges that were drawn, units of some 65 instructions of a Cortex-M7.
+    /// Work of the edges that were drawn, units of some 50 instructions of a Cortex-M7.
     pub units: u32,
 }
 

@@ -64,10 +64,17 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
     if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
         match near.first_chunk_mut() {
             Some(whole) => *whole = [u8::MAX; 2 * NEIGHBOURHOOD + 1], // two stores, not a call
-            None => near.fill(u8::MAX),
+            None => fill_part(near),
         }
     }
     lowest_byte(costs)
+}
+
+/// A neighbourhood that ends with the range. Apart, since the compiler otherwise makes one call of both.
+#[cold]
+#[inline(never)]
+fn fill_part(near: &mut [u8]) {
+    near.fill(u8::MAX);
 }
 
 /// Number of ranks of a window that differ from the one in the next column, 0 ..= 28.

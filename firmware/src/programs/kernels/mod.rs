@@ -34,8 +34,8 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP,
-    Strip, portable,
+    self, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring,
+    Run, STRIP, Strip, portable,
 };
 use memory::Memory;
 use rooms::ALIGNMENTS;
