@@ -8,7 +8,7 @@
 //! Lengths are rounded up to fours of words; entries beyond the disparities are the largest cost.
 //!
 //! # Cost
-//! Three steps of a path and a sum for every point and disparity, whatever the costs are: 1030 instructions a point at 64 disparities (Armv7E-M).
+//! Three steps of a path and a sum for every point and disparity, whatever the costs are: 930 instructions a point at 64 disparities (Armv7E-M).
 
 use crate::kernel::{path_step, sum_paths};
 use core::ops::Range;

@@ -77,6 +77,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let mut bytes = [[0_u8; DISPARITIES]; 3];
     let [costs, path, sums] = &mut bytes;
     let mut products = [Products::default(); 2];
+    let columns_of_pixels = Crossings::of_columns(pixels, WIDTH);
     [
         ("gradient_row", time(clock, || (kernels.gradient_row)(row(0), row(1), row(2), &mut out))),
         ("census_row", time(clock, || (kernels.census_row)([row(0), row(2), row(4)], &mut out))),
@@ -89,7 +90,7 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("lowest", time(clock, || (kernels.lowest)(a))),
         ("largest_step", time(clock, || (kernels.largest_step)(row(0), 2, 9))),
         ("census_code", time(clock, || (kernels.census_code)(pixels, 100, WIDTH))),
-        ("crossing", time(clock, || (kernels.crossing)(&Crossings::of_columns(pixels, WIDTH), 100, 1))),
+        ("crossing", time(clock, || (kernels.crossing)(&columns_of_pixels, 100, 1))),
         ("bilinear_runs", time(clock, || (kernels.bilinear_runs)(pixels, WIDTH, &runs, &mut out))),
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
