@@ -99,7 +99,8 @@ fn pace(run: &Run) -> [u64; 2] {
     [median(periods.collect()), median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect())]
 }
 
-/// As it is built by default, and captured ahead, for a host on USB (a UART takes 43 ms for a result, longer than a pair): a rig that comes while a pair is on its way, bad frames, more pairs that are no older.
+/// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad frames, more pairs that are no older. By USB, since a
+/// UART takes 43 ms for a result, longer than a pair.
 #[test]
 fn ahead_gives_more_pairs_that_are_no_older() {
     const FAULTS: [(CameraSide, u64, &str, usize); 3] =
