@@ -9,11 +9,12 @@ cannot be corrected, ADC, option bytes; of the Portenta its bootloader, power co
 the joiner's own behaviour.
 
 Scenario: board: a key of WIRINGS; until_us; port: uart, or usb, to which a host is plugged; host: [[us, hex, or an act of a USB host]];
-autopilot: [[us, hex]]; autopilot_clock_us: what its clock is ahead, by which it answers TIMESYNC, or absent; faults: [[camera, frame, short|few|overrun]];
-pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or a name of images]]; images: {name: [left, right]} in hex;
-i2c: [[from us, to us, camera, absent|other|forgets|hung|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses;
+autopilot: [[us, hex]]; autopilot_clock_us: what its clock is ahead, by which it answers TIMESYNC, or absent;
+faults: [[camera, frame, short|few|overrun|blind|none]]; pictures: [[from us, to us, covered|bright|dark|lower|swapped|frozen, or a name of images]];
+images: {name: [left, right]} in hex;
+i2c: [[from us, to us, camera, absent|other|forgets|hung|held|mute|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses;
 flash: hex of bank 2's last four sectors or absent; broken: [offset there of a word that power failed in]; flash_errors: [[from us, to us]]; erase_us;
-reset_flags: RCC_RSR; hard_fault_us or absent; resets: how often a reset may start it again. Result: see `execute`.
+reset_flags: RCC_RSR; hard_fault_us and overflow_us (of the stack) or absent; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, struct, sys
 from collections import namedtuple
@@ -88,7 +89,7 @@ class I2c:
 
     def __init__(self, core, sensors, faults):
         self.core, self.faults = core, faults
-        self.sensors, self.registers, self.flags, self.mode, self.left, self.data, self.answer = sensors, {}, 1, None, 0, [], []
+        self.sensors, self.registers, self.flags, self.mode, self.left, self.data, self.answer, self.held = sensors, {}, 1, None, 0, [], [], None
 
     def _fault(self, address):
         name = self.sensors[address].name if address in self.sensors else None
@@ -100,13 +101,13 @@ class I2c:
             self.flags |= self.ERRORS[fault]
         elif sensor is None or fault == "absent":
             self.flags |= 1 << 4 | 1 << 5
-        elif fault == "hung":
+        elif fault == "hung" or fault == "mute" and is_read:  # the clock is held: from the address on, or when a byte is to be read
             self.core.at(last, self._stop)
         elif is_read:
             self.mode, self.answer = "read", [0x13, 0x13] if fault == "other" and sensor.pointer == 0 else sensor.read(self.left)
             self.flags |= 4
         else:
-            self.mode, self.flags = "forget" if fault == "forgets" else "write", self.flags | 2
+            self.mode, self.flags, self.held = "forget" if fault == "forgets" else "write", self.flags | 2, last if fault == "held" else None
 
     def _finish(self):
         if self.mode in ("write", "forget") and self.data:
@@ -150,7 +151,10 @@ class I2c:
             self.left -= 1
             if self.left <= 0:
                 self.flags &= ~2
-                self._complete()
+                if self.held:  # after the last byte
+                    self.core.at(self.held, self._stop)
+                else:
+                    self._complete()
 
 
 class Uart:
@@ -451,7 +455,8 @@ class Board:
         return image[y * WIDTH:(y + 1) * WIDTH].translate(LIGHTER[frame // 2 % 4])
 
     def play(self, sensors):
-        """One frame of a sensor, or of both side by side; the rows of its name's faults are bad."""
+        """One frame of a sensor, or of both side by side, bad by its name's faults: a short row or too few of them, bytes that are lost, no VSYNC, or no
+        frame at all."""
         core, capture, name, frame, row_us = self.core, self.capture, sensors[0].name, sensors[0].frame, self.wiring.row_us
         picture = self.picture
         fault, start = self.faults.get((name, frame)), core.now + max(sensor.exposed_rows() for sensor in sensors) * row_us
@@ -463,7 +468,7 @@ class Board:
         def begin():
             if on_bus():
                 capture.between_frames, capture.armed, capture.carry = 0, capture.capturing, b""
-                if bit(core.registers.get(EXTI, 0), vsync):
+                if bit(core.registers.get(EXTI, 0), vsync) and fault != "blind":
                     self.vsync |= 1 << vsync
                     if bit(core.registers.get(EXTI + 0x80, 0), vsync):
                         core.raise_interrupt(VSYNC_IRQ)
@@ -484,6 +489,8 @@ class Board:
                 capture.between_frames = 1
                 capture.signal(8 | 1)
 
+        if fault == "none":
+            return
         rows = 200 if fault == "few" else HEIGHT
         core.at(start, begin)
         for y in range(rows):

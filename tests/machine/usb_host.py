@@ -222,9 +222,20 @@ class UsbHost:
     def _ask(self):
         """Requests of all kinds; the answers are hexadecimal, none where the device stalled."""
         coding, other = struct.pack("<IBBB", 57600, 0, 0, 8), self.notices
+        results, commands = self.in_endpoint | 0x80, self.out_endpoint
         for name, kind, request, value, index, data, length in (
             ("status", 0x80, 0, 0, 0, b"", 2), ("wake", 0, 3, 1, 0, b"", 0), ("woken status", 0x80, 0, 0, 0, b"", 2), ("no wake", 0, 1, 1, 0, b"", 0),
             ("configuration", 0x80, 8, 0, 0, b"", 1), ("interface", 0x81, 10, 0, 1, b"", 1), ("no such setting", 1, 11, 5, 1, b"", 0),
+            ("interface status", 0x81, 0, 0, 0, b"", 2), ("no such interface", 0x81, 0, 0, 7, b"", 2), ("setting", 1, 11, 0, 1, b"", 0),
+            ("no such setting of none", 1, 11, 0, 7, b"", 0), ("capabilities", 0x80, 6, 0x0F00, 0, b"", 255),
+            ("no such feature", 0, 3, 9, 0, b"", 0), ("no such feature of an interface", 1, 3, 0, 0, b"", 0),
+            ("no such feature of an endpoint", 2, 3, 5, other, b"", 0), ("no such request", 0x80, 12, 0, 0, b"", 2),
+            ("no such request of an endpoint", 0x82, 12, 0, other, b"", 2),
+            ("halt results", 2, 3, 0, results, b"", 0), ("halted results", 0x82, 0, 0, results, b"", 2), ("results go on", 2, 1, 0, results, b"", 0),
+            ("halt commands", 2, 3, 0, commands, b"", 0), ("halted commands", 0x82, 0, 0, commands, b"", 2), ("commands go on", 2, 1, 0, commands, b"", 0),
+            ("no configuration", 0, 9, 0, 0, b"", 0), ("none", 0x80, 8, 0, 0, b"", 1), ("configuration again", 0, 9, 1, 0, b"", 0),
+            ("again", 0x80, 8, 0, 0, b"", 1),
+            ("encapsulated", 0x21, 0, 0, 0, b"AT", 0), ("short coding", 0x21, 0x20, 0, 0, coding[:4], 0), ("coding of results", 0xA1, 0x21, 0, 1, b"", 7),
             ("languages", 0x80, 6, 0x0300, 0, b"", 255), ("no such text", 0x80, 6, 0x0309, 0x0409, b"", 255), ("no such descriptor", 0x80, 6, 0x2100, 0, b"", 9),
             ("endpoint", 0x82, 0, 0, other, b"", 2), ("halt", 2, 3, 0, other, b"", 0), ("halted", 0x82, 0, 0, other, b"", 2),
             ("go on", 2, 1, 0, other, b"", 0), ("gone on", 0x82, 0, 0, other, b"", 2), ("set coding", 0x21, 0x20, 0, 0, coding, 0),
@@ -233,6 +244,16 @@ class UsbHost:
         ):
             answer = yield from self._transfer(kind, request, value, index, data, length)
             self.answers[name] = None if answer is None else answer.hex()
+            if answer is not None:
+                self._start_toggles(kind, request, index)
+
+    def _start_toggles(self, kind, request, index):
+        """DATA0 is next at endpoints that were configured, whose interface was set, or that are no longer halted. USB 2.0: 9.1.1.5, 9.4.5."""
+        data = [(self.in_endpoint, True), (self.out_endpoint, False)]
+        notices = [(self.notices & 15, True)]
+        started = {(0, 9): data + notices, (1, 11): data if index else notices, (2, 1): [(index & 15, bool(index >> 7))]}
+        for key in started.get((kind, request), []):
+            self.toggles.pop(key, None)
 
     def _endpoints(self, configuration):
         at, found = 0, {}

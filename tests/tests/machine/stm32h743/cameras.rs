@@ -7,10 +7,13 @@ use serde_json::json;
 use std::sync::LazyLock;
 
 /// Faults of sensors at the bus: from, to, us, which one, and the fault's name in the model.
-const WRONG: [(u64, u64, &str, &str); 6] = [
+const WRONG: [(u64, u64, &str, &str); 9] = [
     (0, 500_000, "right", "absent"),
-    (500_000, 1_000_000, "left", "other"),       // another chip at its address
-    (1_000_000, STARTED_US, "right", "forgets"), // registers do not keep what is written
+    (500_000, 660_000, "left", "other"),         // another chip at its address
+    (660_000, 820_000, "left", "hung"),          // the clock is held, and the bus stays busy
+    (820_000, 1_000_000, "left", "mute"),        // the clock is held when a byte is to be read
+    (1_000_000, 1_320_000, "right", "forgets"),  // registers do not keep what is written
+    (1_320_000, STARTED_US, "right", "held"),    // the clock is held after the last byte
     (HUNG_US, HUNG_US + 30_000, "left", "hung"), // its clock line is held: the choice of exposure cannot be read
     (BUS_US, BUS_US + 60_000, "right", "bus"),   // errors while it is given another exposure
     (ARBITRATION_US, ARBITRATION_US + 120_000, "right", "arbitration"), // and for two pairs it cannot be started

@@ -7,7 +7,7 @@ use linestereo_wire::{Message, Outcome, Refusal, Regions, Request, ResetCause, R
 use serde_json::json;
 use std::sync::LazyLock;
 
-const SECTOR: usize = 128 * 1024;
+pub(super) const SECTOR: usize = 128 * 1024;
 
 /// Four sectors: two of the settings, two of the rig. A setting out of its range; none; a rig of which a byte is not what was written; one whose
 /// first word was being written when power failed.
