@@ -111,8 +111,7 @@ fn grow(positions: &[u16], first: i32) -> Option<Run> {
         return None;
     }
     let mut last = SEED - 1;
-    let mut t = SEED;
-    for &u in tail.get(SEED as usize..)?.iter().take((MAX_RUN - SEED) as usize) {
+    for (t, &u) in (SEED..MAX_RUN).zip(tail.get(SEED as usize..)?) {
         if off(line, t, u) <= TOLERANCE_Q5 {
             sums.add(t, i32::from(u) - origin);
             line = sums.line()?;
@@ -120,7 +119,6 @@ fn grow(positions: &[u16], first: i32) -> Option<Run> {
         } else if t - last > 2 {
             break;
         }
-        t += 1;
     }
     Some(Run { first, last: first + last, start_q5: origin + line.0, slope_q12: line.1 })
 }
