@@ -66,9 +66,9 @@ pub(crate) struct Edges<'a> {
 /// Position of the ridge on one row (column), in two words: what a test returns, or `None`, stays in registers.
 #[derive(Clone, Copy)]
 struct Ridge {
-    /// Position across the edge, 1/32 px, above; gradient across it below, positive for the edge's sign.
+    /// Upper half: position across the edge, 1/32 px. Lower half: gradient across it, positive for the edge's sign.
     across: NonZeroU32,
-    /// Whole pixel above, gradient along the edge below.
+    /// Upper half: whole pixel. Lower half: gradient along the edge.
     along: u32,
 }
 

@@ -5,7 +5,7 @@
 //! ```text
 //! ranks   four columns of four rows a round: each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
 //! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
-//! path    four words a round; the entries before and behind four are loaded as words too, between those of four
+//! path    four words a round; the entries before and behind four are words at odd addresses
 //! sums    four words a round
 //! ```
 //!
@@ -273,7 +273,7 @@ fn are_fours_of_words(length: usize, starts: &[*const u8]) -> bool {
     length > 0 && length.is_multiple_of(16) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
 }
 
-/// One word of a path, of the words with the entries before four, of these, and behind them.
+/// The next cost of four entries of a path, from these and from the words that begin an entry earlier (`near`) and later (`other`).
 #[rustfmt::skip] // an instruction a line
 macro_rules! path_word {
     ($here:literal, $cost:literal) => {
@@ -298,8 +298,8 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
     let mut lows = u32::MAX;
-    // SAFETY: both hold fours of words, at aligned addresses for double loads; single ones read an entry more on either side, but for the first and
-    // the last word, whose neighbours beyond the ends are the largest cost. Each is read before it is written.
+    // SAFETY: both hold fours of words, at aligned addresses for double loads. Words of neighbours are within the path: those that would begin before
+    // it or end behind it are shifted ones, with the largest cost beyond the ends. A word is stored when its neighbours have been loaded.
     unsafe {
         asm!(
             "ldr {near}, [{path}]",
