@@ -371,20 +371,32 @@ pub fn crossing(crossings: &Crossings<'_>, first: usize, sign: i32) -> Option<Cr
 #[inline(always)]
 fn crossing_of(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
     let sum = |u: usize| i32::from(first(u)) + i32::from(second(u));
-    let (b, c, d, e, f) = (sum(1), sum(2), sum(3), sum(4), sum(5));
-    let [g1, g2, g3] = [(d - b) * sign, (e - c) * sign, (f - d) * sign];
+    let [b, c, d, e, f] = [1, 2, 3, 4, 5].map(sum);
+    strongest([(d - b) * sign, (e - c) * sign, (f - d) * sign], sign, sum, |shift| {
+        let step = |u: i32| {
+            let u = (3 + shift + u) as usize;
+            i32::from(second(u)) - i32::from(first(u))
+        };
+        step(-1) + 2 * step(0) + step(1)
+    })
+}
+
+/// The crossing where the gradient is the largest of these three, given sums of two pixels across the edge and the gradient along it.
+#[inline(always)]
+pub(super) fn strongest(
+    [g1, g2, g3]: [i32; 3],
+    sign: i32,
+    sum: impl Fn(usize) -> i32,
+    along: impl Fn(i32) -> i32,
+) -> Crossing {
     let (shift, gradients) = if g2 >= g1 && g2 >= g3 {
         (0, [g1, g2, g3])
     } else if g1 >= g3 {
-        (-1, [(c - sum(0)) * sign, g1, g2])
+        (-1, [(sum(2) - sum(0)) * sign, g1, g2])
     } else {
-        (1, [g2, g3, (sum(6) - e) * sign])
+        (1, [g2, g3, (sum(6) - sum(4)) * sign])
     };
-    let step = |u: i32| {
-        let u = (3 + shift + u) as usize;
-        i32::from(second(u)) - i32::from(first(u))
-    };
-    Crossing { shift, gradients, along: step(-1) + 2 * step(0) + step(1) }
+    Crossing { shift, gradients, along: along(shift) }
 }
 
 /// Number of gradients of the left row that are multiplied.

@@ -70,9 +70,8 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
     lowest_byte(costs)
 }
 
-/// A neighbourhood that ends with the range. Apart, since the compiler otherwise makes one call of both.
-#[cold]
-#[inline(never)]
+/// Masks a neighbourhood that ends with the range.
+#[inline(never)] // otherwise the compiler makes one call of this and of the two stores
 fn fill_part(near: &mut [u8]) {
     near.fill(u8::MAX);
 }

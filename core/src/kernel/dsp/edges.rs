@@ -14,7 +14,7 @@
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, Crossing, Crossings, LargestStep};
+use super::super::portable::{self, Crossing, Crossings, LargestStep, strongest};
 use super::{two_operands, word};
 
 two_operands!(
@@ -147,17 +147,4 @@ unsafe fn crossing_of_columns(first: *const u8, stride: usize, sign: i32) -> Cro
             dual_products(dual_difference(odd_bytes(outer), even_bytes(outer)), 0x0001_0001) as i32 + 2 * inner
         })
     }
-}
-
-/// The crossing where the gradient is the largest of these three, given sums across the edge and the gradient along it.
-#[inline(always)]
-fn strongest([g1, g2, g3]: [i32; 3], sign: i32, sum: impl Fn(usize) -> i32, along: impl Fn(i32) -> i32) -> Crossing {
-    let (shift, gradients) = if g2 >= g1 && g2 >= g3 {
-        (0, [g1, g2, g3])
-    } else if g1 >= g3 {
-        (-1, [(sum(2) - sum(0)) * sign, g1, g2])
-    } else {
-        (1, [g2, g3, (sum(6) - sum(4)) * sign])
-    };
-    Crossing { shift, gradients, along: along(shift) }
 }
