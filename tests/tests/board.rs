@@ -3,9 +3,9 @@
 use core::time::Duration;
 use linestereo::{Confidence, Dims, Params, Span};
 use linestereo_baselines::GrayImage;
+use linestereo_boards::built_in::Case;
 use linestereo_boards::{Board, Exit};
 use linestereo_firmware::boards::mps2_an500;
-use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;

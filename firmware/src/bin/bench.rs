@@ -6,17 +6,15 @@ fn bench() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
     use linestereo::Matcher;
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::{Case, Scene};
     use linestereo_firmware::boards::{
         self,
         selected::{self, InstructionClock},
     };
-    use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::Memory as _;
-    use linestereo_firmware::painter::Scene;
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
-    use linestereo_firmware::stack;
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
@@ -37,7 +35,6 @@ fn bench() -> linestereo_boards::Exit {
     for KernelCost { kernel, chosen, portable } in kernel_costs::measure(&clock, left).into_iter().flatten() {
         let _ = writeln!(table, "kernel\t{kernel}\t{chosen}\t{portable}");
     }
-    let _ = writeln!(table, "stack\t{}", stack::depth());
     Exit::Success
 }
 
