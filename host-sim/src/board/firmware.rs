@@ -1,4 +1,4 @@
-//! Builds a board program, and has clippy read it.
+//! Builds board programs, and has clippy read them.
 
 use super::toolchain::Toolchain;
 use super::{Board, top};
@@ -14,6 +14,8 @@ use std::sync::{Mutex, PoisonError};
 const LIMIT: Duration = Duration::from_secs(900);
 /// Of boards alone, in the workspace's `Cargo.toml`.
 const PROFILE: &str = "board";
+/// The package whose features are the boards.
+const FIRMWARE: &str = "linestereo-firmware";
 
 /// Where a program's logs go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,56 +36,73 @@ impl Logs {
     }
 }
 
-/// Builds a program for a board as it is flashed and returns the path of its ELF file.
+/// Programs of a package for boards, as one call of cargo builds them.
+#[derive(Clone, Copy, Debug)]
+pub struct Programs<'a> {
+    /// The package: the firmware, or one that stands on it without a default board.
+    pub package: &'a str,
+    /// Names of the programs.
+    pub names: &'a [&'a str],
+    /// Where their logs go.
+    pub logs: Logs,
+    /// More features of the firmware.
+    pub features: &'a [String],
+}
+
+impl<'a> Programs<'a> {
+    /// Programs of the firmware without further features.
+    #[must_use]
+    pub const fn of_firmware(names: &'a [&'a str], logs: Logs) -> Self {
+        Self { package: FIRMWARE, names, logs, features: &[] }
+    }
+}
+
+/// Builds a program of the firmware for a board as it is flashed and returns the path of its ELF file.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
-    let mut built = build_all(toolchain, board, &[program], logs, &[])?;
+    let mut built = build_all(toolchain, board, &Programs::of_firmware(&[program], logs))?;
     built.pop().with_context(|| format!("{program} was not built"))
 }
 
-/// The programs of a board that tests and `cargo xtask measure` run, with where their logs go. Emulated boards report by log what they check
-/// themselves; the rest is measured, and so without logs.
+/// The programs of a board that tests and `cargo xtask measure` run. Emulated boards report by log what they check themselves; the
+/// rest is measured, and so without logs.
 #[must_use]
-pub fn images(board: &Board) -> Vec<(&'static [&'static str], Logs)> {
+pub fn images(board: &Board) -> Vec<Programs<'static>> {
     if !board.is_emulated() {
-        return vec![(&["live"], Logs::None)];
+        return vec![Programs::of_firmware(&["live"], Logs::None)];
     }
     let measured: &[&str] = if Board::MEASURED.contains(board) {
         &["bench", "faults", "live", "pixels", "rectify", "replay"]
     } else {
         &["bench", "faults", "live"]
     };
-    vec![(&["kernels", "selftest"], Logs::Semihosting), (measured, Logs::None)]
+    let logged: &[&str] = &["kernels", "selftest"];
+    vec![Programs::of_firmware(logged, Logs::Semihosting), Programs::of_firmware(measured, Logs::None)]
 }
 
 /// One of [`images`], built in one call of cargo with all that stand beside it there.
 pub fn image(board: &Board, program: &str) -> Result<PathBuf> {
     let toolchain = Toolchain::for_board(board)?;
-    for (programs, logs) in images(board) {
-        if let Some(place) = programs.iter().position(|&one| one == program) {
-            return Ok(build_all(&toolchain, board, programs, logs, &[])?.swap_remove(place));
+    for programs in images(board) {
+        if let Some(place) = programs.names.iter().position(|&one| one == program) {
+            return Ok(build_all(&toolchain, board, &programs)?.swap_remove(place));
         }
     }
     bail!("{program} is no image of {}", board.name)
 }
 
-/// The same of several programs in one call of cargo, with more features of the firmware; their paths are in the order of their names.
+/// Builds programs in one call of cargo and returns their paths in the order of their names.
 ///
 /// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo leaves a
 /// program's file at one place for all boards, from where it is copied. What this process has built before is not looked at again.
-pub fn build_all(
-    toolchain: &Toolchain,
-    board: &Board,
-    programs: &[&str],
-    logs: Logs,
-    features: &[String],
-) -> Result<Vec<PathBuf>> {
+pub fn build_all(toolchain: &Toolchain, board: &Board, programs: &Programs<'_>) -> Result<Vec<PathBuf>> {
     static BUILT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let Programs { names, logs, features, .. } = *programs;
     let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
     let target = target_folder(toolchain)?;
     let kind = if logs == Logs::None { "no-logs" } else { "logs" };
     let kind = [&[kind.to_owned()], features].concat().join("-");
     let folder = target.join(board.name).join(kind);
-    let elfs: Vec<PathBuf> = programs.iter().map(|program| folder.join(program)).collect();
+    let elfs: Vec<PathBuf> = names.iter().map(|program| folder.join(program)).collect();
     if elfs.iter().all(|elf| built.contains(elf)) {
         return Ok(elfs);
     }
@@ -92,10 +111,9 @@ pub fn build_all(
     lock.lock()?;
     let mut command = toolchain.cargo();
     command.arg("build");
-    finish(&mut command, &target, board, logs, features)?;
-    command.args(programs.iter().flat_map(|program| ["--bin", program]));
-    run(&mut command, &format!("cannot build {} for {}", programs.join(", "), board.name))?;
-    for (program, elf) in programs.iter().zip(&elfs) {
+    finish(&mut command, &target, board, programs)?;
+    run(&mut command, &format!("cannot build {} for {}", names.join(", "), board.name))?;
+    for (program, elf) in names.iter().zip(&elfs) {
         // Renamed into place: another process may be running the one before it.
         let copy = tempfile::NamedTempFile::new_in(&folder)?;
         fs::copy(target.join(board.target).join(PROFILE).join(program), copy.path())
@@ -106,16 +124,12 @@ pub fn build_all(
     Ok(elfs)
 }
 
-/// Has clippy read the library and these programs as a board builds them with these features: much of both is for boards only, and nothing on a PC sees it.
-/// Warnings are errors.
-pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs, features: &[String]) -> Result<()> {
+/// Has clippy read a package's library and these programs as a board builds them: much of both is for boards only, and nothing on a PC
+/// sees it. Warnings are errors.
+pub fn lint(toolchain: &Toolchain, board: &Board, programs: &Programs<'_>) -> Result<()> {
     let mut command = toolchain.clippy()?;
-    finish(&mut command, &target_folder(toolchain)?, board, logs, features)?;
-    command.arg("--lib");
-    for program in programs {
-        command.args(["--bin", program]);
-    }
-    command.args(["--", "-D", "warnings"]);
+    finish(&mut command, &target_folder(toolchain)?, board, programs)?;
+    command.args(["--lib", "--", "-D", "warnings"]);
     run(&mut command, &format!("clippy for {}", board.name))
 }
 
@@ -132,21 +146,22 @@ fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
 const INLINING: &str = "target.'cfg(target_os = \"none\")'.rustflags = \
     [\"-Cllvm-args=-inlinehint-threshold=30\", \"-Cllvm-args=-inlinedefault-threshold=120\"]";
 
-/// Arguments of every command about a board's programs.
-fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs, features: &[String]) -> Result<()> {
-    let logs: &[&str] = match logs {
-        Logs::None => &[],
-        Logs::Semihosting => &["log-semihosting"],
-        Logs::Rtt => &["log-rtt"],
+/// Arguments of every command about programs of a board.
+fn finish(command: &mut Command, target: &Path, board: &Board, programs: &Programs<'_>) -> Result<()> {
+    let logs = match programs.logs {
+        Logs::None => None,
+        Logs::Semihosting => Some("log-semihosting"),
+        Logs::Rtt => Some("log-rtt"),
     };
-    let features: Vec<&str> =
-        [board.name].into_iter().chain(logs.iter().copied()).chain(features.iter().map(String::as_str)).collect();
+    let features = [board.name].into_iter().chain(logs).chain(programs.features.iter().map(String::as_str));
+    let features: Vec<String> = features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
     command
         .current_dir(top()?)
-        .args(["--quiet", "--profile", PROFILE, "--locked", "-p", "linestereo-firmware", "--no-default-features"])
+        .args(["--quiet", "--profile", PROFILE, "--locked", "-p", programs.package, "--no-default-features"])
         .args(["--config", INLINING])
         .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
         .arg(target)
+        .args(programs.names.iter().flat_map(|program| ["--bin", program]))
         .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
     Ok(())
 }

@@ -6,7 +6,8 @@
 use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
 use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::{firmware, toolchain::Toolchain};
+use linestereo_sim::board::firmware::{self, Logs, Programs};
+use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_tests::board::{image, on_all, or_skip};
 use linestereo_wire::{Message, Request, ResetCause};
 use serde_json::{Value, json};
@@ -22,7 +23,8 @@ fn image_ahead() -> Option<PathBuf> {
     let board = Board::PORTENTA_H7;
     let toolchain = or_skip(Toolchain::for_board(&board))?;
     let features = ["ahead".to_owned()];
-    or_skip(firmware::build_all(&toolchain, &board, &["live"], firmware::Logs::None, &features))?.pop()
+    let ahead = Programs { features: &features, ..Programs::of_firmware(&["live"], Logs::None) };
+    or_skip(firmware::build_all(&toolchain, &board, &ahead))?.pop()
 }
 
 /// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and

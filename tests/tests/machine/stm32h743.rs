@@ -9,10 +9,11 @@ mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::HealthFlags;
-use linestereo_firmware::programs::expected::QVGA;
+use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::{firmware, toolchain::Toolchain};
+use linestereo_sim::board::firmware::{self, Logs, Programs};
+use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_tests::board::or_skip;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, MarginUpdate, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, PartsUpdate,
@@ -28,7 +29,8 @@ fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
         let board = linestereo_boards::Board::STM32H743;
         let toolchain = or_skip(Toolchain::for_board(&board))?;
         let features = ["still-scene".to_owned()];
-        let built = firmware::build_all(&toolchain, &board, &["live", "selftest"], firmware::Logs::None, &features);
+        let programs = Programs::of_firmware(&["live", "selftest"], Logs::None);
+        let built = firmware::build_all(&toolchain, &board, &Programs { features: &features, ..programs });
         or_skip(built)?.into_iter().find(|image| image.ends_with(program))
     };
     let mut scenario = scenario.clone();
