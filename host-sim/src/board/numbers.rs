@@ -3,12 +3,12 @@
 //! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU
 //! counted for the same pairs on the same kind of processor), and of each pair the first stage whose digest is another.
 
-use crate::statistics::upper_median;
 use anyhow::{Context, Result};
 use core::fmt::Write;
 use linestereo::diagnostics::Stage;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::{Case, digests, first_difference};
+use linestereo_frames::statistics::upper_median;
 use linestereo_wire::{CaseReport, Hello, MachineReport, Silicon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

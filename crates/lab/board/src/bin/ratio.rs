@@ -6,15 +6,15 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::Parser;
 use core::time::Duration;
 use linestereo::{Dims, Params};
-use linestereo_baselines::GrayImage;
 use linestereo_boards::built_in::Scene;
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::ports::{ByteSource, NoClock};
+use linestereo_frames::GrayImage;
+use linestereo_frames::statistics::upper_median;
 use linestereo_lab_board::{BOARD, DISPARITIES, METHODS, Workspace};
 use linestereo_sim::board::firmware::{self, Logs, Programs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Machine, qemu};
-use linestereo_sim::statistics::upper_median;
 use std::path::PathBuf;
 
 const LIMIT: Duration = Duration::from_secs(300);
