@@ -40,27 +40,56 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
     built.pop().with_context(|| format!("{program} was not built"))
 }
 
-/// The programs of a board that tests and `cargo xtask measure` run, with where their logs go. Emulated boards report by log what they check
-/// themselves; the rest is measured, and so without logs.
-#[must_use]
-pub fn images(board: &Board) -> Vec<(&'static [&'static str], Logs)> {
-    if !board.is_emulated() {
-        return vec![(&["live"], Logs::None)];
+/// Programs of a board that one call of cargo builds.
+#[derive(Clone, Copy, Debug)]
+pub struct Images {
+    /// Their names.
+    pub programs: &'static [&'static str],
+    /// Where their logs go.
+    pub logs: Logs,
+    /// More features of the firmware.
+    pub features: &'static [&'static str],
+}
+
+impl Images {
+    /// Builds them; their paths are in the order of their names.
+    pub fn build(&self, toolchain: &Toolchain, board: &Board) -> Result<Vec<PathBuf>> {
+        let features: Vec<String> = self.features.iter().copied().map(str::to_owned).collect();
+        build_all(toolchain, board, self.programs, self.logs, &features)
     }
-    let measured: &[&str] = if Board::MEASURED.contains(board) {
-        &["bench", "faults", "live", "pixels", "rectify", "replay"]
-    } else {
-        &["bench", "faults", "live"]
+}
+
+/// The programs of a board that tests, `cargo xtask measure` and `cargo xtask footprint` use.
+///
+/// Emulated boards report by log what they check themselves; the rest is measured, and so without
+/// logs.
+#[must_use]
+pub fn images(board: &Board) -> Vec<Images> {
+    let of = |programs, logs, features| Images { programs, logs, features };
+    let live = of(&["live"], Logs::None, &[]);
+    if *board == Board::STM32H743 {
+        return vec![live, of(&["live", "selftest"], Logs::None, &["still-scene"])];
+    }
+    if *board == Board::PORTENTA_H7 {
+        return vec![live, of(&["live"], Logs::None, &["ahead"])];
+    }
+    if !board.is_emulated() {
+        return vec![live];
+    }
+    let without_logs: &[&str] = match *board {
+        Board::MPS2_AN500 => &["bench", "faults", "live", "pixels", "rectify", "replay"],
+        Board::MPS2_AN386 => &["bench", "faults", "live", "rectify", "replay"],
+        _ => &["bench", "faults", "live"],
     };
-    vec![(&["kernels", "selftest"], Logs::Semihosting), (measured, Logs::None)]
+    vec![of(&["kernels", "selftest"], Logs::Semihosting, &[]), of(without_logs, Logs::None, &[])]
 }
 
 /// One of [`images`], built in one call of cargo with all that stand beside it there.
-pub fn image(board: &Board, program: &str) -> Result<PathBuf> {
+pub fn image(board: &Board, program: &str, features: &[&str]) -> Result<PathBuf> {
     let toolchain = Toolchain::for_board(board)?;
-    for (programs, logs) in images(board) {
-        if let Some(place) = programs.iter().position(|&one| one == program) {
-            return Ok(build_all(&toolchain, board, programs, logs, &[])?.swap_remove(place));
+    for images in images(board).into_iter().filter(|images| images.features == features) {
+        if let Some(place) = images.programs.iter().position(|&one| one == program) {
+            return Ok(images.build(&toolchain, board)?.swap_remove(place));
         }
     }
     bail!("{program} is no image of {}", board.name)
