@@ -10,8 +10,8 @@ use linestereo_firmware::boards::mps2_an500::Workspace;
 use linestereo_firmware::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
 use linestereo_firmware::programs::case_server::CaseServer;
 use linestereo_sim::board::numbers::{BoardNumbers, PerInstruction, SiliconNumbers};
-use linestereo_sim::board::{qemu, toolchain::Toolchain};
-use linestereo_tests::board::{image, on_all, or_skip};
+use linestereo_sim::board::{is_long, qemu, toolchain::Toolchain};
+use linestereo_tests::board::{image, or_skip};
 use linestereo_wire::*;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -242,7 +242,7 @@ fn what_fails_says_what_to_do_and_writes_nothing() {
 #[test]
 fn an_emulated_board_has_the_digests_of_the_pc() {
     // The large one takes QEMU a minute.
-    let board = if on_all() { Board::MPS2_AN500 } else { Board::MPS2_AN386 };
+    let board = if is_long() { Board::MPS2_AN500 } else { Board::MPS2_AN386 };
     let Some(elf) = image(&board, "selftest") else { return };
     if or_skip(Toolchain::for_board(&board).and_then(|_| qemu::find(&board))).is_none() {
         return;

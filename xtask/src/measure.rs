@@ -10,7 +10,7 @@ use linestereo::{Dims, Params};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{Board, Costs, Machine, update};
+use linestereo_sim::board::{self, Board, Costs, Machine, update};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -113,7 +113,9 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
         Err(_) if bless => None,
         Err(error) => bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless"),
     };
-    let mut new = measure(top, frames.as_deref())?;
+    let boards = if bless { Board::emulated().collect() } else { board::tested() };
+    let boards: Vec<_> = boards.into_iter().filter(Board::is_emulated).collect();
+    let mut new = measure(top, &boards, frames.as_deref())?;
     if bless {
         for (name, board) in &mut new.boards {
             // Numbers that cannot be measured here stay.
@@ -127,7 +129,8 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
         println!("{FILE} and {PAIRS_FILE}: blessed; commit them");
         return Ok(());
     }
-    let old = old.with_context(|| format!("{FILE} is not there"))?;
+    let mut old = old.with_context(|| format!("{FILE} is not there"))?;
+    old.boards.retain(|name, _| boards.iter().any(|board| board.name == name));
     if old.compiler != new.compiler {
         println!("measured with {}, the file was with {}", new.compiler, old.compiler);
     }
@@ -154,19 +157,19 @@ fn instructions(numbers: &Numbers) -> Result<String> {
     Ok(format!("{head}\n\n{}", toml::to_string(&boards)?))
 }
 
-fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
-    Board::emulated().try_for_each(|board| crate::images(&board))?;
-    let measure_board = |board: Board| {
-        let mut numbers = built_in(&board)?;
-        if Board::MEASURED.contains(&board) {
-            measure_all(&board, &mut numbers, frames)?;
+fn measure(top: &Path, boards: &[Board], frames: Option<&Path>) -> Result<Numbers> {
+    boards.iter().try_for_each(crate::images)?;
+    let measure_board = |board: &Board| {
+        let mut numbers = built_in(board)?;
+        if Board::MEASURED.contains(board) {
+            measure_all(board, &mut numbers, frames)?;
         }
         eprintln!("measured {}", board.name);
         anyhow::Ok((board.name.to_owned(), numbers))
     };
     // Side by side: what QEMU counts does not depend on what else runs.
     let boards: BTreeMap<_, _> = std::thread::scope(|scope| {
-        let running: Vec<_> = Board::emulated().map(|board| scope.spawn(move || measure_board(board))).collect();
+        let running: Vec<_> = boards.iter().map(|board| scope.spawn(move || measure_board(board))).collect();
         running
             .into_iter()
             .map(|one| one.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?)

@@ -12,9 +12,7 @@ use linestereo::HealthFlags;
 use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::firmware::{self, Logs, Programs};
-use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_tests::board::or_skip;
+use linestereo_tests::board::image_with;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, MarginUpdate, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, PartsUpdate,
     RegionBox, Regions, Request, ResetCause, RigFault, RigUpdate, SETTINGS, Segment, Setting, SettingValue,
@@ -25,14 +23,7 @@ use std::sync::LazyLock;
 
 /// Runs an image for a still scene: without the feature such cameras' pairs are refused.
 fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
-    let image = || {
-        let board = linestereo_boards::Board::STM32H743;
-        let toolchain = or_skip(Toolchain::for_board(&board))?;
-        let features = ["still-scene".to_owned()];
-        let programs = Programs::of_firmware(&["live", "selftest"], Logs::None);
-        let built = firmware::build_all(&toolchain, &board, &Programs { features: &features, ..programs });
-        or_skip(built)?.into_iter().find(|image| image.ends_with(program))
-    };
+    let image = || image_with(&linestereo_boards::Board::STM32H743, program, &["still-scene"]);
     let mut scenario = scenario.clone();
     scenario["board"] = json!("stm32h743");
     Run::of("stm32h7.py", image, &scenario)

@@ -12,7 +12,7 @@ use linestereo_firmware::ports::{ByteSource, NoClock};
 use linestereo_frames::GrayImage;
 use linestereo_frames::statistics::upper_median;
 use linestereo_lab_board::{BOARD, DISPARITIES, METHODS, Workspace};
-use linestereo_sim::board::firmware::{self, Logs, Programs};
+use linestereo_sim::board::firmware::{Images, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Machine, qemu};
 use std::path::PathBuf;
@@ -113,11 +113,11 @@ fn blocks(pairs: &[Named]) -> Result<(Vec<[Outcome; METHODS.len()]>, u64)> {
     let mut here = String::new();
     Box::new(Workspace::new()).run(&NoClock, &mut Bytes(&file), &mut here)?;
 
-    let programs = Programs { package: "linestereo-lab-board", ..Programs::of_firmware(&["blocks"], Logs::None) };
-    let elf = firmware::build_all(&Toolchain::for_board(&BOARD)?, &BOARD, &programs)?;
+    let images = Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
+    let elf = images.build(&Toolchain::for_board(&BOARD)?, &BOARD)?.pop().context("blocks was not built")?;
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("pairs"), &file)?;
-    qemu::run(&BOARD, &elf[0], &["pairs", "table"], folder.path(), LIMIT)?.success("blocks", &BOARD)?;
+    qemu::run(&BOARD, &elf, &["pairs", "table"], folder.path(), LIMIT)?.success("blocks", &BOARD)?;
     let there = std::fs::read_to_string(folder.path().join("table"))?;
 
     let (mut outcomes, mut stack) = (Vec::new(), None);
