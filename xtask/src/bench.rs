@@ -79,6 +79,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
             ["kernel", name, chosen, portable] => {
                 kernels.push((name.to_owned(), KernelCost { chosen: chosen.parse()?, portable: portable.parse()? }));
             }
+            ["stack", _] => {}
             _ => anyhow::bail!(line_of()),
         }
     }

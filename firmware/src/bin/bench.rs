@@ -15,6 +15,7 @@ fn bench() -> linestereo_boards::Exit {
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::stack;
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
@@ -35,6 +36,7 @@ fn bench() -> linestereo_boards::Exit {
     for KernelCost { kernel, chosen, portable } in kernel_costs::measure(&clock, left).into_iter().flatten() {
         let _ = writeln!(table, "kernel\t{kernel}\t{chosen}\t{portable}");
     }
+    let _ = writeln!(table, "stack\t{}", stack::depth());
     Exit::Success
 }
 

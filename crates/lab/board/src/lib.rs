@@ -42,13 +42,13 @@ pub const METHODS: [(&str, Sampling, Settings); 4] = [
 
 /// Two frames and the memory of both matchers.
 #[derive(Debug)]
-pub struct Workspace {
+pub struct Matchers {
     frames: [[u8; BOARD.pixels()]; 2],
     dense: Dense,
     grid: Grid,
 }
 
-impl Workspace {
+impl Matchers {
     /// Bytes of the dense matcher's memory, and of the grid's.
     pub const BYTES: [usize; 2] = [Dense::BYTES, Grid::BYTES];
 

@@ -9,17 +9,18 @@ fn blocks() -> linestereo_boards::Exit {
     use linestereo_firmware::once::Once;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::stack;
-    use linestereo_lab_board::Workspace;
+    use linestereo_lab_board::Matchers;
 
-    static MEMORY: Once<Workspace> = Once::new(Workspace::new());
+    static MATCHERS: Once<Matchers> = Once::new(Matchers::new());
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let open = |place, mode| arguments.get(place).and_then(|name| File::open(name, mode).ok());
-    let (Some(mut pairs), Some(mut table), Some(memory)) = (open(0, Mode::Read), open(1, Mode::Write), MEMORY.take())
+    let (Some(mut pairs), Some(mut table), Some(matchers)) =
+        (open(0, Mode::Read), open(1, Mode::Write), MATCHERS.take())
     else {
         return Exit::Usage;
     };
-    if memory.run(&clock, &mut pairs, &mut table).is_err() {
+    if matchers.run(&clock, &mut pairs, &mut table).is_err() {
         return Exit::Usage;
     }
     let _ = writeln!(table, "stack\t{}", stack::depth());

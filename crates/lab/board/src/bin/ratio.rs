@@ -11,10 +11,12 @@ use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::ports::{ByteSource, NoClock};
 use linestereo_frames::GrayImage;
 use linestereo_frames::statistics::upper_median;
-use linestereo_lab_board::{BOARD, DISPARITIES, METHODS, Workspace};
+use linestereo_lab_board::{BOARD, DISPARITIES, METHODS, Matchers};
 use linestereo_sim::board::firmware::{Images, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, Machine, qemu};
+use linestereo_sim::board::{self, BoardResult, Machine, qemu};
+use linestereo_wire::Refusal;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 const LIMIT: Duration = Duration::from_secs(300);
@@ -41,18 +43,20 @@ struct Outcome {
 
 fn main() -> Result<()> {
     let args = Args::parse();
-    let pairs = match &args.frames {
-        Some(folder) => board::captured(folder, BOARD.largest)?,
-        None => painted(BOARD.largest),
+    let (built_in, core_stack) = bench()?;
+    let (pairs, core) = match &args.frames {
+        Some(folder) => {
+            let pairs = board::captured(folder, BOARD.largest)?;
+            let core = replay(&pairs)?;
+            (pairs, core)
+        }
+        None => {
+            let pairs = painted(BOARD.largest);
+            let core = pairs.iter().map(|(name, _)| built_in.get(name).copied());
+            let core: Option<Vec<u64>> = core.collect();
+            (pairs, core.context("the table of bench lacks a pair")?)
+        }
     };
-    let images: Vec<_> = pairs.iter().map(|(_, (left, right))| (left, right)).collect();
-    let replayed = Machine::new(BOARD)?.run_pairs(&board::update(&Params::DEFAULT, None), &images)?;
-    let core_stack = replayed.stack;
-    let core = replayed.pairs.into_iter().map(|pair| match pair {
-        Ok(pair) => Ok(pair.costs.iter().sum()),
-        Err(why) => Err(anyhow!("{why}")),
-    });
-    let core: Vec<u64> = core.collect::<Result<_>>()?;
     let (outcomes, stack) = blocks(&pairs)?;
 
     println!(
@@ -77,7 +81,7 @@ fn main() -> Result<()> {
     line("median", core, &medians);
     print!("\n{:20} {:>8}", "core = 1", "1.00");
     medians.iter().for_each(|median| print!(" {:>8.2} {:7}", median.cost as f64 / core as f64, ""));
-    let [dense, grid] = Workspace::BYTES;
+    let [dense, grid] = Matchers::BYTES;
     println!(
         "\nbytes beside the frames: core {} + stack {core_stack}, dense {dense}, grid {grid}, + stack {stack}",
         mps2_an500::Workspace::CORE,
@@ -88,6 +92,41 @@ fn main() -> Result<()> {
 
 fn median(values: Vec<u64>) -> u64 {
     upper_median(values, Ord::cmp).unwrap_or(0)
+}
+
+/// Instructions of the core for each built-in pair, and the depth of the stack.
+fn bench() -> Result<(BTreeMap<String, u64>, u64)> {
+    let (mut pairs, mut stack) = (BTreeMap::new(), None);
+    for line in run(&Images::of_firmware(&["bench"], Logs::None), &["table"], None)?.lines() {
+        match line.split('\t').collect::<Vec<_>>()[..] {
+            ["pair", name, _, ref costs @ ..] => {
+                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                pairs.insert(name.to_owned(), costs.iter().sum());
+            }
+            ["stack", depth] => stack = Some(depth.parse()?),
+            _ => {}
+        }
+    }
+    Ok((pairs, stack.context("the table of bench has no end")?))
+}
+
+/// Instructions of the core for each of these pairs.
+fn replay(pairs: &[Named]) -> Result<Vec<u64>> {
+    let images: Vec<_> = pairs.iter().map(|(_, (left, right))| (left, right)).collect();
+    let replayed = Machine::new(BOARD)?.run_pairs(&board::update(&Params::DEFAULT, None), &images)?;
+    let costs = |pair: Result<BoardResult, Refusal>| pair.map(|pair| pair.costs.iter().sum());
+    replayed.pairs.into_iter().map(|pair| costs(pair).map_err(|why| anyhow!("{why}"))).collect()
+}
+
+/// Runs a board program with these arguments, beside a file of pairs, and returns the file `table`.
+fn run(images: &Images<'_>, arguments: &[&str], pairs: Option<&[u8]>) -> Result<String> {
+    let elf = images.build(&Toolchain::for_board(&BOARD)?, &BOARD)?.pop().context("nothing was built")?;
+    let folder = tempfile::tempdir()?;
+    if let Some(pairs) = pairs {
+        std::fs::write(folder.path().join("pairs"), pairs)?;
+    }
+    qemu::run(&BOARD, &elf, arguments, folder.path(), LIMIT)?.success(images.programs[0], &BOARD)?;
+    Ok(std::fs::read_to_string(folder.path().join("table"))?)
 }
 
 /// The built-in pairs of a size.
@@ -111,14 +150,10 @@ fn blocks(pairs: &[Named]) -> Result<(Vec<[Outcome; METHODS.len()]>, u64)> {
         [16, 32, 48, 64].into_iter().for_each(|disparities| push(&mut file, &pair, disparities));
     }
     let mut here = String::new();
-    Box::new(Workspace::new()).run(&NoClock, &mut Bytes(&file), &mut here)?;
+    Box::new(Matchers::new()).run(&NoClock, &mut Bytes(&file), &mut here)?;
 
     let images = Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
-    let elf = images.build(&Toolchain::for_board(&BOARD)?, &BOARD)?.pop().context("blocks was not built")?;
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("pairs"), &file)?;
-    qemu::run(&BOARD, &elf, &["pairs", "table"], folder.path(), LIMIT)?.success("blocks", &BOARD)?;
-    let there = std::fs::read_to_string(folder.path().join("table"))?;
+    let there = run(&images, &["pairs", "table"], Some(&file))?;
 
     let (mut outcomes, mut stack) = (Vec::new(), None);
     let mut expected = here.lines();
