@@ -4,6 +4,7 @@
 mod bench;
 
 use clap::{Parser, Subcommand};
+use linestereo_sim::output::ClosedPipe;
 use std::process::ExitCode;
 
 /// Exit code of every failure.
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<ClosedPipe>() => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("linestereo-lab: {error:#}");
             ExitCode::from(FAILURE)

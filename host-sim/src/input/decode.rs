@@ -147,7 +147,7 @@ impl StoredGray {
 }
 
 /// Reads a file of plain numbers (disparities, masks): grey values as stored, 8 or 16 bit.
-pub(crate) fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
+pub fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
     let image = decode(path)?;
     let dims = dims_of(path, &image)?;
     let values = match image.color() {

@@ -37,8 +37,7 @@ mod truth;
 pub mod video;
 
 pub use datasets::Dataset;
-pub(crate) use decode::load_values;
-pub use decode::{check_same_size, check_size, check_usable, load_gray, load_images};
+pub use decode::{check_same_size, check_size, check_usable, load_gray, load_images, load_values};
 pub use disparity_file::load_disparities;
 pub use error::{DisparityFault, FrameError, LayoutFault};
 pub use folder::find_scenes;
