@@ -14,6 +14,7 @@ use super::grid::Grid;
 use super::product::load_numbers;
 use super::sectors::Camera;
 use anyhow::{Context, Result, bail};
+use linestereo_frames::untrusted;
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -142,7 +143,7 @@ impl SceneFolder {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = untrusted::read(&path, untrusted::SETTINGS_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
         let info: Info = serde_json::from_slice(&text)
             .with_context(|| format!("{} is not understood; correct it, or move the folder away", path.display()))?;
         let scene = Self { folder: folder.to_path_buf(), info };

@@ -28,6 +28,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use data_set::DataSet;
 use figures::{Group, Report, SetReport};
 use indicatif::{ProgressBar, ProgressStyle};
+use linestereo_frames::untrusted;
 use linestereo_sim::output::{OutputFiles, OutputPath, print};
 use opencv::{OpenCv, Worker};
 use scoring::{DAMAGES, Scores, Task};
@@ -150,7 +151,7 @@ struct Done {
 
 fn read_report(path: &Path) -> Result<Report> {
     let advice = || format!("{} is no run of this program; delete it, or give another file", path.display());
-    let text = fs::read(path).with_context(|| format!("cannot read {}; check the path", path.display()))?;
+    let text = untrusted::read(path, untrusted::RESULT_BYTES).with_context(|| format!("cannot read {}; check the path", path.display()))?;
     serde_json::from_slice(&text).with_context(advice)
 }
 
