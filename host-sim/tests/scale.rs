@@ -53,7 +53,7 @@ fn parts_together_are_the_whole_to_the_last_byte() {
 fn parts_of_a_comparison_are_the_whole_too() {
     let folder = scenes();
     let at = folder.path();
-    let options = ["compare", "set", "--methods", "linestereo,bm,sparse-block", "--no-times"];
+    let options = ["compare", "set", "--methods", "linestereo,bm,census", "--no-times"];
     let whole = succeed(at, &[&options[..], &["--json", "whole.json"]].concat());
     // Refused objects have no numbers: those go through the parts as well.
     assert!(whole.contains("objects: % wrong / % covered"), "{whole}");

@@ -1,4 +1,4 @@
-//! `linestereo compare`: the core, the classic methods and OpenCV on the same frames.
+//! `linestereo compare`: the core, dense methods and OpenCV on the same frames.
 
 use super::batch::{BatchArgs, collect, write_part};
 use super::method::MethodArgs;
@@ -12,41 +12,31 @@ use crate::input::{
 };
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::rivals::{
-    CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
-    object_comparison, summarise, time_scene,
+    Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table, object_comparison,
+    summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};
-use linestereo_baselines::{
-    Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, GrayImage, Matcher, Method, Shape, Window,
-};
+use linestereo_baselines::GrayImage;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Disparity range of two image files.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
-/// Compared when nothing else is asked for.
-const USUAL: [&str; 11] =
-    [CORE, "bm", "bm-strict", "sad", "census", "scan-line", "sgm4", "sgm8", "sgm8-strict", "sparse-block", "pushbroom"];
 
 const EXAMPLES: &str = "\
 Examples:
   linestereo compare left.png right.png --picture maps.png       maps side by side
   linestereo compare frames/qvga --opencv                        with OpenCV's StereoBM and StereoSGBM
-  linestereo compare frames/qvga --methods linestereo,census,ncc --window 9x9
-  linestereo compare frames/qvga --after-steps                   what each after-step does to the scores
-  linestereo compare frames/qvga --methods sad --left-right 1 --after speckle,median
+  linestereo compare frames/qvga --methods linestereo,sgm8-strict
   linestereo compare sets --no-times --shard 3/16 --json part3.json   a sixteenth, on one of 16 machines
   linestereo compare --merge part*.json                          all parts: the same bytes as without --shard
 
 Methods:
   linestereo       the core: answers of p >= 0.9
   bm, bm-strict    block matching, OpenCV's StereoBM number for number; strict: uniqueness 90, texture 3000
-  ssd sad ncc normalised-ssd normalised-sad rank census gradient    block matching by this cost, window 15x15
-  scan-line        dynamic programming along rows with occlusion
-  sgm4 sgm8 sgm8-strict    semi-global, 4 or 8 paths, census 5x5; strict: uniqueness 80
-  sparse-block     TU Delft's stereo board: 5x5 at peaks of the gradient
-  pushbroom        one disparity alone, half of the range or --pushbroom
-  all              every one of them
+  census           block matching on census codes, window 15x15
+  sgm8             semi-global along 8 paths, census 5x5
+  sgm8-strict      the same with uniqueness 80
 
 Columns:
   points, cells    answers a frame; % of 16x16 cells (those at least half visible truth) with one
@@ -64,36 +54,15 @@ pub struct Args {
     /// Two rectified images, or folders to search for pairs, at any depth and in any layout.
     #[arg(required_unless_present = "merge", conflicts_with = "merge", value_name = "LEFT RIGHT | FOLDER")]
     inputs: Vec<PathBuf>,
-    /// Methods to compare, or "all".
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    methods: Vec<String>,
+    /// Methods to compare [default: all].
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = Contender::named)]
+    methods: Vec<Contender>,
     /// Add OpenCV's StereoBM and StereoSGBM, where a Python with OpenCV is installed.
     #[arg(long)]
     opencv: bool,
     /// The Python that has OpenCV [default: $LINESTEREO_PYTHON, else python3].
     #[arg(long, value_name = "PROGRAM", requires = "opencv")]
     python: Option<PathBuf>,
-    /// Compare the after-steps in place of the methods: each one alone on block matching by census.
-    #[arg(long, conflicts_with = "methods")]
-    after_steps: bool,
-    /// Window of block matching by any cost, scan-line and sgm.
-    #[arg(long, value_name = "COLUMNSxROWS", value_parser = parse_window)]
-    window: Option<(usize, usize)>,
-    /// Windows are crosses in place of rectangles.
-    #[arg(long, requires = "window")]
-    cross: bool,
-    /// Steps after every baseline: gradient-descent, speckle, median, fill-surface, fill-neighbours.
-    #[arg(long, value_name = "STEP,...", value_delimiter = ',', value_parser = parse_step)]
-    after: Vec<AfterStep>,
-    /// Least confidence of block matching by any cost, scan-line and sgm, 0 to 1.
-    #[arg(long, value_name = "C")]
-    least_confidence: Option<f32>,
-    /// Drop what the right image matches more than this far away, in block matching by any cost and sgm.
-    #[arg(long, value_name = "PX")]
-    left_right: Option<u32>,
-    /// The disparity of pushbroom stereo.
-    #[arg(long, value_name = "PX")]
-    pushbroom: Option<u16>,
     /// Draw all maps side by side; scenes beyond the first 16 are not drawn.
     #[arg(long, value_name = "FILE.png", conflicts_with_all = ["shard", "merge"])]
     picture: Option<OutputPath>,
@@ -147,7 +116,7 @@ pub fn run(args: &Args) -> Result<()> {
         let (head, compared) = ShardFile::merge(&args.batch.merge)?;
         return args.write(compared, &head.notes);
     }
-    let contenders = if args.after_steps { after_steps() } else { args.contenders()? };
+    let contenders = if args.methods.is_empty() { Contender::ALL.to_vec() } else { args.methods.clone() };
     let mut notes = Vec::new();
     let opencv = args.opencv(&mut notes)?;
     let rivals = Rivals { args, contenders, opencv };
@@ -229,57 +198,6 @@ impl Rivals<'_> {
 }
 
 impl Args {
-    fn contenders(&self) -> Result<Vec<Contender>> {
-        let known = Method::all();
-        let names: Vec<&str> = match self.methods.as_slice() {
-            [] => USUAL.to_vec(),
-            [all] if all == "all" => [CORE].into_iter().chain(known.iter().map(|m| m.name.as_str())).collect(),
-            names => names.iter().map(String::as_str).collect(),
-        };
-        names
-            .into_iter()
-            .map(|name| {
-                if name == CORE {
-                    return Ok(Contender::Core);
-                }
-                let method = known.iter().find(|method| method.name == name);
-                let method = method.with_context(|| {
-                    let all: Vec<&str> = known.iter().map(|method| method.name.as_str()).collect();
-                    format!("there is no method {name}; give {CORE}, {} or all", all.join(", "))
-                })?;
-                self.changed(method.clone()).map(Contender::Baseline)
-            })
-            .collect()
-    }
-
-    /// The method with what the options change.
-    fn changed(&self, mut method: Method) -> Result<Method> {
-        if let Some((columns, rows)) = self.window {
-            let shape = if self.cross { Shape::Cross } else { Shape::Rectangle };
-            method = method.with_window(Window::new(columns, rows, shape));
-        }
-        if let Some(least) = self.least_confidence
-            && !(0.0..=1.0).contains(&least)
-        {
-            bail!("--least-confidence is {least}; give 0 to 1");
-        }
-        let change = |acceptance: &mut Acceptance| {
-            acceptance.least_confidence = self.least_confidence.unwrap_or(acceptance.least_confidence);
-            acceptance.left_right = self.left_right.or(acceptance.left_right);
-        };
-        match &mut method.matcher {
-            Matcher::Block(matcher) => change(&mut matcher.acceptance),
-            Matcher::SemiGlobal(matcher) => change(&mut matcher.acceptance),
-            Matcher::ScanLine(matcher) => {
-                matcher.least_confidence = self.least_confidence.unwrap_or(matcher.least_confidence);
-            }
-            Matcher::Pushbroom(disparity) => *disparity = self.pushbroom,
-            Matcher::StereoBm(_) | Matcher::SparseBlock(_) => {}
-        }
-        method.after.clone_from(&self.after);
-        Ok(method)
-    }
-
     /// OpenCV if it is asked for; what is to be said of it joins the notes.
     fn opencv(&self, notes: &mut Vec<String>) -> Result<Option<OpenCv>> {
         if !self.opencv {
@@ -301,12 +219,10 @@ impl Args {
 
     /// Every option that changes a result.
     fn words(&self) -> String {
-        let Self { methods, after_steps, window, cross, after, least_confidence, left_right, pushbroom, .. } = self;
-        let Self { opencv, width, max_disparity, no_times, method, .. } = self;
+        let Self { methods, opencv, width, max_disparity, no_times, method, .. } = self;
         format!(
-            "methods {methods:?}, after-steps {after_steps}, window {window:?}, cross {cross}, after {after:?}, \
-             least confidence {least_confidence:?}, left-right {left_right:?}, pushbroom {pushbroom:?}, opencv {opencv}, \
-             width {width:?}, range {max_disparity:?}, no times {no_times}, {method:?}"
+            "methods {methods:?}, opencv {opencv}, width {width:?}, range {max_disparity:?}, no times {no_times}, \
+             {method:?}"
         )
     }
 
@@ -379,37 +295,6 @@ impl Args {
     }
 }
 
-/// Block matching by census, as it comes and with each after-step alone; those that fill need gaps first.
-fn after_steps() -> Vec<Contender> {
-    let block = |name: &str, acceptance: Acceptance, after: &[AfterStep]| {
-        let matcher = Matcher::Block(BlockMatcher { cost: CostKind::Census, window: Window::square(9), acceptance });
-        Contender::Baseline(Method { name: name.to_owned(), matcher, after: after.to_vec() })
-    };
-    let plain = Acceptance { fraction: Fraction::None, ..Acceptance::default() };
-    let checked = Acceptance { left_right: Some(1), ..plain };
-    let all = Acceptance { left_right: Some(1), least_confidence: 0.1, fraction: Fraction::Equiangular };
-    let (parabola, equiangular) = (Fraction::Parabola, Fraction::Equiangular);
-    vec![
-        block("whole disparities", plain, &[]),
-        block("+ parabola", Acceptance { fraction: parabola, ..plain }, &[]),
-        block("+ equiangular", Acceptance { fraction: equiangular, ..plain }, &[]),
-        block("+ gradient descent", plain, &[AfterStep::GradientDescent]),
-        block("+ median", plain, &[AfterStep::Median]),
-        block("+ speckle removal", plain, &[AfterStep::Speckle]),
-        block("+ uniqueness 0.1", Acceptance { least_confidence: 0.1, ..plain }, &[]),
-        block("+ uniqueness 0.3", Acceptance { least_confidence: 0.3, ..plain }, &[]),
-        block("+ left-right", checked, &[]),
-        block("+ left-right, filled from neighbours", checked, &[AfterStep::FillNeighbours]),
-        block("+ left-right, filled by surfaces", checked, &[AfterStep::FillSurface]),
-        block("left-right, unique, equiangular, speckle, median", all, &[AfterStep::Speckle, AfterStep::Median]),
-        block(
-            "the same, filled by surfaces, then neighbours",
-            all,
-            &[AfterStep::Speckle, AfterStep::Median, AfterStep::FillSurface, AfterStep::FillNeighbours],
-        ),
-    ]
-}
-
 fn picture(compared: &[Compared]) -> image::RgbImage {
     let maps = |compared: &Compared| -> Vec<(String, FrameResult)> {
         let drawn = compared.methods.iter().filter_map(|score| Some((score.method.clone(), score.result.clone()?)));
@@ -423,18 +308,4 @@ fn picture(compared: &[Compared]) -> image::RgbImage {
         })
         .collect();
     draw::maps(&scenes)
-}
-
-fn parse_window(text: &str) -> Result<(usize, usize), String> {
-    let sides = text.split_once('x').and_then(|(columns, rows)| Some((columns.parse().ok()?, rows.parse().ok()?)));
-    let odd = |side: usize| side % 2 == 1 && side <= 63;
-    sides
-        .filter(|&(columns, rows)| odd(columns) && odd(rows))
-        .ok_or("give two odd sides of up to 63, such as 9x5".into())
-}
-
-fn parse_step(text: &str) -> Result<AfterStep, String> {
-    let names: Vec<&str> = AfterStep::ALL.iter().map(|step| step.name()).collect();
-    let step = AfterStep::ALL.into_iter().find(|step| step.name() == text);
-    step.ok_or_else(|| format!("there is no step {text}; give {}", names.join(", ")))
 }

@@ -1,10 +1,11 @@
 //! Several methods on the same frames: the core, the baselines and, where it is installed, OpenCV.
 //!
-//! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its time on one thread.
+//! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its
+//! time on one thread.
 //!
-//! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its curve of error against yield can be read
-//! like that of the core; OpenCV gives none. The depth of an object by a baseline is the median of at least `LEAST_DISPARITIES` disparities
-//! inside it.
+//! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its
+//! curve of error against yield can be read like that of the core. OpenCV gives none. The depth of
+//! an object by a baseline is the median of at least `LEAST_DISPARITIES` disparities inside it.
 
 mod opencv;
 mod table;
@@ -31,11 +32,8 @@ const TIMING_RUNS: usize = 9;
 /// Fewer disparities make no depth of an object.
 const LEAST_DISPARITIES: usize = 5;
 
-/// The core's name among the methods.
-pub const CORE: &str = "linestereo";
-
 /// A method that takes part in a comparison.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contender {
     /// The core.
     Core,
@@ -44,13 +42,31 @@ pub enum Contender {
 }
 
 impl Contender {
+    /// The core and every baseline, in the order of tables.
+    pub const ALL: [Self; 6] = [
+        Self::Core,
+        Self::Baseline(Method::Bm),
+        Self::Baseline(Method::BmStrict),
+        Self::Baseline(Method::Census),
+        Self::Baseline(Method::Sgm8),
+        Self::Baseline(Method::Sgm8Strict),
+    ];
+
     /// Its name.
     #[must_use]
-    pub fn name(&self) -> &str {
+    pub const fn name(self) -> &'static str {
         match self {
-            Self::Core => CORE,
-            Self::Baseline(method) => &method.name,
+            Self::Core => "linestereo",
+            Self::Baseline(method) => method.name(),
         }
+    }
+
+    /// The one of this name; the error lists all names.
+    pub fn named(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|contender| contender.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("there is no method {name}; give {names}")
+        })
     }
 }
 
@@ -128,10 +144,10 @@ pub fn compare_scene(
                 let mut engine = core(scene)?;
                 let result = engine.run(scene.left.view()?, scene.right.view()?)?;
                 let objects = score_objects(&mut engine, &cases);
-                score(CORE, result, objects)
+                score(contender.name(), result, objects)
             }
             Contender::Baseline(method) => {
-                of_map(&method.name, &method.run(&scene.left, &scene.right, scene.max_disparity))
+                of_map(method.name(), &method.run(&scene.left, &scene.right, scene.max_disparity))
             }
         });
     }

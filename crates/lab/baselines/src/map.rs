@@ -1,4 +1,4 @@
-//! Result of every baseline: a disparity and a confidence per pixel, or none.
+//! Result of every method: a disparity and a confidence per pixel, or none.
 
 use linestereo::{Confidence, Dims, Disparity, Point};
 
@@ -8,7 +8,6 @@ pub struct DisparityMap {
     dims: Dims,
     disparity: Vec<f32>,
     confidence: Vec<f32>,
-    occluded: Vec<bool>,
 }
 
 impl DisparityMap {
@@ -16,10 +15,10 @@ impl DisparityMap {
     #[must_use]
     pub fn empty(dims: Dims) -> Self {
         let count = usize::from(dims.width) * usize::from(dims.height);
-        Self { dims, disparity: vec![f32::NAN; count], confidence: vec![0.0; count], occluded: vec![false; count] }
+        Self { dims, disparity: vec![f32::NAN; count], confidence: vec![0.0; count] }
     }
 
-    /// A map of these disparities, row-major, NaN where there is none; what is not given is unknown. Nothing is said of confidence.
+    /// A map of these disparities in px, row-major, NaN where there is none. All confidences are 0.
     #[must_use]
     pub fn of_values(dims: Dims, values: impl IntoIterator<Item = f32>) -> Self {
         let mut map = Self::empty(dims);
@@ -41,10 +40,6 @@ impl DisparityMap {
         &self.disparity
     }
 
-    pub(super) fn values_mut(&mut self) -> &mut [f32] {
-        &mut self.disparity
-    }
-
     /// Disparity of a pixel in px; `None` where there is none.
     #[must_use]
     pub fn at(&self, x: usize, y: usize) -> Option<f32> {
@@ -58,33 +53,16 @@ impl DisparityMap {
         self.confidence[self.index(x, y)]
     }
 
-    /// The left-right check found no partner for the pixel.
-    #[must_use]
-    pub fn is_occluded(&self, x: usize, y: usize) -> bool {
-        self.occluded[self.index(x, y)]
-    }
-
     /// Pixels with a disparity.
     #[must_use]
     pub fn count(&self) -> usize {
         self.disparity.iter().filter(|d| d.is_finite()).count()
     }
 
-    pub(super) fn set(&mut self, x: usize, y: usize, disparity: f32, confidence: f32) {
+    pub(crate) fn set(&mut self, x: usize, y: usize, disparity: f32, confidence: f32) {
         let index = self.index(x, y);
         self.disparity[index] = disparity;
         self.confidence[index] = confidence;
-    }
-
-    pub(super) fn clear(&mut self, x: usize, y: usize) {
-        let index = self.index(x, y);
-        self.disparity[index] = f32::NAN;
-    }
-
-    pub(super) fn mark_occluded(&mut self, x: usize, y: usize) {
-        let index = self.index(x, y);
-        self.disparity[index] = f32::NAN;
-        self.occluded[index] = true;
     }
 
     /// The map as points of the core, one per known pixel. Disparities are rounded to 1/64 px.
