@@ -11,7 +11,7 @@
 //!
 //! # Bounds
 //! The largest sum is that of a block of 15 x 15 px with terms of at most 62: 13 950, an `i16`.
-//! Sums wrap between their two additions at most, never in a result.
+//! Nothing overflows: wrapping additions only keep checks out of the loops of test builds.
 //!
 //! # Cost
 //! Six additions of 16 bits a disparity and pixel; `side * width * disparities` bytes of terms.
@@ -51,7 +51,7 @@ impl<T: Copy> Windows<T> {
         if costs.is_empty() {
             return;
         }
-        // The terms of the last rows, so many as a window has. Above the image they are 0.
+        // The terms of the last rows, as many as a window has. Above the image they are 0.
         let mut terms = vec![0; side * stride];
         let mut column_sums = vec![0; stride];
         for bottom in 0..self.search.height() {
