@@ -31,8 +31,9 @@ fn selftest() -> linestereo_boards::Exit {
 #[cfg(all(target_os = "none", feature = "emulated"))]
 fn by_log(memory: &mut impl linestereo_firmware::memory::Memory) -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::digests;
     use linestereo_firmware::boards::selected::BOARD;
-    use linestereo_firmware::programs::{expected, selftest};
+    use linestereo_firmware::programs::selftest;
     use linestereo_firmware::{error, info};
 
     let all_equal = selftest::run(memory, &BOARD, digests::of(&BOARD), |outcome| {
