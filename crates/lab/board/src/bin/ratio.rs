@@ -150,7 +150,8 @@ fn blocks(pairs: &[Named]) -> Result<(Vec<[Outcome; METHODS.len()]>, u64)> {
         [16, 32, 48, 64].into_iter().for_each(|disparities| push(&mut file, &pair, disparities));
     }
     let mut here = String::new();
-    Box::new(Matchers::new()).run(&NoClock, &mut Bytes(&file), &mut here)?;
+    let mut matchers = Box::new(Matchers::new());
+    matchers.run(&NoClock, &mut Bytes(&file), &mut here)?;
 
     let images = Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
     let there = run(&images, &["pairs", "table"], Some(&file))?;
