@@ -12,6 +12,7 @@ use core::fmt;
 /// Largest difference between the techniques (Eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Margin {
     /// In disparity, px, both ways.
     Pixels(Disparity),
@@ -27,6 +28,7 @@ pub enum Margin {
 /// Parts of the method that match a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parts {
     /// Support points, and segments, whose search range they limit.
     #[default]

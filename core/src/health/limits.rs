@@ -111,6 +111,7 @@ impl Default for HealthLimits {
 /// Two images that were captured too far apart to be a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Skewed {
     /// Time between the captures, us.
     pub skew_us: u32,

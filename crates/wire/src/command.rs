@@ -10,7 +10,7 @@ use crate::settings::{Setting, SettingValue};
 use core::fmt;
 use heapless::String;
 use linestereo::health::Skewed;
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
+use linestereo::{Confidence, Dims, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
 use linestereo_rig::RigImage;
 use serde::{Deserialize, Serialize};
 
@@ -118,58 +118,15 @@ pub struct ParamUpdate {
     /// [`Params::cell`], px.
     pub cell: Option<u16>,
     /// [`Params::margin`].
-    pub margin: Option<MarginUpdate>,
-    /// [`Params::min_confidence`], 1/65536.
-    pub min_confidence_q16: Option<u16>,
+    pub margin: Option<Margin>,
+    /// [`Params::min_confidence`].
+    pub min_confidence: Option<Confidence>,
     /// [`Params::reach`], px.
     pub reach: Option<u16>,
     /// [`Params::rig`].
     pub rig: Option<RigUpdate>,
     /// [`Params::parts`].
-    pub parts: Option<PartsUpdate>,
-}
-
-/// A [`Parts`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum PartsUpdate {
-    /// [`Parts::Both`].
-    Both,
-    /// [`Parts::Support`].
-    Support,
-}
-
-impl From<Parts> for PartsUpdate {
-    fn from(parts: Parts) -> Self {
-        match parts {
-            Parts::Both => Self::Both,
-            Parts::Support => Self::Support,
-        }
-    }
-}
-
-impl From<PartsUpdate> for Parts {
-    fn from(parts: PartsUpdate) -> Self {
-        match parts {
-            PartsUpdate::Both => Self::Both,
-            PartsUpdate::Support => Self::Support,
-        }
-    }
-}
-
-/// A [`Margin`] in plain numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MarginUpdate {
-    /// [`Margin::Pixels`], 1/64 px.
-    PixelsQ6(i16),
-    /// [`Margin::Metres`], 1/65536 m.
-    MetresQ16 {
-        /// Towards the cameras.
-        nearer: i32,
-        /// Away from them.
-        farther: i32,
-    },
+    pub parts: Option<Parts>,
 }
 
 /// Numbers of a [`Rig`].
@@ -198,13 +155,6 @@ impl ParamUpdate {
             Some(rig) => Some(rig.rig()?),
             None => params.rig,
         };
-        let margin = match self.margin {
-            Some(MarginUpdate::PixelsQ6(bits)) => Margin::Pixels(Disparity::from_bits(bits)),
-            Some(MarginUpdate::MetresQ16 { nearer, farther }) => {
-                Margin::Metres { nearer: Depth::from_bits(nearer), farther: Depth::from_bits(farther) }
-            }
-            None => params.margin,
-        };
         Ok(Params {
             min_disparity: self.min_disparity.unwrap_or(params.min_disparity),
             max_disparity: self.max_disparity.unwrap_or(params.max_disparity),
@@ -213,10 +163,10 @@ impl ParamUpdate {
             edge_gradient: self.edge_gradient.unwrap_or(params.edge_gradient),
             min_extent: self.min_extent.unwrap_or(params.min_extent),
             cell: self.cell.unwrap_or(params.cell),
-            margin,
-            min_confidence: self.min_confidence_q16.map_or(params.min_confidence, Confidence::from_bits),
+            margin: self.margin.unwrap_or(params.margin),
+            min_confidence: self.min_confidence.unwrap_or(params.min_confidence),
             reach: self.reach.unwrap_or(params.reach),
-            parts: self.parts.map_or(params.parts, Parts::from),
+            parts: self.parts.unwrap_or(params.parts),
         })
     }
 
@@ -295,13 +245,8 @@ pub enum Refusal {
     Region(u8),
     /// The cameras delivered no whole pair.
     NoPair,
-    /// [`Skewed`]: the images of the pair were captured too far apart.
-    Skewed {
-        /// Microseconds between the captures.
-        skew_us: u32,
-        /// Allowed ones.
-        limit_us: u32,
-    },
+    /// The images of the pair were captured too far apart.
+    Skewed(Skewed),
     /// A [`Setting`] outside of its range.
     Setting {
         /// Its number.
@@ -316,8 +261,8 @@ pub enum Refusal {
 }
 
 impl From<Skewed> for Refusal {
-    fn from(Skewed { skew_us, limit_us }: Skewed) -> Self {
-        Self::Skewed { skew_us, limit_us }
+    fn from(skewed: Skewed) -> Self {
+        Self::Skewed(skewed)
     }
 }
 
@@ -381,7 +326,7 @@ impl fmt::Display for Refusal {
             Self::Baseline(value) => RigError::Baseline(value as f32).fmt(f),
             Self::Offset(value) => RigError::Offset(value as f32).fmt(f),
             Self::Unsupported => write!(f, "this board cannot do that"),
-            Self::Skewed { skew_us, limit_us } => Skewed { skew_us, limit_us }.fmt(f),
+            Self::Skewed(skewed) => skewed.fmt(f),
             Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
             Self::NoRig => write!(f, "the board has no rig"),
             Self::Rig(fault) => write!(f, "the rig image is refused: {fault}"),
