@@ -7,7 +7,6 @@ use crate::object::{MAX_REGIONS, Regions};
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
 use crate::settings::{Setting, SettingValue};
-use core::fmt;
 use heapless::String;
 use linestereo::health::Skewed;
 use linestereo::{Confidence, Dims, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
@@ -187,11 +186,12 @@ impl ParamUpdate {
     }
 }
 
-/// Why a command was not done.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Why a command was not done, in the core's own words where it has them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// [`ParamError::OutOfRange`].
+    #[error("{name} is {value}, allowed are {low} to {high}")]
     OutOfRange {
         /// Name of the parameter.
         name: Name,
@@ -203,8 +203,10 @@ pub enum Refusal {
         high: i64,
     },
     /// [`ParamError::MarginNeedsRig`].
+    #[error("{}", ParamError::MarginNeedsRig)]
     MarginNeedsRig,
     /// The board's memory was made for smaller images.
+    #[error("{name} of the board's memory holds {given}, these images need {needed}")]
     MemoryTooSmall {
         /// Name of the memory that is too small.
         name: Name,
@@ -214,14 +216,19 @@ pub enum Refusal {
         given: u32,
     },
     /// [`RigError::Focal`].
+    #[error("{}", RigError::Focal(*.0 as f32))]
     Focal(f64),
     /// [`RigError::Baseline`].
+    #[error("{}", RigError::Baseline(*.0 as f32))]
     Baseline(f64),
     /// [`RigError::Offset`].
+    #[error("{}", RigError::Offset(*.0 as f32))]
     Offset(f64),
     /// This board cannot do that.
+    #[error("this board cannot do that")]
     Unsupported,
     /// The pixels end too early.
+    #[error("the pair has {needed} bytes, {given} were given")]
     Truncated {
         /// Bytes of both images.
         needed: u32,
@@ -229,10 +236,13 @@ pub enum Refusal {
         given: u32,
     },
     /// The board has no rig: nothing can be rectified, and nothing has a depth.
+    #[error("the board has no rig")]
     NoRig,
     /// The image is no rig that this board can use.
+    #[error("the rig image is refused: {0}")]
     Rig(RigFault),
     /// The raw images are not of the size of the rig's.
+    #[error("the rig is one of raw images of {}x{}, these are {}x{}", .needed[0], .needed[1], .given[0], .given[1])]
     RawSize {
         /// Width and height of the rig's raw images.
         needed: [u16; 2],
@@ -240,14 +250,19 @@ pub enum Refusal {
         given: [u16; 2],
     },
     /// There is no flash, or it does not keep what is written.
+    #[error("the board's flash does not keep it")]
     NotKept,
     /// The box with this index of the list has no pixel in the board's largest image.
+    #[error("box {0} has no pixel in the image")]
     Region(u8),
     /// The cameras delivered no whole pair.
+    #[error("the cameras delivered no whole pair: look at what they lost")]
     NoPair,
     /// The images of the pair were captured too far apart.
+    #[error("{0}")]
     Skewed(Skewed),
     /// A [`Setting`] outside of its range.
+    #[error("{} is {value}, allowed are {}{least} to {largest}", Setting::words(*.number).0, Setting::words(*.number).1)]
     Setting {
         /// Its number.
         number: u8,
@@ -301,6 +316,11 @@ pub fn name(text: &str) -> Name {
 }
 
 impl Setting {
+    /// Name and kind of the setting of this number in a refusal.
+    fn words(number: u8) -> (&'static str, &'static str) {
+        Self::get(number).map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }))
+    }
+
     /// Refuses what is no value of the setting of this number.
     pub fn check(number: u8, value: f32) -> Result<(), Refusal> {
         match Self::get(number) {
@@ -310,39 +330,3 @@ impl Setting {
         }
     }
 }
-
-/// The core's own words where it has them.
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::OutOfRange { ref name, value, low, high } => {
-                write!(f, "{name} is {value}, allowed are {low} to {high}")
-            }
-            Self::MarginNeedsRig => ParamError::MarginNeedsRig.fmt(f),
-            Self::MemoryTooSmall { ref name, needed, given } => {
-                write!(f, "{name} of the board's memory holds {given}, these images need {needed}")
-            }
-            Self::Focal(value) => RigError::Focal(value as f32).fmt(f),
-            Self::Baseline(value) => RigError::Baseline(value as f32).fmt(f),
-            Self::Offset(value) => RigError::Offset(value as f32).fmt(f),
-            Self::Unsupported => write!(f, "this board cannot do that"),
-            Self::Skewed(skewed) => skewed.fmt(f),
-            Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
-            Self::NoRig => write!(f, "the board has no rig"),
-            Self::Rig(fault) => write!(f, "the rig image is refused: {fault}"),
-            Self::RawSize { needed: [w, h], given: [width, height] } => {
-                write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
-            }
-            Self::NotKept => write!(f, "the board's flash does not keep it"),
-            Self::NoPair => write!(f, "the cameras delivered no whole pair: look at what they lost"),
-            Self::Setting { number, value, least, largest } => {
-                let (name, kind) = Setting::get(number)
-                    .map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }));
-                write!(f, "{name} is {value}, allowed are {kind}{least} to {largest}")
-            }
-            Self::Region(index) => write!(f, "box {index} has no pixel in the image"),
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}

@@ -9,28 +9,18 @@ use crate::frame::{FrameHead, POINTS_PER_PACKET, Points, SEGMENTS_PER_PACKET, Se
 use crate::message::{MAX_PACKET, Message};
 use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, Record, encode};
-use core::fmt;
 use linestereo::{Match, ObjectDepth, Point};
 
 /// Why something was not sent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SendError<E> {
     /// It is no packet; cannot happen with the records of this crate.
+    #[error("{0}")]
     Encode(EncodeError),
     /// The port failed.
+    #[error("{0}")]
     Port(E),
 }
-
-impl<E: fmt::Display> fmt::Display for SendError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Encode(error) => error.fmt(f),
-            Self::Port(error) => error.fmt(f),
-        }
-    }
-}
-
-impl<E: core::error::Error> core::error::Error for SendError<E> {}
 
 /// Sends one record.
 #[inline(never)] // its packet is on the stack only while it sends
