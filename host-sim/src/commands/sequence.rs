@@ -51,7 +51,7 @@ A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m, .mjpeg; by ffmpeg .mp4, .mkv, .avi, .mov, .webm)
+    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4, .mkv, .avi, .mov, .webm, .mjpeg)
     /// with both views side by side, or of the left camera.
     #[arg(required_unless_present = "camera", conflicts_with = "camera")]
     folder: Option<PathBuf>,

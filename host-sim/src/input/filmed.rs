@@ -2,7 +2,7 @@
 
 use super::error::FrameError;
 use crate::untrusted::printable;
-use crate::video::{Frame, Source, VideoFault};
+use crate::video::{Luma, Source, VideoFault};
 use core::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -94,7 +94,7 @@ impl VideoPair {
     }
 
     /// The frames, as `read` makes values of them.
-    pub(super) fn images<T>(&self, read: impl Fn(Frame) -> Result<T, String>) -> Result<Views<T>, FrameError> {
+    pub(super) fn images<T>(&self, read: impl Fn(Luma) -> Result<T, String>) -> Result<Views<T>, FrameError> {
         let one = |eye: usize| {
             let path = || self.video.paths[eye].clone();
             let frame = self.video.with(|sources| sources[eye].frame(self.index));

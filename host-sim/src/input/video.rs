@@ -8,7 +8,8 @@ use super::filmed::Views;
 use super::grey::{StoredGray, Values};
 use super::sequence::PairFiles;
 use super::stored::StoredPair;
-use crate::video::{Camera, Frame, Luma, Source, VideoFault};
+use crate::interruption;
+use crate::video::{Camera, Luma, Source, VideoFault};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -17,7 +18,8 @@ pub use crate::video::is_video;
 
 /// Pairs of a video, or of a left and a right one; the number of frames that are in none.
 pub(super) fn pairs(paths: &[&Path]) -> Result<(Vec<StoredPair>, usize, Arc<Video>), FrameError> {
-    let opened = paths.iter().map(|path| Source::open(path).map_err(|fault| fault_of(path, fault)));
+    let opened =
+        paths.iter().map(|path| Source::open(path, interruption::requested).map_err(|fault| fault_of(path, fault)));
     let sources: Vec<Source> = opened.collect::<Result<_, _>>()?;
     let counts: Vec<usize> = sources.iter().filter_map(Source::frames).collect();
     let count = counts.iter().copied().min().unwrap_or(0);
@@ -28,7 +30,7 @@ pub(super) fn pairs(paths: &[&Path]) -> Result<(Vec<StoredPair>, usize, Arc<Vide
 
 /// A camera with both views side by side.
 pub(super) fn camera(camera: &Camera) -> Result<Arc<Video>, FrameError> {
-    let source = Source::camera(camera).map_err(|fault| fault_of(&camera.device, fault))?;
+    let source = Source::camera(camera, interruption::requested).map_err(|fault| fault_of(&camera.device, fault))?;
     opened_as(vec![camera.device.clone()], vec![source], None)
 }
 
@@ -57,10 +59,7 @@ pub(super) fn pair(video: &Arc<Video>, index: usize) -> StoredPair {
 impl VideoPair {
     /// Both views.
     pub(super) fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
-        let views = self.images(|frame| match frame {
-            Frame::Luma(luma) => of_luma(&luma),
-            Frame::Jpeg(bytes) => StoredGray::of_file(&bytes),
-        })?;
+        let views = self.images(|luma| of_luma(&luma))?;
         match &views {
             Views::Both(both) if both.dims.width % 2 == 1 => Err(self.odd(both.dims.width)),
             _ => Ok(views),

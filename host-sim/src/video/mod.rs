@@ -1,43 +1,32 @@
-//! Videos: frames by their numbers, as grey values or JPEG.
+//! Videos: frames by their numbers, as grey values.
 //!
 //! ```text
 //! y4m      raw frames with a header, the luma plane of each; of a file by their places, of a pipe one after the other
-//! mjpeg    JPEG files one behind the other, by their places
 //! ffmpeg   all others, and cameras: the system's program decodes to Y4M, which is read from a pipe
 //! ```
 //!
-//! No codec is linked. A file of ours is scanned once for the places of its frames; one of ffmpeg's is counted once without being decoded.
+//! No codec is linked. A Y4M file is scanned once for the places of its frames; one of ffmpeg's is
+//! counted once without being decoded.
 //!
 //! # Bounds
-//! At most 524 288 frames are known, 16 bytes each. A line of a header has at most 1 KiB, a frame 33 554 432 px; a JPEG
-//! 32 MiB. Three frames of a pipe are held at most.
+//! At most 524 288 frames are known, 8 bytes each. A line of a header has at most 1 KiB, a frame
+//! 33 554 432 px. Three frames of a pipe are held at most.
 
 mod ffmpeg;
-mod mjpeg;
 mod y4m;
 
-use crate::mcap::RECORD_BYTES;
 use crate::untrusted::{PIXELS, printable};
 use core::fmt;
 use std::io;
 use std::path::Path;
 
-pub use ffmpeg::Camera;
+pub use ffmpeg::{Camera, Stop};
 
 /// Most frames of a video: four hours and a half, thirty times a second.
 const MOST_FRAMES: usize = 1 << 19;
-/// Endings of the names of videos: those that are read here, and those that ffmpeg reads.
-const OWN: [&str; 3] = ["y4m", "mjpeg", "mjpg"];
-const FFMPEG: [&str; 6] = ["mp4", "m4v", "mkv", "avi", "mov", "webm"];
-
-/// A frame as it is stored.
-#[derive(Clone, Debug)]
-pub enum Frame {
-    /// Grey values.
-    Luma(Luma),
-    /// A JPEG file.
-    Jpeg(Vec<u8>),
-}
+/// Endings of the names of videos: the one that is read here, and those that ffmpeg reads.
+const OWN: &str = "y4m";
+const FFMPEG: [&str; 8] = ["mp4", "m4v", "mkv", "avi", "mov", "webm", "mjpeg", "mjpg"];
 
 /// Grey values, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,14 +44,13 @@ pub struct Source(Kind);
 
 enum Kind {
     Y4m(y4m::Stored),
-    Mjpeg(mjpeg::Stored),
     Decoded(ffmpeg::Decoder),
 }
 
 /// Is this a video, by its name?
 #[must_use]
 pub fn is_video(path: &Path) -> bool {
-    ending(path).is_some_and(|ending| OWN.contains(&&*ending) || FFMPEG.contains(&&*ending))
+    ending(path).is_some_and(|ending| ending == OWN || FFMPEG.contains(&&*ending))
 }
 
 fn ending(path: &Path) -> Option<String> {
@@ -71,18 +59,17 @@ fn ending(path: &Path) -> Option<String> {
 
 impl Source {
     /// Finds the frames of a file.
-    pub fn open(path: &Path) -> Result<Self, VideoFault> {
-        let ending = ending(path);
-        Ok(Self(match ending.as_deref() {
-            Some("y4m") => Kind::Y4m(y4m::Stored::open(path)?),
-            Some("mjpeg" | "mjpg") => Kind::Mjpeg(mjpeg::Stored::open(path)?),
-            _ => Kind::Decoded(ffmpeg::Decoder::open(path)?),
+    pub fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
+        Ok(Self(if ending(path).is_some_and(|ending| ending == OWN) {
+            Kind::Y4m(y4m::Stored::open(path)?)
+        } else {
+            Kind::Decoded(ffmpeg::Decoder::open(path, stop)?)
         }))
     }
 
     /// Starts a camera, which has no last frame.
-    pub fn camera(camera: &Camera) -> Result<Self, VideoFault> {
-        ffmpeg::Decoder::camera(camera).map(|decoder| Self(Kind::Decoded(decoder)))
+    pub fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
+        ffmpeg::Decoder::camera(camera, stop).map(|decoder| Self(Kind::Decoded(decoder)))
     }
 
     /// Number of frames; of a camera none is known.
@@ -90,7 +77,6 @@ impl Source {
     pub fn frames(&self) -> Option<usize> {
         match &self.0 {
             Kind::Y4m(stored) => Some(stored.frames()),
-            Kind::Mjpeg(stored) => Some(stored.frames()),
             Kind::Decoded(decoder) => decoder.frames(),
         }
     }
@@ -100,17 +86,15 @@ impl Source {
     pub fn time_ns(&self, index: usize) -> Option<u64> {
         match &self.0 {
             Kind::Y4m(stored) => stored.time_ns(index),
-            Kind::Mjpeg(_) => None,
             Kind::Decoded(decoder) => decoder.time_ns(index),
         }
     }
 
     /// The frame of this number. What ffmpeg decodes is decoded anew for one before the last.
-    pub fn frame(&mut self, index: usize) -> Result<Frame, VideoFault> {
+    pub fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
         match &mut self.0 {
-            Kind::Y4m(stored) => stored.frame(index).map(Frame::Luma),
-            Kind::Mjpeg(stored) => stored.frame(index).map(Frame::Jpeg),
-            Kind::Decoded(decoder) => decoder.frame(index).map(Frame::Luma),
+            Kind::Y4m(stored) => stored.frame(index),
+            Kind::Decoded(decoder) => decoder.frame(index),
         }
     }
 
@@ -125,7 +109,6 @@ impl Source {
     pub fn note(&self) -> Option<String> {
         match &self.0 {
             Kind::Y4m(stored) => stored.note(),
-            Kind::Mjpeg(stored) => stored.note(),
             Kind::Decoded(decoder) => decoder.note(),
         }
     }
@@ -142,16 +125,12 @@ pub enum VideoFault {
     Samples(String),
     /// Frames of this size are not read.
     Size([u64; 2]),
-    /// It does not begin with a JPEG.
-    NoMjpeg,
     /// It holds no whole frame.
     Empty,
     /// More frames than are counted.
     TooMany,
     /// A frame does not begin as it has to.
     Frame(usize),
-    /// A JPEG of so many bytes.
-    TooLarge(u64),
     /// Both views in an image of this odd width.
     OddWidth(u16),
     /// It ends behind so many frames, and what ffmpeg said.
@@ -187,13 +166,9 @@ impl fmt::Display for VideoFault {
                 "frames of {width}x{height} px are not read; give 1 to 65535 px a side and at most {} million of them",
                 PIXELS / 1_000_000
             ),
-            Self::NoMjpeg => f.write_str("it does not begin with a JPEG, so it is no MJPEG video; make it anew"),
             Self::Empty => f.write_str("it holds no whole frame; copy or record it again"),
             Self::TooMany => write!(f, "it has more than {MOST_FRAMES} frames; split it"),
             Self::Frame(index) => write!(f, "frame {index} does not begin with FRAME; copy or record it again"),
-            Self::TooLarge(bytes) => {
-                write!(f, "a JPEG of {bytes} bytes, more than {} MiB; record smaller ones", RECORD_BYTES >> 20)
-            }
             Self::OddWidth(width) => write!(
                 f,
                 "its width {width} is odd, so it is not two views side by side; give such a video, or one for each camera"
@@ -203,7 +178,7 @@ impl fmt::Display for VideoFault {
             Self::NoFfmpeg(error) => write!(
                 f,
                 "ffmpeg, which is needed for it, cannot be started ({error}); install it (apt install ffmpeg, brew install ffmpeg), \
-                 or give Y4M or MJPEG"
+                 or give Y4M"
             ),
             Self::Ffmpeg(said) if said.is_empty() => f.write_str("ffmpeg cannot read it; look at it with ffprobe"),
             Self::Ffmpeg(said) => write!(f, "ffmpeg cannot read it ({}); look at it with ffprobe", printable(said)),
