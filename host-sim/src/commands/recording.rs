@@ -9,7 +9,7 @@ use crate::input::video::is_video;
 use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
-use crate::ros::sent::{Header, Label};
+use crate::ros::sent::{Label, Stamp};
 use anyhow::{Result, bail};
 use linestereo_baselines::GrayImage;
 use std::path::{Path, PathBuf};
@@ -154,17 +154,17 @@ impl Sink {
             files => files.times_us().map(|[left, _]| left.saturating_mul(1000)),
         };
         self.first_ns += STEP_NS;
-        let header = Header { stamp_ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
+        let stamp = Stamp { ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
         let named = (number, &*pair.name);
         let sent = match (played, setup) {
             (Ok(played), Some(setup)) => {
                 let objects = played.objects.as_ref().map(|_| labels(setup, played));
                 let Played { images, result, .. } = played;
                 let (params, rig_numbers) = (&setup.params, setup.rig_numbers);
-                file.frame(header, named, &Frame { images, result, params, rig_numbers, objects })
+                file.frame(stamp, named, &Frame { images, result, params, rig_numbers, objects })
             }
             (Ok(_), None) => Ok(()),
-            (Err(error), _) => file.failure(header, named, error),
+            (Err(error), _) => file.failure(stamp, named, error),
         };
         sent.map_err(|error| cannot_write(&self.path, &error))
     }

@@ -1,7 +1,14 @@
-//! Records of a file, from its first to the end of its data; indexes and what no message needs are passed over.
+//! Records of a file, from its first to the end of its data; indexes and what no message needs are
+//! passed over.
+//!
+//! The crate `mcap` takes a record apart. Where records are, and how a chunk is unpacked, is decided
+//! here: its `LinearReader` tells no places, reads whole attachments, and takes the size of a chunk
+//! from those who made it.
 
-use super::{MAGIC, RECORD_BYTES, kind};
+use super::RECORD_BYTES;
 use crate::untrusted::{self, printable};
+use ::mcap::records::{ChunkHeader, Record, op};
+use ::mcap::{MAGIC, parse_record};
 use core::fmt;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -10,9 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Kind and length of a record.
-const HEAD_BYTES: u64 = 9;
-/// Channel, sequence number, two times.
-const MESSAGE_HEAD_BYTES: usize = 2 + 4 + 8 + 8;
+const HEAD_BYTES: usize = 9;
 /// Chunks that are kept: those of the left and the right image.
 const KEPT: usize = 2;
 
@@ -20,52 +25,17 @@ const KEPT: usize = 2;
 pub struct Reader {
     file: BufReader<File>,
     length: u64,
-    /// Unpacked chunks by the places of their records, the last one used at the end.
+    /// Records by the place of what holds them, the last ones used at the end.
     kept: VecDeque<(u64, Arc<[u8]>)>,
 }
 
-/// Place of a message's bytes.
+/// Place of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// Of the bytes, or of the fields of their chunk.
+    /// Of its chunk in the file, or of itself.
     record: u64,
-    /// Length of these fields, and where the bytes begin in the unpacked chunk.
-    chunk: Option<(u32, u32)>,
-    length: u32,
-}
-
-/// A record.
-#[derive(Debug)]
-pub enum Item<'a> {
-    /// Definition of a message.
-    Schema {
-        /// Its number.
-        id: u16,
-        /// Name of the type.
-        name: &'a str,
-    },
-    /// A topic.
-    Channel {
-        /// Its number.
-        id: u16,
-        /// Number of its schema; 0 is none.
-        schema: u16,
-        /// Its name.
-        topic: &'a str,
-        /// Encoding of its messages.
-        encoding: &'a str,
-    },
-    /// A message.
-    Message {
-        /// Number of its channel.
-        channel: u16,
-        /// When it was recorded, ns.
-        log_time: u64,
-        /// Where it is found again.
-        place: Place,
-        /// Its bytes.
-        data: &'a [u8],
-    },
+    /// Of itself in the unpacked chunk.
+    inside: u32,
 }
 
 /// Why a file cannot be read, with the place of the record.
@@ -129,221 +99,138 @@ impl Reader {
     pub fn open(path: &Path) -> Result<Self, McapFault> {
         let mut file = untrusted::open(path, u64::MAX)?; // read record by record
         let length = file.get_ref().metadata()?.len();
-        let mut magic = [0; MAGIC.len()];
-        match file.read_exact(&mut magic) {
-            Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(error.into()),
-            _ if magic != MAGIC => Err(McapFault::NoMcap),
-            _ => Ok(Self { file, length, kept: VecDeque::new() }),
-        }
+        let mut magic = Vec::new();
+        (&mut file).take(MAGIC.len() as u64).read_to_end(&mut magic)?;
+        if magic == MAGIC { Ok(Self { file, length, kept: VecDeque::new() }) } else { Err(McapFault::NoMcap) }
     }
 
     /// Every schema, channel and message, in the order of the file.
-    pub fn scan<E: From<McapFault>>(&mut self, mut visit: impl FnMut(Item<'_>) -> Result<(), E>) -> Result<(), E> {
+    pub fn scan<E: From<McapFault>>(
+        &mut self,
+        mut visit: impl FnMut(Record<'_>, Place) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut at = MAGIC.len() as u64;
         loop {
             let (kind, length) = self.head(at)?;
-            let record = at + HEAD_BYTES;
             match kind {
-                kind::DATA_END | kind::FOOTER => return Ok(()),
-                kind::CHUNK => {
-                    let chunk = self.unpacked(record, length)?;
-                    // At most `RECORD_BYTES`, as every place in it.
-                    let place =
-                        |inside, bytes| Place { record, chunk: Some((length as u32, inside as u32)), length: bytes };
-                    visit_records(&chunk, at, &place, &mut visit)?;
-                }
-                kind::SCHEMA | kind::CHANNEL | kind::MESSAGE => {
-                    let fields = self.bytes(record, length)?;
-                    let place = |inside, bytes| Place { record: record + inside as u64, chunk: None, length: bytes };
-                    visit_record(kind, &fields, 0, at, &place, &mut visit)?;
+                op::DATA_END | op::FOOTER => return Ok(()),
+                op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK => {
+                    let records = self.records(at)?;
+                    let mut left = &records[..];
+                    while !left.is_empty() {
+                        let inside = (records.len() - left.len()) as u32; // at most `RECORD_BYTES`
+                        let (kind, fields, rest) = split(left).ok_or(McapFault::Record(at))?;
+                        if matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+                            let record = parse_record(kind, fields).map_err(|_| McapFault::Record(at))?;
+                            visit(record, Place { record: at, inside })?;
+                        }
+                        left = rest;
+                    }
                 }
                 _ => {}
             }
-            at = record + length;
+            at += HEAD_BYTES as u64 + length;
         }
     }
 
     /// The bytes of a message.
-    pub fn message(&mut self, place: Place) -> Result<Vec<u8>, McapFault> {
-        let Some((length, inside)) = place.chunk else { return self.bytes(place.record, place.length.into()) };
-        let chunk = self.chunk(place.record, length.into())?;
-        let inside = inside as usize;
-        // Another chunk is there than the one that was scanned.
-        let bytes = chunk.get(inside..inside + place.length as usize).ok_or(McapFault::Record(place.record))?;
-        Ok(bytes.to_vec())
+    pub fn message(&mut self, Place { record, inside }: Place) -> Result<Vec<u8>, McapFault> {
+        let records = self.kept(record)?;
+        // Another file may be there than the one that was scanned.
+        let found = records.get(inside as usize..).and_then(split);
+        match found.map(|(kind, fields, _)| parse_record(kind, fields)) {
+            Some(Ok(Record::Message { data, .. })) => Ok(data.into_owned()),
+            _ => Err(McapFault::Record(record)),
+        }
     }
 
     /// Kind and length of the record at a place, which lies in the file as a whole.
     fn head(&mut self, at: u64) -> Result<(u8, u64), McapFault> {
-        if at.saturating_add(HEAD_BYTES) > self.length {
+        let Some(left) = self.length.checked_sub(at.saturating_add(HEAD_BYTES as u64)) else {
             return Err(McapFault::EndsEarly(at));
+        };
+        // Within what is buffered nothing is read again.
+        let now = self.file.stream_position()?;
+        match at.checked_signed_diff(now) {
+            Some(difference) => self.file.seek_relative(difference)?,
+            None => drop(self.file.seek(SeekFrom::Start(at))?),
         }
-        let mut head = [0; HEAD_BYTES as usize];
-        self.seek(at)?;
+        let mut head = [0; HEAD_BYTES];
         self.file.read_exact(&mut head)?;
         let [kind, length @ ..] = head;
         let length = u64::from_le_bytes(length);
-        if length > self.length - at - HEAD_BYTES {
-            return Err(McapFault::EndsEarly(at));
-        }
-        Ok((kind, length))
+        if length > left { Err(McapFault::EndsEarly(at)) } else { Ok((kind, length)) }
     }
 
-    /// Bytes at a place, after a look at how many.
-    fn bytes(&mut self, at: u64, length: u64) -> Result<Vec<u8>, McapFault> {
+    /// The records of the chunk at a place, or the one that is there.
+    fn records(&mut self, at: u64) -> Result<Vec<u8>, McapFault> {
+        let (kind, length) = self.head(at)?;
         if length > RECORD_BYTES {
-            return Err(McapFault::TooLarge(at.saturating_sub(HEAD_BYTES), length));
+            return Err(McapFault::TooLarge(at, length));
         }
-        let mut bytes = vec![0; length as usize];
-        self.seek(at)?;
-        self.file.read_exact(&mut bytes)?;
-        Ok(bytes)
-    }
-
-    /// Within what is buffered nothing is read again.
-    fn seek(&mut self, at: u64) -> io::Result<()> {
-        let now = self.file.stream_position()?;
-        match at.checked_signed_diff(now) {
-            Some(0) => Ok(()),
-            Some(difference) => self.file.seek_relative(difference),
-            None => self.file.seek(SeekFrom::Start(at)).map(|_| ()),
+        if kind != op::CHUNK {
+            let mut record = vec![kind];
+            record.extend(length.to_le_bytes());
+            (&mut self.file).take(length).read_to_end(&mut record)?;
+            return Ok(record);
+        }
+        let mut fields = vec![0; length as usize];
+        self.file.read_exact(&mut fields)?;
+        match parse_record(kind, &fields) {
+            Ok(Record::Chunk { header, data }) => unpacked(&header, &data, at),
+            _ => Err(McapFault::Record(at)),
         }
     }
 
-    /// An unpacked chunk, kept for the next message in it.
-    fn chunk(&mut self, record: u64, length: u64) -> Result<Arc<[u8]>, McapFault> {
-        if let Some(found) = self.kept.iter().position(|(at, _)| *at == record) {
-            let kept = self.kept.remove(found).ok_or(McapFault::Record(record))?;
-            self.kept.push_back(kept);
-        } else {
-            // Two large ones are too many.
-            self.kept.retain(|(_, chunk)| chunk.len() as u64 <= RECORD_BYTES / 2);
-            if self.kept.len() == KEPT {
-                self.kept.pop_front();
+    /// The same, kept for the next message of them.
+    fn kept(&mut self, at: u64) -> Result<Arc<[u8]>, McapFault> {
+        let found = self.kept.iter().position(|(of, _)| *of == at).and_then(|index| self.kept.remove(index));
+        let records = match found {
+            Some((_, records)) => records,
+            None => {
+                // Two large ones are too many.
+                self.kept.retain(|(_, records)| records.len() as u64 <= RECORD_BYTES / 2);
+                self.kept.drain(..self.kept.len().saturating_sub(KEPT - 1));
+                self.records(at)?.into()
             }
-            let chunk = self.unpacked(record, length)?;
-            self.kept.push_back((record, chunk.into()));
-        }
-        let (_, chunk) = self.kept.back().ok_or(McapFault::Record(record))?;
-        Ok(Arc::clone(chunk))
-    }
-
-    /// Records in a chunk, of which the fields are these.
-    fn unpacked(&mut self, record: u64, length: u64) -> Result<Vec<u8>, McapFault> {
-        let at = record.saturating_sub(HEAD_BYTES);
-        let fields = self.bytes(record, length)?;
-        let mut left = Fields(&fields);
-        let mut head = || {
-            let (_start, _end) = (left.u64()?, left.u64()?);
-            let (size, checksum, packer, stored) = (left.u64()?, left.u32()?, left.text()?, left.u64()?);
-            Some((size, checksum, packer, left.take(usize::try_from(stored).ok()?)?))
         };
-        let (size, checksum, packer, stored) = head().ok_or(McapFault::Record(at))?;
-        if size > RECORD_BYTES {
-            return Err(McapFault::TooLarge(at, size));
-        }
-        let broken = |what: String| McapFault::Chunk(at, what);
-        let mut records = vec![0; size as usize];
-        // Exactly as many as the chunk says: what else is packed stays so.
-        let filled = untrusted::guarded(|| match packer {
-            "" => (&*stored).read_exact(&mut records),
-            "lz4" => lz4_flex::frame::FrameDecoder::new(stored).read_exact(&mut records),
-            "zstd" => ruzstd::decoding::StreamingDecoder::new(stored)
-                .map_err(|error| io::Error::other(error.to_string()))?
-                .read_exact(&mut records),
-            _ => Err(ErrorKind::Unsupported.into()),
-        });
-        match filled.ok_or_else(|| broken("its decoder failed".to_owned()))? {
-            Err(error) if error.kind() == ErrorKind::Unsupported => {
-                return Err(McapFault::Compression(at, packer.chars().take(24).collect()));
-            }
-            filled => filled.map_err(|error| broken(error.to_string()))?,
-        }
-        if checksum != 0 && crc32fast::hash(&records) != checksum {
-            return Err(broken("its checksum is another".to_owned()));
-        }
+        self.kept.push_back((at, Arc::clone(&records)));
         Ok(records)
     }
 }
 
-/// The records in an unpacked chunk that begins at `at` of the file.
-fn visit_records<E: From<McapFault>>(
-    chunk: &[u8],
-    at: u64,
-    place: &impl Fn(usize, u32) -> Place,
-    visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-) -> Result<(), E> {
-    let mut left = Fields(chunk);
-    while !left.0.is_empty() {
-        let mut head = || {
-            let (kind, length) = (left.u8()?, usize::try_from(left.u64()?).ok()?);
-            let before = chunk.len() - left.0.len();
-            Some((kind, before, left.take(length)?))
-        };
-        let (kind, before, fields) = head().ok_or(McapFault::Record(at))?;
-        visit_record(kind, fields, before, at, place, visit)?;
+/// Exactly as many bytes as the chunk says: what else is packed stays so.
+fn unpacked(header: &ChunkHeader, stored: &[u8], at: u64) -> Result<Vec<u8>, McapFault> {
+    let size = header.uncompressed_size;
+    if size > RECORD_BYTES {
+        return Err(McapFault::TooLarge(at, size));
     }
-    Ok(())
+    let broken = |what: &dyn fmt::Display| McapFault::Chunk(at, what.to_string());
+    let mut records = vec![0; size as usize];
+    let filled = untrusted::guarded(|| match &*header.compression {
+        "" => { stored }.read_exact(&mut records),
+        "lz4" => lz4_flex::frame::FrameDecoder::new(stored).read_exact(&mut records),
+        "zstd" => ruzstd::decoding::StreamingDecoder::new(stored)
+            .map_err(|error| io::Error::other(error.to_string()))?
+            .read_exact(&mut records),
+        _ => Err(ErrorKind::Unsupported.into()),
+    });
+    match filled {
+        None => Err(broken(&"its decoder failed")),
+        Some(Err(error)) if error.kind() == ErrorKind::Unsupported => {
+            Err(McapFault::Compression(at, header.compression.chars().take(24).collect()))
+        }
+        Some(Err(error)) => Err(broken(&error)),
+        Some(Ok(())) if ![0, crc32fast::hash(&records)].contains(&header.uncompressed_crc) => {
+            Err(broken(&"its checksum is another"))
+        }
+        Some(Ok(())) => Ok(records),
+    }
 }
 
-/// A record with `before` bytes before its fields.
-fn visit_record<E: From<McapFault>>(
-    kind: u8,
-    fields: &[u8],
-    before: usize,
-    at: u64,
-    place: &impl Fn(usize, u32) -> Place,
-    visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-) -> Result<(), E> {
-    let mut left = Fields(fields);
-    let item = match kind {
-        kind::SCHEMA => left.u16().zip(left.text()).map(|(id, name)| Item::Schema { id, name }),
-        kind::CHANNEL => {
-            let (ids, texts) = (left.u16().zip(left.u16()), left.text().zip(left.text()));
-            ids.zip(texts).map(|((id, schema), (topic, encoding))| Item::Channel { id, schema, topic, encoding })
-        }
-        kind::MESSAGE => {
-            let numbers = left.u16().zip(left.u32()).zip(left.u64().zip(left.u64()));
-            let place = place(before + MESSAGE_HEAD_BYTES, left.0.len() as u32);
-            numbers.map(|((channel, _), (log_time, _))| Item::Message { channel, log_time, place, data: left.0 })
-        }
-        _ => return Ok(()),
-    };
-    visit(item.ok_or(McapFault::Record(at))?)
-}
-
-/// Fields of a record that are not read yet.
-struct Fields<'a>(&'a [u8]);
-
-impl<'a> Fields<'a> {
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, left) = self.0.split_at_checked(count)?;
-        self.0 = left;
-        Some(taken)
-    }
-
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.take(N)?.try_into().ok()
-    }
-
-    fn u8(&mut self) -> Option<u8> {
-        self.array().map(|[byte]| byte)
-    }
-
-    fn u16(&mut self) -> Option<u16> {
-        self.array().map(u16::from_le_bytes)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn text(&mut self) -> Option<&'a str> {
-        let length = self.u32()?;
-        core::str::from_utf8(self.take(length as usize)?).ok()
-    }
+/// Kind and fields of the first record, and the bytes behind it.
+fn split(records: &[u8]) -> Option<(u8, &[u8], &[u8])> {
+    let ([kind, length @ ..], rest) = records.split_first_chunk::<HEAD_BYTES>()?;
+    let (fields, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    Some((*kind, fields, rest))
 }

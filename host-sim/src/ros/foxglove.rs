@@ -1,148 +1,96 @@
-//! Images and calibrations of Foxglove's own schemas: `foxglove.RawImage`, `CompressedImage` and `CameraCalibration`, in protobuf.
-//!
-//! Fields of other numbers are passed over, as protobuf asks for; of a field that comes twice the last one counts.
+//! Images and calibrations of Foxglove's own schemas, in protobuf, as the messages of ROS 2 that say
+//! the same. Only fields that are used are declared; others are passed over.
 //!
 //! # Source
-//! <https://protobuf.dev/programming-guides/encoding>, and the schemas of <https://github.com/foxglove/foxglove-sdk>. Not the crate `prost`:
-//! it copies the bytes of an image, and these are six kinds of fields.
+//! The schemas of <https://github.com/foxglove/foxglove-sdk>.
 
-use super::received::{CameraInfo, CompressedImage, Header, Image};
+use super::messages::{CameraInfo, CompressedImage, Header, Image, Time};
+use prost::Message;
 
-/// Most doubles of a field: coefficients of a lens, or a matrix.
-const MOST_DOUBLES: usize = 64;
-
-/// The value of a field.
-#[derive(Clone, Copy)]
-enum Value<'a> {
-    Varint(u64),
-    Fixed64([u8; 8]),
-    Bytes(&'a [u8]),
-    Fixed32([u8; 4]),
+/// `google.protobuf.Timestamp`.
+#[derive(Clone, Copy, PartialEq, Message)]
+struct Timestamp {
+    #[prost(int64, tag = "1")]
+    seconds: i64,
+    #[prost(int32, tag = "2")]
+    nanos: i32,
 }
 
-impl<'a> Value<'a> {
-    fn bytes(self) -> Option<&'a [u8]> {
-        if let Self::Bytes(bytes) = self { Some(bytes) } else { None }
-    }
-
-    fn text(self) -> Option<&'a str> {
-        core::str::from_utf8(self.bytes()?).ok()
-    }
-
-    fn u32(self) -> Option<u32> {
-        if let Self::Fixed32(bytes) = self { Some(u32::from_le_bytes(bytes)) } else { None }
-    }
-
-    /// Appends doubles: one, or a packed list.
-    fn doubles(self, list: &mut Vec<f64>) -> Option<()> {
-        match self {
-            Self::Fixed64(bytes) => list.push(f64::from_le_bytes(bytes)),
-            Self::Bytes(bytes) => {
-                let (values, rest) = bytes.as_chunks();
-                let is_whole = rest.is_empty() && values.len() <= MOST_DOUBLES;
-                list.extend(is_whole.then_some(values)?.iter().map(|&value| f64::from_le_bytes(value)));
-            }
-            Self::Varint(_) | Self::Fixed32(_) => return None,
-        }
-        (list.len() <= MOST_DOUBLES).then_some(())
-    }
+/// `foxglove.RawImage`.
+#[derive(Clone, PartialEq, Message)]
+struct RawImage {
+    #[prost(message, optional, tag = "1")]
+    timestamp: Option<Timestamp>,
+    #[prost(fixed32, tag = "2")]
+    width: u32,
+    #[prost(fixed32, tag = "3")]
+    height: u32,
+    #[prost(string, tag = "4")]
+    encoding: String,
+    #[prost(fixed32, tag = "5")]
+    step: u32,
+    #[prost(bytes = "vec", tag = "6")]
+    data: Vec<u8>,
+    #[prost(string, tag = "7")]
+    frame_id: String,
 }
 
-/// A number of 7 bits a byte, the lowest first, and what is behind it.
-fn varint(bytes: &[u8]) -> Option<(u64, &[u8])> {
-    let length = 1 + bytes.iter().take(10).position(|byte| byte & 0x80 == 0)?;
-    let (own, rest) = bytes.split_at(length);
-    let value = own.iter().rev().fold(0_u64, |value, byte| (value << 7) | u64::from(byte & 0x7f));
-    Some((value, rest))
+/// `foxglove.CompressedImage`.
+#[derive(Clone, PartialEq, Message)]
+struct ImageFile {
+    #[prost(message, optional, tag = "1")]
+    timestamp: Option<Timestamp>,
+    #[prost(bytes = "vec", tag = "2")]
+    data: Vec<u8>,
+    #[prost(string, tag = "4")]
+    frame_id: String,
 }
 
-/// Calls `take` with the number and the value of each field; `None` where one is broken, or `take` says so.
-fn fields<'a>(mut bytes: &'a [u8], mut take: impl FnMut(u64, Value<'a>) -> Option<()>) -> Option<()> {
-    while !bytes.is_empty() {
-        let (tag, rest) = varint(bytes)?;
-        let (value, rest) = match tag & 7 {
-            0 => varint(rest).map(|(value, rest)| (Value::Varint(value), rest))?,
-            1 => rest.split_first_chunk().map(|(value, rest)| (Value::Fixed64(*value), rest))?,
-            2 => {
-                let (length, rest) = varint(rest)?;
-                let (value, rest) = rest.split_at_checked(usize::try_from(length).ok()?)?;
-                (Value::Bytes(value), rest)
-            }
-            5 => rest.split_first_chunk().map(|(value, rest)| (Value::Fixed32(*value), rest))?,
-            _ => return None, // groups, which no one writes any more
-        };
-        take(tag >> 3, value)?;
-        bytes = rest;
-    }
-    Some(())
+/// `foxglove.CameraCalibration`.
+#[derive(Clone, PartialEq, Message)]
+struct CameraCalibration {
+    #[prost(fixed32, tag = "2")]
+    width: u32,
+    #[prost(fixed32, tag = "3")]
+    height: u32,
+    #[prost(string, tag = "4")]
+    distortion_model: String,
+    #[prost(double, repeated, tag = "5")]
+    d: Vec<f64>,
+    #[prost(double, repeated, tag = "6")]
+    k: Vec<f64>,
+    #[prost(double, repeated, tag = "7")]
+    r: Vec<f64>,
+    #[prost(double, repeated, tag = "8")]
+    p: Vec<f64>,
 }
 
-/// `google.protobuf.Timestamp`, ns.
-fn stamp_ns(value: Value<'_>) -> Option<i64> {
-    let mut parts = [0_i64; 2];
-    fields(value.bytes()?, |number, value| {
-        if let (1 | 2, Value::Varint(value)) = (number, value) {
-            parts[number as usize - 1] = value as i64;
-        }
-        Some(())
-    })?;
-    parts[0].checked_mul(1_000_000_000)?.checked_add(parts[1])
+/// `None` for a time that is none of ROS 2.
+fn header(timestamp: Option<Timestamp>, frame_id: String) -> Option<Header> {
+    let Timestamp { seconds, nanos } = timestamp.unwrap_or_default();
+    let stamp = Time { sec: seconds.try_into().ok()?, nanosec: nanos.try_into().ok()? };
+    Some(Header { stamp, frame_id })
 }
 
 /// An image, pixel by pixel.
-pub(super) fn image(message: &[u8]) -> Option<Image<'_>> {
-    let header = Header { stamp_ns: 0, frame_id: "" };
-    let mut image = Image { header, height: 0, width: 0, encoding: "", is_big_endian: false, step: 0, data: &[] };
-    fields(message, |number, value| {
-        match number {
-            1 => image.header.stamp_ns = stamp_ns(value)?,
-            2 => image.width = value.u32()?,
-            3 => image.height = value.u32()?,
-            4 => image.encoding = value.text()?,
-            5 => image.step = value.u32()?,
-            6 => image.data = value.bytes()?,
-            7 => image.header.frame_id = value.text()?,
-            _ => {}
-        }
-        Some(())
-    })?;
-    Some(image)
+pub(super) fn image(message: &[u8]) -> Option<Image<'static>> {
+    let RawImage { timestamp, width, height, encoding, step, data, frame_id } = RawImage::decode(message).ok()?;
+    let header = header(timestamp, frame_id)?;
+    Some(Image { header, height, width, encoding, is_bigendian: 0, step, data: data.into() })
 }
 
 /// An image as a file.
-pub(super) fn compressed(message: &[u8]) -> Option<CompressedImage<'_>> {
-    let mut image = CompressedImage { header: Header { stamp_ns: 0, frame_id: "" }, data: &[] };
-    fields(message, |number, value| {
-        match number {
-            1 => image.header.stamp_ns = stamp_ns(value)?,
-            2 => image.data = value.bytes()?,
-            4 => image.header.frame_id = value.text()?,
-            _ => {}
-        }
-        Some(())
-    })?;
-    Some(image)
+pub(super) fn compressed(message: &[u8]) -> Option<CompressedImage<'static>> {
+    let ImageFile { timestamp, data, frame_id } = ImageFile::decode(message).ok()?;
+    let header = header(timestamp, frame_id)?;
+    Some(CompressedImage { header, format: String::new(), data: data.into() })
 }
 
-/// Calibration of a camera.
+/// Calibration of a camera; `None` where a matrix is missing.
 pub(super) fn calibration(message: &[u8]) -> Option<CameraInfo> {
-    let (mut width, mut height, mut model) = (0, 0, String::new());
-    let [mut d, mut k, mut r, mut p] = [const { Vec::new() }; 4];
-    fields(message, |number, value| {
-        match number {
-            2 => width = value.u32()?,
-            3 => height = value.u32()?,
-            4 => value.text()?.clone_into(&mut model),
-            5 => value.doubles(&mut d)?,
-            6 => value.doubles(&mut k)?,
-            7 => value.doubles(&mut r)?,
-            8 => value.doubles(&mut p)?,
-            _ => {}
-        }
-        Some(())
-    })?;
+    let CameraCalibration { width, height, distortion_model, d, k, r, p } = CameraCalibration::decode(message).ok()?;
     let (k, r, p) = (k.try_into().ok()?, r.try_into().ok()?, p.try_into().ok()?);
-    Some(CameraInfo { height, width, model, d, k, r, p })
+    Some(CameraInfo { height, width, distortion_model, d, k, r, p, ..CameraInfo::default() })
 }
 
 #[cfg(test)]
@@ -152,15 +100,13 @@ mod tests {
     #[test]
     fn fields_are_read_in_any_order_and_broken_ones_refused() {
         // width, an unknown varint, frame_id, time, data.
-        let message =
-            [&[0x15, 64, 1, 0, 0, 0x78, 0x96, 1, 0x3a, 1, b'a', 0x0a, 4, 8, 2, 16, 5, 0x32, 2, 7, 9][..]].concat();
+        let message = [0x15, 64, 1, 0, 0, 0x78, 0x96, 1, 0x3a, 1, b'a', 0x0a, 4, 8, 2, 16, 5, 0x32, 2, 7, 9];
         let found = image(&message).unwrap();
-        assert_eq!((found.width, found.header.frame_id, found.header.stamp_ns), (320, "a", 2_000_000_005));
-        assert_eq!((found.data, found.height), (&[7, 9][..], 0));
+        assert_eq!((found.width, &*found.header.frame_id, found.header.stamp_ns()), (320, "a", 2_000_000_005));
+        assert_eq!((&*found.data, found.height), (&[7, 9][..], 0));
         for end in [1, 4, 6, 7, 9, 12, 16, 20] {
             assert!(image(&message[..end]).is_none(), "{end}");
         }
-        assert!(image(&[0x13]).is_none(), "a group");
         assert!(image(&[0x10, 1]).is_none(), "a width as varint");
         assert!(image(&[0x32, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1]).is_none(), "2^64 - 1 bytes");
         assert!(image(&[0xff; 11]).is_none(), "no end");
@@ -168,9 +114,5 @@ mod tests {
         let doubles = |tag: u8, count: usize| [&[tag, 8 * count as u8][..], &vec![0; 8 * count]].concat();
         let matrices = [doubles(0x32, 9), doubles(0x3a, 9), doubles(0x42, 12)].concat();
         assert_eq!(calibration(&matrices).unwrap().p, [0.0; 12]);
-        // Not packed: each behind a tag.
-        let single = [&[0x29][..], &2.5_f64.to_le_bytes()].concat();
-        assert_eq!(calibration(&[&matrices[..], &single, &single].concat()).unwrap().d, [2.5, 2.5]);
-        assert!(calibration(&[&matrices[..], &single.repeat(65)].concat()).is_none());
     }
 }

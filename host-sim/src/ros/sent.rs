@@ -1,12 +1,16 @@
-//! Messages that are sent. Positions are in m, in the optical frame of the left camera: x right, y down, z forward (REP 103).
+//! Messages that are sent. Positions are in m, in the optical frame of the left camera: x right,
+//! y down, z forward (REP 103).
 
-use super::cdr::Writer;
+use super::messages::{
+    CameraInfo, DiagnosticArray, DiagnosticStatus, DisparityImage, Header, Image, Marker, MarkerArray, PointCloud2,
+    PointField, Pose, RegionOfInterest, Time,
+};
 
 /// When and where a pair was seen.
 #[derive(Clone, Copy, Debug)]
-pub struct Header<'a> {
-    /// ns.
-    pub stamp_ns: u64,
+pub struct Stamp<'a> {
+    /// Its time, ns.
+    pub ns: u64,
     /// Name of the frame.
     pub frame_id: &'a str,
 }
@@ -82,167 +86,136 @@ pub enum Level {
     Error,
 }
 
-/// Type of a marker.
-#[derive(Clone, Copy)]
-enum Shape {
-    Sphere = 2,
-    Lines = 5,
-    Text = 9,
-}
-
-/// Action of a marker.
-#[derive(Clone, Copy)]
-enum Action {
-    Add = 0,
-    DeleteAll = 3,
-}
-
 /// `PointField.FLOAT32`.
 const FLOAT32: u8 = 7;
+/// Types of `Marker`, and the action that removes all.
+const SPHERE: i32 = 2;
+const LINE_LIST: i32 = 5;
+const TEXT: i32 = 9;
+const DELETE_ALL: i32 = 3;
 /// Width of lines, diameter of balls and height of letters, m.
 const LINE_WIDTH: f64 = 0.005;
 const BALL: f64 = 0.05;
 const LETTERS: f64 = 0.1;
 
-fn begin(header: Header<'_>) -> Writer {
-    let mut to = Writer::default();
-    put_header(&mut to, header);
-    to
+impl From<Stamp<'_>> for Header {
+    /// Seconds of 31 bits: beyond the year 2038 it stays there.
+    fn from(Stamp { ns, frame_id }: Stamp<'_>) -> Self {
+        let sec = i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX);
+        Self { stamp: Time { sec, nanosec: (ns % 1_000_000_000) as u32 }, frame_id: frame_id.to_owned() }
+    }
 }
 
-fn put_header(to: &mut Writer, header: Header<'_>) {
-    put_time(to, header.stamp_ns);
-    to.text(header.frame_id);
+fn bytes(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Seconds of 31 bits: beyond the year 2038 it stays there.
-fn put_time(to: &mut Writer, nanoseconds: u64) {
-    to.i32(i32::try_from(nanoseconds / 1_000_000_000).unwrap_or(i32::MAX));
-    to.u32((nanoseconds % 1_000_000_000) as u32);
-}
-
-/// `sensor_msgs/msg/Image` of 8-bit grey.
+/// 8-bit grey.
 #[must_use]
-pub fn image(header: Header<'_>, [width, height]: [u16; 2], pixels: &[u8]) -> Vec<u8> {
-    let mut to = begin(header);
-    put_image(&mut to, [width, height], "mono8", 1, |to| to.bytes(pixels));
-    to.finish()
+pub fn image<'a>(stamp: Stamp<'_>, [width, height]: [u16; 2], pixels: &'a [u8]) -> Image<'a> {
+    Image {
+        header: stamp.into(),
+        height: height.into(),
+        width: width.into(),
+        encoding: "mono8".to_owned(),
+        is_bigendian: 0,
+        step: width.into(),
+        data: pixels.into(),
+    }
 }
 
-fn put_image(to: &mut Writer, size: [u16; 2], encoding: &str, bytes: u32, data: impl FnOnce(&mut Writer)) {
-    let [width, height] = size.map(u32::from);
-    to.u32(height);
-    to.u32(width);
-    to.text(encoding);
-    to.u8(0); // little endian
-    to.u32(width * bytes);
-    data(to);
-}
-
-/// `sensor_msgs/msg/CameraInfo` of the left or the right rectified image.
+/// Calibration of the left or the right rectified image.
 #[must_use]
-pub fn camera_info(header: Header<'_>, [width, height]: [u16; 2], rig: &Projection, is_right: bool) -> Vec<u8> {
-    let mut to = begin(header);
+pub fn camera_info(stamp: Stamp<'_>, [width, height]: [u16; 2], rig: &Projection, is_right: bool) -> CameraInfo {
     let (f, [x, y]) = (rig.focal_px, rig.centres[usize::from(is_right)]);
-    to.u32(height.into());
-    to.u32(width.into());
-    to.text("plumb_bob");
-    to.count(5);
-    to.f64s(&[0.0; 5]);
-    to.f64s(&[f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0]);
-    to.f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
     let along = if is_right { -f * rig.baseline_m } else { 0.0 };
-    to.f64s(&[f, 0.0, x, along, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0]);
-    (0..6).for_each(|_| to.u32(0)); // binning, region of interest
-    to.u8(0);
-    to.finish()
+    CameraInfo {
+        header: stamp.into(),
+        height: height.into(),
+        width: width.into(),
+        distortion_model: "plumb_bob".to_owned(),
+        d: vec![0.0; 5],
+        k: [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0],
+        r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        p: [f, 0.0, x, along, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ..CameraInfo::default()
+    }
 }
 
-/// `sensor_msgs/msg/PointCloud2`.
+/// Points, each of them finite.
 #[must_use]
-pub fn point_cloud(header: Header<'_>, points: &[CloudPoint]) -> Vec<u8> {
-    let mut to = begin(header);
+pub fn point_cloud(stamp: Stamp<'_>, points: &[CloudPoint]) -> PointCloud2 {
     let (count, size) = (points.len() as u32, size_of::<CloudPoint>() as u32);
-    to.u32(1);
-    to.u32(count);
-    let names = ["x", "y", "z", "confidence"];
-    to.count(names.len());
-    for (name, offset) in names.into_iter().zip((0..).step_by(size_of::<f32>())) {
-        to.text(name);
-        to.u32(offset);
-        to.u8(FLOAT32);
-        to.u32(1);
+    let names = ["x", "y", "z", "confidence"].into_iter().zip((0..).step_by(size_of::<f32>()));
+    PointCloud2 {
+        header: stamp.into(),
+        height: 1,
+        width: count,
+        fields: names.map(|(name, offset)| PointField { name, offset, datatype: FLOAT32, count: 1 }).collect(),
+        is_bigendian: false,
+        point_step: size,
+        row_step: size * count,
+        data: bytes(points.as_flattened()),
+        is_dense: true,
     }
-    to.u8(0); // little endian
-    to.u32(size);
-    to.u32(size * count);
-    to.count(size_of_val(points));
-    to.f32s(points.as_flattened());
-    to.u8(1); // each is finite
-    to.finish()
 }
 
-/// `stereo_msgs/msg/DisparityImage`.
+/// Disparities as an image of float32.
 #[must_use]
-pub fn disparity_image(header: Header<'_>, of: &Disparities<'_>) -> Vec<u8> {
-    let mut to = begin(header);
-    put_header(&mut to, header);
-    put_image(&mut to, of.size, "32FC1", size_of::<f32>() as u32, |to| {
-        to.count(size_of_val(of.values));
-        to.f32s(of.values);
-    });
-    to.f32s(&of.rig);
+pub fn disparity_image(stamp: Stamp<'_>, of: &Disparities<'_>) -> DisparityImage<'static> {
     let [width, height] = of.size.map(u32::from);
-    [0, 0, height, width].into_iter().for_each(|side| to.u32(side));
-    to.u8(0);
-    to.f32s(&[of.range[0], of.range[1], of.step]);
-    to.finish()
+    let image = Image {
+        header: stamp.into(),
+        height,
+        width,
+        encoding: "32FC1".to_owned(),
+        is_bigendian: 0,
+        step: width * size_of::<f32>() as u32,
+        data: bytes(of.values).into(),
+    };
+    DisparityImage {
+        header: stamp.into(),
+        image,
+        f: of.rig[0],
+        t: of.rig[1],
+        valid_window: RegionOfInterest { height, width, ..RegionOfInterest::default() },
+        min_disparity: of.range[0],
+        max_disparity: of.range[1],
+        delta_d: of.step,
+    }
 }
 
-/// `visualization_msgs/msg/Marker`: a list of lines, which replaces the one before.
+/// A list of lines, which replaces the one before.
 #[must_use]
-pub fn lines(header: Header<'_>, lines: &[Line]) -> Vec<u8> {
-    let mut to = Writer::default();
-    let points: Vec<[f64; 3]> = lines.iter().flat_map(|line| line.ends).collect();
-    let colours: Vec<[f32; 4]> = lines.iter().flat_map(|line| [colour(line.confidence); 2]).collect();
-    let marker = Marker { points: &points, colours: &colours, ..Marker::new(header, 0, Shape::Lines) };
-    marker.put(&mut to);
-    to.finish()
+pub fn lines(stamp: Stamp<'_>, lines: &[Line]) -> Marker {
+    Marker {
+        ns: "segments",
+        scale: [LINE_WIDTH, 0.0, 0.0],
+        points: lines.iter().flat_map(|line| line.ends).collect(),
+        colors: lines.iter().flat_map(|line| [colour(line.confidence); 2]).collect(),
+        ..marker(stamp, 0, LINE_LIST)
+    }
 }
 
-/// `visualization_msgs/msg/MarkerArray`: a ball and a text for each, in place of those before.
+/// A ball and a text for each, in place of those before.
 #[must_use]
-pub fn labels(header: Header<'_>, labels: &[Label]) -> Vec<u8> {
-    let mut to = Writer::default();
-    to.count(1 + 2 * labels.len());
-    Marker { action: Action::DeleteAll, ..Marker::new(header, 0, Shape::Sphere) }.put(&mut to);
+pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
+    let mut markers = vec![Marker { action: DELETE_ALL, scale: [BALL; 3], ..marker(stamp, 0, SPHERE) }];
     for (label, id) in labels.iter().zip((0..).step_by(2)) {
-        let colour = colour(label.confidence);
-        let ball = Marker { position: label.position, colour, ..Marker::new(header, id, Shape::Sphere) };
-        ball.put(&mut to);
         let [x, y, z] = label.position;
-        let above = [x, y - LETTERS, z];
-        let text = Marker { position: above, text: &label.text, ..Marker::new(header, id + 1, Shape::Text) };
-        text.put(&mut to);
+        let mut ball = Marker { color: colour(label.confidence), scale: [BALL; 3], ..marker(stamp, id, SPHERE) };
+        ball.pose.position = label.position;
+        let mut text = Marker { text: label.text.clone(), scale: [0.0, 0.0, LETTERS], ..marker(stamp, id + 1, TEXT) };
+        text.pose.position = [x, y - LETTERS, z];
+        markers.extend([ball, text]);
     }
-    to.finish()
+    MarkerArray { markers }
 }
 
-/// `diagnostic_msgs/msg/DiagnosticArray` of one state.
-#[must_use]
-pub fn diagnostics(header: Header<'_>, level: Level, message: &str, values: &[(String, String)]) -> Vec<u8> {
-    let mut to = begin(header);
-    to.count(1);
-    to.u8(level as u8);
-    to.text("linestereo: pair");
-    to.text(message);
-    to.text(header.frame_id);
-    to.count(values.len());
-    for (key, value) in values {
-        to.text(key);
-        to.text(value);
-    }
-    to.finish()
+/// A white marker that is not turned and stays until the next one.
+fn marker(stamp: Stamp<'_>, id: i32, r#type: i32) -> Marker {
+    let pose = Pose { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
+    Marker { header: stamp.into(), ns: "objects", id, r#type, pose, color: [1.0; 4], ..Marker::default() }
 }
 
 /// Green, from faint to full.
@@ -250,54 +223,10 @@ fn colour(confidence: f32) -> [f32; 4] {
     [0.1, 1.0, 0.3, confidence]
 }
 
-struct Marker<'a> {
-    header: Header<'a>,
-    id: i32,
-    shape: Shape,
-    action: Action,
-    position: [f64; 3],
-    colour: [f32; 4],
-    points: &'a [[f64; 3]],
-    colours: &'a [[f32; 4]],
-    text: &'a str,
-}
-
-impl<'a> Marker<'a> {
-    fn new(header: Header<'a>, id: i32, shape: Shape) -> Self {
-        let (position, colour) = ([0.0; 3], [1.0; 4]);
-        Self { header, id, shape, action: Action::Add, position, colour, points: &[], colours: &[], text: "" }
-    }
-
-    /// All fields, in the order of `visualization_msgs/msg/Marker`.
-    fn put(&self, to: &mut Writer) {
-        put_header(to, self.header);
-        to.text(if matches!(self.shape, Shape::Lines) { "segments" } else { "objects" });
-        to.i32(self.id);
-        to.i32(self.shape as i32);
-        to.i32(self.action as i32);
-        to.f64s(&self.position);
-        to.f64s(&[0.0, 0.0, 0.0, 1.0]); // not turned
-        to.f64s(&match self.shape {
-            Shape::Lines => [LINE_WIDTH, 0.0, 0.0],
-            Shape::Sphere => [BALL; 3],
-            Shape::Text => [0.0, 0.0, LETTERS],
-        });
-        to.f32s(&self.colour);
-        put_time(to, 0); // it stays until the next one
-        to.u8(0);
-        to.count(self.points.len());
-        to.f64s(self.points.as_flattened());
-        to.count(self.colours.len());
-        to.f32s(self.colours.as_flattened());
-        to.text(""); // texture
-        put_header(to, Header { stamp_ns: 0, frame_id: "" });
-        to.text("");
-        to.bytes(&[]);
-        to.count(0);
-        to.text(self.text);
-        to.text(""); // mesh
-        to.text("");
-        to.bytes(&[]);
-        to.u8(0);
-    }
+/// One state.
+#[must_use]
+pub fn diagnostics(stamp: Stamp<'_>, level: Level, message: String, values: Vec<(String, String)>) -> DiagnosticArray {
+    let hardware_id = stamp.frame_id.to_owned();
+    let status = DiagnosticStatus { level: level as u8, name: "linestereo: pair", message, hardware_id, values };
+    DiagnosticArray { header: stamp.into(), status: vec![status] }
 }

@@ -21,14 +21,14 @@ impl RecordedPair {
 }
 
 fn compressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
-    StoredGray::of_file(kind.compressed(message).ok_or(EARLY)?.data)
+    StoredGray::of_file(&kind.compressed(message).ok_or(EARLY)?.data)
 }
 
 fn plain(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     let image = kind.image(message).ok_or(EARLY)?;
-    let layout = match image.encoding {
+    let layout = match &*image.encoding {
         "mono8" | "8UC1" => Bytes::Grey,
-        "mono16" | "16UC1" if image.is_big_endian => Bytes::Grey16(u16::from_be_bytes),
+        "mono16" | "16UC1" if image.is_bigendian != 0 => Bytes::Grey16(u16::from_be_bytes),
         "mono16" | "16UC1" => Bytes::Grey16(u16::from_le_bytes),
         "rgb8" => Bytes::Colour { red: 0, blue: 2, bytes: 3 },
         "bgr8" | "8UC3" => Bytes::Colour { red: 2, blue: 0, bytes: 3 },

@@ -21,9 +21,9 @@ use super::error::{FrameError, RecordingFault};
 use super::recorded::{RecordedPair, Stored};
 use super::sequence::PairFiles;
 use super::stored::{StoredPair, StoredRig};
-use crate::mcap::{Item, Place, Reader};
+use crate::mcap::{Place, Reader, Record};
 use crate::ros::kind::{Content, Kind};
-use crate::ros::received::CameraInfo;
+use crate::ros::messages::CameraInfo;
 use crate::untrusted::printable;
 use core::fmt;
 use std::collections::HashMap;
@@ -107,49 +107,50 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
     let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
     let (mut images, mut foreign) = (0, None);
-    reader.scan(|item| -> Result<(), RecordingFault> {
-        match item {
-            Item::Schema { id, name } => {
-                _ = schemas.insert(id, name.chars().take(MOST_NAME_BYTES).collect::<String>());
+    reader.scan(|record, place| -> Result<(), RecordingFault> {
+        match record {
+            Record::Schema { header, .. } => {
+                _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
             }
-            Item::Channel { id, schema, topic, encoding } => {
-                let schema = schemas.get(&schema).map_or("", String::as_str);
-                let Some(kind) = Kind::of(schema, encoding) else {
+            Record::Channel(channel) => {
+                let (schema, encoding) =
+                    (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
+                let Some(kind) = Kind::of(schema, &encoding) else {
                     if schema.ends_with("Image") && foreign.is_none() {
                         foreign = Some(format!("{schema} in {encoding}"));
                     }
-                    channels.remove(&id);
+                    channels.remove(&channel.id);
                     return Ok(());
                 };
-                if topic.len() > MOST_NAME_BYTES {
+                let name = channel.topic;
+                if name.len() > MOST_NAME_BYTES {
                     return Err(RecordingFault::TooMany("bytes in the name of a topic"));
                 }
-                let at = names.get(topic).copied().unwrap_or(topics.len());
+                let at = names.get(&name).copied().unwrap_or(topics.len());
                 if at == MOST_TOPICS {
                     return Err(RecordingFault::TooMany("topics"));
                 }
                 if at == topics.len() {
-                    let name = topic.to_owned();
                     names.insert(name.clone(), at);
                     let (has_info, is_compressed) =
                         (kind.content == Content::Calibration, kind.content == Content::CompressedImage);
                     topics.push(Topic { name, has_images: !has_info, is_compressed, has_info, ..Topic::default() });
                 }
-                channels.insert(id, (at, kind));
+                channels.insert(channel.id, (at, kind));
             }
-            Item::Message { channel, log_time, place, data } => {
-                let Some(&(at, kind)) = channels.get(&channel) else { return Ok(()) };
+            Record::Message { header, data } => {
+                let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
                 let topic = &mut topics[at];
                 if kind.content == Content::Calibration {
-                    topic.calibrated(data, kind)?;
-                    return Ok(());
+                    return topic.calibrated(&data, kind);
                 }
                 images += 1;
                 if images > MOST_IMAGES {
                     return Err(RecordingFault::TooMany("images"));
                 }
-                topic.take(data, log_time, place, kind)?;
+                topic.take(&data, header.log_time, place, kind)?;
             }
+            _ => {}
         }
         Ok(())
     })?;
@@ -176,8 +177,8 @@ impl Topic {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
         }
         // Nobody set it: the time of the recorder.
-        let unset = header.stamp_ns == 0;
-        let stamp_ns = if unset { i64::try_from(log_time).unwrap_or(i64::MAX) } else { header.stamp_ns };
+        let stamp_ns = header.stamp_ns();
+        let stamp_ns = if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
         self.images.push(Stored { place, stamp_ns, kind });
         Ok(())
     }

@@ -8,7 +8,7 @@
 
 use super::{RecordingFault, Topic};
 use crate::input::sequence::{SIDES, without_side};
-use crate::ros::received::CameraInfo;
+use crate::ros::messages::CameraInfo;
 
 /// Longest time between two images of a pair, ms, where none is given.
 pub const DEFAULT_WINDOW_MS: f64 = 10.0;
