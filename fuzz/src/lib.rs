@@ -14,12 +14,12 @@
 use core::cell::RefCell;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use linestereo::{Area, Dims, Gray, Params};
+use linestereo_calibration::interchange::{self, Format, Options};
+use linestereo_calibration::rectify::PairRectifier;
+use linestereo_frames::regions::{self, Frame};
+use linestereo_frames::{load_disparities, load_gray};
 use linestereo_rig::RigImage;
 use linestereo_sim::engine::Engine;
-use linestereo_sim::input::interchange::{self, Format, Options};
-use linestereo_sim::input::rectify::PairRectifier;
-use linestereo_sim::input::regions::{self, Frame};
-use linestereo_sim::input::{load_disparities, load_gray};
 use linestereo_wire::{Command, Decoder, MAX_COMMAND, MAX_PACKET, Message, ParamUpdate, Record, Request, encode};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

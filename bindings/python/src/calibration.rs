@@ -5,7 +5,7 @@ use crate::rectify::PairRectifier;
 use crate::refused;
 use crate::rig_file::RigFile;
 use linestereo::{Dims, Span};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_rig::{CameraSide, RigImage, View};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray2};

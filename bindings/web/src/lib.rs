@@ -27,7 +27,7 @@ mod error {
 use error::FrameError;
 use grey::{StoredGray, Values, luma};
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use std::cell::RefCell;
 
 /// Most bytes of an image, as stored and as decoded, and most pixels: those of `docs/security.md`.

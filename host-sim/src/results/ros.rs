@@ -18,7 +18,7 @@ use crate::ros::messages::DisparityImage;
 use crate::ros::sent::{self, Disparities, Label, Level, Line, Projection, Stamp, Topic};
 use crate::ros::{cdr, schema};
 use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_wire::RigUpdate;
 use serde::Serialize;
 use std::io::{self, Write};
