@@ -3,10 +3,7 @@
 //! Each module uses only those above it, and those of its line:
 //!
 //! ```text
-//! untrusted                 files of others: how much of one is read
 //! interruption, output      Ctrl-C; files written whole
-//! mcap, ros                 recordings: the container; the messages of ROS 2
-//! video                     frames of videos and cameras
 //! programs                  other programs of this machine
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
@@ -33,7 +30,6 @@ pub mod faults;
 pub mod fitting;
 pub mod input;
 pub mod interruption;
-pub mod mcap;
 pub mod monitor;
 pub mod output;
 pub mod planning;
@@ -41,7 +37,5 @@ mod programs;
 pub mod report;
 pub mod results;
 pub mod rivals;
-pub mod ros;
 pub mod scene;
 pub mod serve;
-pub mod video;

@@ -3,12 +3,11 @@
 use crate::support::with_scene;
 use crate::support::{stderr, succeed};
 use linestereo_frames::load_images;
-use linestereo_sim::input::Footage;
-use linestereo_sim::input::recording::Choice;
-use linestereo_sim::mcap::Writer;
-use linestereo_sim::ros::cdr;
-use linestereo_sim::ros::messages::{CompressedImage, Image};
-use linestereo_sim::ros::sent::{self, Projection, Stamp};
+use linestereo_recordings::mcap::Writer;
+use linestereo_recordings::ros::cdr;
+use linestereo_recordings::ros::messages::{CompressedImage, Image};
+use linestereo_recordings::ros::sent::{self, Projection, Stamp};
+use linestereo_recordings::{Choice, Footage};
 use linestereo_tests::drawn::Random;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::fs;

@@ -7,7 +7,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{load_gray, load_images};
-use linestereo_sim::input::Footage;
+use linestereo_recordings::Footage;
 use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;
@@ -314,7 +314,7 @@ fn mutated_videos_are_read_or_refused() {
     let (mut random, mut outcomes) = (Random(5), [0; 3]);
     for _ in 0..1500 {
         fs::write(&path, change(&mut random, &video)).unwrap();
-        let found = Footage::open(&path, false);
+        let found = Footage::open(&path, false, || false);
         let loaded = found
             .as_ref()
             .map(|found| found.pairs.iter().filter(|pair| load_images(&pair.images, None).is_ok()).count());

@@ -4,15 +4,14 @@ use super::input::Setup;
 use super::objects::Asked;
 use super::video::CameraArgs;
 use crate::engine::FrameResult;
-use crate::input::Footage;
-use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
-use crate::input::video::is_video;
+use crate::interruption;
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
-use crate::ros::sent::{Label, Stamp};
 use anyhow::{Result, bail};
 use linestereo_frames::GrayImage;
 use linestereo_frames::StoredPair;
+use linestereo_recordings::ros::sent::{Label, Stamp};
+use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_recording, is_video};
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
@@ -66,7 +65,7 @@ impl RecordingArgs {
         }
         if !is_recording(root) || root.is_dir() {
             self.refuse_options()?;
-            return Ok(Footage::open(root, side_by_side)?);
+            return Ok(Footage::open(root, side_by_side, interruption::requested)?);
         }
         if side_by_side {
             bail!("--side-by-side is for folders; images of a recording have a topic for each camera");

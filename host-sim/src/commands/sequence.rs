@@ -8,8 +8,6 @@ use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
 use crate::draw;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
-use crate::input::Footage;
-use crate::input::video::Video;
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
 use crate::results::ros::Extra;
@@ -19,6 +17,7 @@ use linestereo::Disparity;
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::untrusted::printable;
 use linestereo_frames::{StoredPair, layouts};
+use linestereo_recordings::{Footage, Video};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

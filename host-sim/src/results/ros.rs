@@ -13,12 +13,12 @@
 
 use super::health;
 use crate::engine::FrameResult;
-use crate::mcap::Writer;
-use crate::ros::messages::DisparityImage;
-use crate::ros::sent::{self, Disparities, Label, Level, Line, Projection, Stamp, Topic};
-use crate::ros::{cdr, schema};
 use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
 use linestereo_frames::GrayImage;
+use linestereo_recordings::mcap::Writer;
+use linestereo_recordings::ros::messages::DisparityImage;
+use linestereo_recordings::ros::sent::{self, Disparities, Label, Level, Line, Projection, Stamp, Topic};
+use linestereo_recordings::ros::{cdr, schema};
 use linestereo_wire::RigUpdate;
 use serde::Serialize;
 use std::io::{self, Write};

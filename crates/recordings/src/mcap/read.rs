@@ -6,10 +6,10 @@
 //! from those who made it.
 
 use super::RECORD_BYTES;
-use crate::untrusted::{self, printable};
 use ::mcap::records::{ChunkHeader, Record, op};
 use ::mcap::{MAGIC, parse_record};
 use core::fmt;
+use linestereo_frames::untrusted::{self, printable};
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -88,12 +88,6 @@ impl From<io::Error> for McapFault {
     }
 }
 
-impl fmt::Debug for Reader {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Reader").field("length", &self.length).finish_non_exhaustive()
-    }
-}
-
 impl Reader {
     /// Opens a file that begins as one.
     pub fn open(path: &Path) -> Result<Self, McapFault> {
@@ -169,7 +163,8 @@ impl Reader {
             return Err(McapFault::TooLarge(at, length));
         }
         if kind != op::CHUNK {
-            let mut record = vec![kind];
+            let mut record = Vec::with_capacity(HEAD_BYTES + length as usize);
+            record.push(kind);
             record.extend(length.to_le_bytes());
             (&mut self.file).take(length).read_to_end(&mut record)?;
             return Ok(record);

@@ -7,8 +7,8 @@
 //! ```
 
 use super::{RecordingFault, Topic};
-use crate::input::sequence::{SIDES, without_side};
 use crate::ros::messages::CameraInfo;
+use linestereo_frames::{SIDES, without_side};
 
 /// Longest time between two images of a pair, ms, where none is given.
 pub const DEFAULT_WINDOW_MS: f64 = 10.0;
@@ -123,8 +123,8 @@ fn rank(topic: &Topic) -> [bool; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::recording::Stored;
     use crate::mcap::Place;
+    use crate::recording::Stored;
     use crate::ros::kind::{Content, Kind};
 
     fn topics(names: &[&str]) -> Vec<Topic> {

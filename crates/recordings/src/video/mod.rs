@@ -1,6 +1,7 @@
-//! Videos: frames by their numbers, as grey values.
+//! Videos: frames by their numbers, as grey values, and the pairs that they make.
 //!
 //! ```text
+//! pairs    one video with both views side by side, or two
 //! y4m      raw frames with a header, the luma plane of each; of a file by their places, of a pipe one after the other
 //! ffmpeg   all others, and cameras: the system's program decodes to Y4M, which is read from a pipe
 //! ```
@@ -13,14 +14,17 @@
 //! 33 554 432 px. Three frames of a pipe are held at most.
 
 mod ffmpeg;
+mod pairs;
 mod y4m;
 
-use crate::untrusted::{PIXELS, printable};
 use core::fmt;
+use linestereo_frames::untrusted::{PIXELS, printable};
 use std::io;
 use std::path::Path;
 
 pub use ffmpeg::{Camera, Stop};
+pub use pairs::Video;
+pub(crate) use pairs::{camera, pair, pairs};
 
 /// Most frames of a video: four hours and a half, thirty times a second.
 const MOST_FRAMES: usize = 1 << 19;
@@ -30,19 +34,16 @@ const FFMPEG: [&str; 8] = ["mp4", "m4v", "mkv", "avi", "mov", "webm", "mjpeg", "
 
 /// Grey values, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Luma {
+struct Luma {
     /// Width and height, px.
-    pub sides: [u32; 2],
+    sides: [u32; 2],
     /// Bits of a value: of more than 8 it takes two bytes, the lower one first.
-    pub bits: u32,
-    /// The values.
-    pub bytes: Vec<u8>,
+    bits: u32,
+    bytes: Vec<u8>,
 }
 
 /// A video, or a camera.
-pub struct Source(Kind);
-
-enum Kind {
+enum Source {
     Y4m(y4m::Stored),
     Decoded(ffmpeg::Decoder),
 }
@@ -59,63 +60,60 @@ fn ending(path: &Path) -> Option<String> {
 
 impl Source {
     /// Finds the frames of a file.
-    pub fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
-        Ok(Self(if ending(path).is_some_and(|ending| ending == OWN) {
-            Kind::Y4m(y4m::Stored::open(path)?)
+    fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
+        if ending(path).is_some_and(|ending| ending == OWN) {
+            y4m::Stored::open(path).map(Self::Y4m)
         } else {
-            Kind::Decoded(ffmpeg::Decoder::open(path, stop)?)
-        }))
+            ffmpeg::Decoder::open(path, stop).map(Self::Decoded)
+        }
     }
 
     /// Starts a camera, which has no last frame.
-    pub fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
-        ffmpeg::Decoder::camera(camera, stop).map(|decoder| Self(Kind::Decoded(decoder)))
+    fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
+        ffmpeg::Decoder::camera(camera, stop).map(Self::Decoded)
     }
 
     /// Number of frames; of a camera none is known.
-    #[must_use]
-    pub fn frames(&self) -> Option<usize> {
-        match &self.0 {
-            Kind::Y4m(stored) => Some(stored.frames()),
-            Kind::Decoded(decoder) => decoder.frames(),
+    fn frames(&self) -> Option<usize> {
+        match self {
+            Self::Y4m(stored) => Some(stored.frames()),
+            Self::Decoded(decoder) => decoder.frames(),
         }
     }
 
     /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame arrived, of the last one alone.
-    #[must_use]
-    pub fn time_ns(&self, index: usize) -> Option<u64> {
-        match &self.0 {
-            Kind::Y4m(stored) => stored.time_ns(index),
-            Kind::Decoded(decoder) => decoder.time_ns(index),
+    fn time_ns(&self, index: usize) -> Option<u64> {
+        match self {
+            Self::Y4m(stored) => stored.time_ns(index),
+            Self::Decoded(decoder) => decoder.time_ns(index),
         }
     }
 
     /// The frame of this number. What ffmpeg decodes is decoded anew for one before the last.
-    pub fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
-        match &mut self.0 {
-            Kind::Y4m(stored) => stored.frame(index),
-            Kind::Decoded(decoder) => decoder.frame(index),
+    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
+        match self {
+            Self::Y4m(stored) => stored.frame(index),
+            Self::Decoded(decoder) => decoder.frame(index),
         }
     }
 
     /// No frame comes any more: the number of those that did.
-    #[must_use]
-    pub fn ended(&self) -> Option<usize> {
-        if let Kind::Decoded(decoder) = &self.0 { decoder.ended() } else { None }
+    fn ended(&self) -> Option<usize> {
+        if let Self::Decoded(decoder) = self { decoder.ended() } else { None }
     }
 
     /// A warning for the summary; `None` where every frame was read without one.
-    #[must_use]
-    pub fn note(&self) -> Option<String> {
-        match &self.0 {
-            Kind::Y4m(stored) => stored.note(),
-            Kind::Decoded(decoder) => decoder.note(),
+    fn note(&self) -> Option<String> {
+        match self {
+            Self::Y4m(stored) => stored.note(),
+            Self::Decoded(decoder) => decoder.note(),
         }
     }
 }
 
 /// Why a video, or a frame of it, cannot be used.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum VideoFault {
     /// The file system says so.
     Read(io::Error),
