@@ -7,7 +7,7 @@
 //! ```
 
 use super::{RecordingFault, Topic};
-use crate::ros::received::CameraInfo;
+use crate::ros::messages::CameraInfo;
 use linestereo_frames::{SIDES, without_side};
 
 /// Longest time between two images of a pair, ms, where none is given.
@@ -123,8 +123,8 @@ fn rank(topic: &Topic) -> [bool; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::recording::Stored;
     use crate::mcap::Place;
+    use crate::recording::Stored;
     use crate::ros::kind::{Content, Kind};
 
     fn topics(names: &[&str]) -> Vec<Topic> {

@@ -1,8 +1,7 @@
 //! The pairs of a folder, a recording, a video or a camera.
 
-use super::recording::{self, Choice, Recording, is_recording};
-use super::video::{self, Video, is_video};
-use crate::video::Camera;
+use crate::recording::{self, Choice, Recording, is_recording};
+use crate::video::{self, Camera, Stop, Video, is_video};
 use linestereo_frames::{Dataset, FrameError, StoredPair};
 use std::path::Path;
 use std::sync::Arc;
@@ -20,12 +19,12 @@ pub struct Footage {
 
 impl Footage {
     /// What lies at this path: a recording, a video with both views, or a folder, whose images hold both views where that is said.
-    pub fn open(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
+    pub fn open(root: &Path, side_by_side: bool, stop: Stop) -> Result<Self, FrameError> {
         if is_recording(root) && !root.is_dir() {
             return Self::recorded(root, &Choice::default());
         }
         if is_video(root) && !root.is_dir() {
-            return Self::video(&[root]);
+            return Self::video(&[root], stop);
         }
         let Dataset { pairs, alone, .. } = Dataset::sequence(root, side_by_side)?;
         Ok(Self { pairs, alone, ..Self::default() })
@@ -44,14 +43,15 @@ impl Footage {
     }
 
     /// Pairs of a video with both views side by side, or of a left and a right one, by the numbers of their frames.
-    pub fn video(paths: &[&Path]) -> Result<Self, FrameError> {
-        let (pairs, alone, video) = video::pairs(paths)?;
+    pub fn video(paths: &[&Path], stop: Stop) -> Result<Self, FrameError> {
+        let (pairs, alone, video) = video::pairs(paths, stop)?;
         Ok(Self { pairs, alone, recording: None, video: Some(video) })
     }
 
-    /// A camera: there are as many pairs as are asked for, [`Footage::filmed`].
-    pub fn camera(camera: &Camera) -> Result<Self, FrameError> {
-        Ok(Self { video: Some(video::camera(camera)?), ..Self::default() })
+    /// A camera: there are as many pairs as are asked for, [`Footage::filmed`]. `stop`
+    /// is asked while a frame is waited for.
+    pub fn camera(camera: &Camera, stop: Stop) -> Result<Self, FrameError> {
+        Ok(Self { video: Some(video::camera(camera, stop)?), ..Self::default() })
     }
 
     /// The video or camera that the pairs are from, if they are from one.

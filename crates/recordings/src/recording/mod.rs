@@ -12,24 +12,25 @@
 //! # Bounds
 //! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
 
+mod fault;
 mod images;
 mod pairing;
 mod rig;
 mod topics;
 
-use super::fault::RecordingFault;
-use super::recorded::{RecordedPair, Stored};
-use crate::mcap::{Item, Place, Reader};
+use crate::mcap::{Place, Reader, Record};
 use crate::ros::kind::{Content, Kind};
-use crate::ros::received::CameraInfo;
+use crate::ros::messages::CameraInfo;
 use core::fmt;
+use linestereo_frames::grey::StoredGray;
 use linestereo_frames::untrusted::printable;
-use linestereo_frames::{FrameError, PairFiles, StoredPair, StoredRig};
+use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, StoredPair, Views};
 use std::collections::HashMap;
-use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use tempfile::TempDir;
 
-pub use super::recorded::Recording;
+pub use fault::RecordingFault;
 pub use topics::{Choice, DEFAULT_WINDOW_MS};
 
 /// Most images of a recording: two hours and a half of a pair thirty times a second.
@@ -37,6 +38,14 @@ const MOST_IMAGES: usize = 1 << 19;
 /// Most topics, and bytes of a name.
 const MOST_TOPICS: usize = 4096;
 const MOST_NAME_BYTES: usize = 1024;
+
+/// An image of a topic.
+#[derive(Clone, Copy, Debug)]
+struct Stored {
+    place: Place,
+    stamp_ns: i64,
+    kind: Kind,
+}
 
 /// A topic with what was found of it.
 #[derive(Debug, Default)]
@@ -52,6 +61,26 @@ struct Topic {
     has_info: bool,
 }
 
+/// A recording that was scanned.
+pub struct Recording {
+    path: PathBuf,
+    reader: Mutex<Reader>,
+    pairs: Vec<[Stored; 2]>,
+    topics: [String; 2],
+    frame_id: String,
+    window_ms: f64,
+    rig: String,
+    /// Files with the rig of raw images, for as long as somebody may read them.
+    _files: Option<TempDir>,
+}
+
+/// A pair of a recording: places of messages, read when it is loaded.
+#[derive(Clone, Debug)]
+struct RecordedPair {
+    recording: Arc<Recording>,
+    index: usize,
+}
+
 impl fmt::Debug for Recording {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Recording").field("path", &self.path).field("pairs", &self.pairs.len()).finish_non_exhaustive()
@@ -65,7 +94,7 @@ pub fn is_recording(path: &Path) -> bool {
 }
 
 /// Pairs of a recording in the order of their times, and the number of images without a partner.
-pub(super) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
+pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
     let fault = |fault| FrameError::Source(path.to_path_buf(), Box::new(fault));
     let mut reader = Reader::open(path).map_err(|error| fault(error.into()))?;
     let all = scanned(&mut reader).map_err(fault)?;
@@ -88,18 +117,14 @@ pub(super) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
         _files: files,
     });
     let pairs = (0..recording.pairs.len()).map(|index| {
-        let pair = RecordedPair { recording: Arc::clone(&recording), index };
         let stamp = recording.pairs[index][0].stamp_ns;
         let name = format!("{}.{:09}", stamp.div_euclid(1_000_000_000), stamp.rem_euclid(1_000_000_000));
-        stored(name, pair, &rig)
+        let pair = RecordedPair { recording: Arc::clone(&recording), index };
+        let mut stored = StoredPair::alone(name, PairFiles::Source(Arc::new(pair)));
+        stored.rig = rig.clone();
+        stored
     });
     Ok((pairs.collect(), alone, recording))
-}
-
-fn stored(name: String, pair: RecordedPair, rig: &StoredRig) -> StoredPair {
-    let mut stored = StoredPair::alone(name, PairFiles::Source(Arc::new(pair)));
-    stored.rig = rig.clone();
-    stored
 }
 
 /// Every topic with images or a calibration.
@@ -107,49 +132,50 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
     let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
     let (mut images, mut foreign) = (0, None);
-    reader.scan(|item| -> Result<(), RecordingFault> {
-        match item {
-            Item::Schema { id, name } => {
-                _ = schemas.insert(id, name.chars().take(MOST_NAME_BYTES).collect::<String>());
+    reader.scan(|record, place| -> Result<(), RecordingFault> {
+        match record {
+            Record::Schema { header, .. } => {
+                _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
             }
-            Item::Channel { id, schema, topic, encoding } => {
-                let schema = schemas.get(&schema).map_or("", String::as_str);
-                let Some(kind) = Kind::of(schema, encoding) else {
+            Record::Channel(channel) => {
+                let (schema, encoding) =
+                    (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
+                let Some(kind) = Kind::of(schema, &encoding) else {
                     if schema.ends_with("Image") && foreign.is_none() {
                         foreign = Some(format!("{schema} in {encoding}"));
                     }
-                    channels.remove(&id);
+                    channels.remove(&channel.id);
                     return Ok(());
                 };
-                if topic.len() > MOST_NAME_BYTES {
+                let name = channel.topic;
+                if name.len() > MOST_NAME_BYTES {
                     return Err(RecordingFault::TooMany("bytes in the name of a topic"));
                 }
-                let at = names.get(topic).copied().unwrap_or(topics.len());
+                let at = names.get(&name).copied().unwrap_or(topics.len());
                 if at == MOST_TOPICS {
                     return Err(RecordingFault::TooMany("topics"));
                 }
                 if at == topics.len() {
-                    let name = topic.to_owned();
                     names.insert(name.clone(), at);
                     let (has_info, is_compressed) =
                         (kind.content == Content::Calibration, kind.content == Content::CompressedImage);
                     topics.push(Topic { name, has_images: !has_info, is_compressed, has_info, ..Topic::default() });
                 }
-                channels.insert(id, (at, kind));
+                channels.insert(channel.id, (at, kind));
             }
-            Item::Message { channel, log_time, place, data } => {
-                let Some(&(at, kind)) = channels.get(&channel) else { return Ok(()) };
+            Record::Message { header, data } => {
+                let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
                 let topic = &mut topics[at];
                 if kind.content == Content::Calibration {
-                    topic.calibrated(data, kind)?;
-                    return Ok(());
+                    return topic.calibrated(&data, kind);
                 }
                 images += 1;
                 if images > MOST_IMAGES {
                     return Err(RecordingFault::TooMany("images"));
                 }
-                topic.take(data, log_time, place, kind)?;
+                topic.take(&data, header.log_time, place, kind)?;
             }
+            _ => {}
         }
         Ok(())
     })?;
@@ -176,8 +202,8 @@ impl Topic {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
         }
         // Nobody set it: the time of the recorder.
-        let unset = header.stamp_ns == 0;
-        let stamp_ns = if unset { i64::try_from(log_time).unwrap_or(i64::MAX) } else { header.stamp_ns };
+        let stamp_ns = header.stamp_ns();
+        let stamp_ns = if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
         self.images.push(Stored { place, stamp_ns, kind });
         Ok(())
     }
@@ -189,6 +215,45 @@ impl Topic {
             Some(first) => self.info_changes |= *first != info,
         }
         Ok(())
+    }
+}
+
+impl PairSource for RecordedPair {
+    fn layout(&self) -> Layout {
+        Layout::Recording
+    }
+
+    fn paths(&self) -> [&Path; 2] {
+        [&self.recording.path; 2]
+    }
+
+    fn times_us(&self) -> Option<[u64; 2]> {
+        self.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000))
+    }
+
+    fn time_ns(&self) -> Option<u64> {
+        self.stamps_ns().map(|[left, _]| left)
+    }
+
+    fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
+        Ok(Views::Two([self.image(0)?, self.image(1)?]))
+    }
+}
+
+impl RecordedPair {
+    /// When the images were captured, ns; `None` before 1970.
+    fn stamps_ns(&self) -> Option<[u64; 2]> {
+        let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
+        Some([left?, right?])
+    }
+
+    fn image(&self, eye: usize) -> Result<StoredGray, FrameError> {
+        let recording = &self.recording;
+        let fault = |fault| FrameError::Source(recording.path.clone(), Box::new(fault));
+        let Stored { place, kind, .. } = recording.pairs[self.index][eye];
+        let message = recording.reader.lock().unwrap_or_else(PoisonError::into_inner).message(place);
+        let message = message.map_err(|error| fault(error.into()))?;
+        images::grey(&message, kind).map_err(|what| fault(RecordingFault::Image(recording.topics[eye].clone(), what)))
     }
 }
 

@@ -6,7 +6,8 @@ use linestereo_frames::untrusted::printable;
 
 /// Why no pair, or not this one, is taken of a recording.
 #[derive(Debug)]
-pub(super) enum RecordingFault {
+#[non_exhaustive]
+pub enum RecordingFault {
     /// The file is damaged, or another one.
     File(McapFault),
     /// More than is counted.

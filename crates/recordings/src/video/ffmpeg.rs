@@ -1,4 +1,4 @@
-//! The system's ffmpeg as a child process, for videos whose codec is not ours and for cameras.
+//! The system's ffmpeg as a child process, for videos that are coded and for cameras.
 //!
 //! ```text
 //! packets   a file is read through once without being decoded: times of its frames, and so their number
@@ -14,7 +14,6 @@
 
 use super::y4m::Header;
 use super::{Luma, MOST_FRAMES, VideoFault};
-use crate::interruption;
 use core::time::Duration;
 use linestereo_frames::untrusted::{self, PIXELS};
 use std::collections::VecDeque;
@@ -36,13 +35,18 @@ const END: Duration = Duration::from_secs(2);
 /// Bytes of ffmpeg's messages that are kept, and most letters of them in an error.
 const SAID_BYTES: usize = 4096;
 const TOLD: usize = 200;
+/// Endings of JPEG files one behind the other, whose times ffmpeg would make up.
+const RAW: [&str; 2] = ["mjpeg", "mjpg"];
 /// Most bytes of a line about a packet.
 const PACKET_BYTES: u64 = 1024;
 /// Decoders get no frames of more pixels, containers are these, files are files.
 const READ: [&str; 6] =
-    ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi", "-max_pixels", PIXELS_TEXT];
+    ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi,mjpeg", "-max_pixels", PIXELS_TEXT];
 const PIXELS_TEXT: &str = "33554432";
 const _: () = assert!(PIXELS == 33_554_432);
+
+/// True when somebody wants an end.
+pub type Stop = fn() -> bool;
 
 /// A camera that gives both views in one image.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -130,13 +134,13 @@ impl Drop for Program {
 }
 
 /// The next one; nothing where there will be none.
-fn next<T>(from: &Receiver<T>) -> Result<Option<T>, VideoFault> {
+fn next<T>(from: &Receiver<T>, stop: Stop) -> Result<Option<T>, VideoFault> {
     let start = Instant::now();
     loop {
         match from.recv_timeout(TICK) {
             Ok(item) => return Ok(Some(item)),
             Err(RecvTimeoutError::Disconnected) => return Ok(None),
-            Err(RecvTimeoutError::Timeout) if interruption::requested() => return Err(VideoFault::Interrupted),
+            Err(RecvTimeoutError::Timeout) if stop() => return Err(VideoFault::Interrupted),
             Err(RecvTimeoutError::Timeout) if start.elapsed() > SILENCE => {
                 return Err(VideoFault::Silent(SILENCE.as_secs()));
             }
@@ -157,10 +161,8 @@ fn words<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<OsString> {
 }
 
 /// Times of the frames of a file behind the first one, ns, where all are known; their number; what ffmpeg said.
-fn packets(path: &Path) -> Result<(Option<Vec<u64>>, usize, String), VideoFault> {
-    let mut args = words(READ);
-    args.extend([OsString::from("-i"), as_file(path)]);
-    args.extend(words(["-map", "0:V:0", "-c", "copy", "-copyinkf", "-flush_packets", "1", "-f", "framecrc", "pipe:1"]));
+fn packets(mut args: Vec<OsString>, stop: Stop) -> Result<(Option<Vec<u64>>, usize, String), VideoFault> {
+    args.extend(words(["-c", "copy", "-copyinkf", "-flush_packets", "1", "-f", "framecrc", "pipe:1"]));
     let (mut program, out) = Program::start(args)?;
     let (to, from) = sync_channel(1024);
     thread::spawn(move || {
@@ -174,7 +176,7 @@ fn packets(path: &Path) -> Result<(Option<Vec<u64>>, usize, String), VideoFault>
         }
     });
     let (mut times, mut count, mut tick) = (Some(Vec::new()), 0, None);
-    while let Some(line) = next(&from)? {
+    while let Some(line) = next(&from, stop)? {
         let line = core::str::from_utf8(&line).ok().and_then(|line| line.strip_suffix('\n'));
         let line = line.ok_or(VideoFault::Output("no list of packets"))?;
         if let Some(about) = line.strip_prefix('#') {
@@ -218,15 +220,11 @@ fn in_order(mut times: Vec<i64>, [ticks, second]: [u32; 2]) -> Option<Vec<u64>> 
     times.iter().map(|&time| u64::try_from(ns(time)).ok()).collect()
 }
 
-/// From the pipe.
-enum Item {
-    Header,
-    /// With the time when it came, ns.
-    Frame(Luma, Option<u64>),
-}
+/// A frame from the pipe with the time when it came, ns.
+type Frame = (Luma, Option<u64>);
 
 /// Y4M from the pipe, until nobody wants more.
-fn read(out: ChildStdout, to: &SyncSender<Result<Item, VideoFault>>) {
+fn read(out: ChildStdout, to: &SyncSender<Result<Frame, VideoFault>>) {
     let mut out = BufReader::with_capacity(1 << 16, out);
     let header = match Header::read(&mut out) {
         Ok(header) => header,
@@ -235,20 +233,17 @@ fn read(out: ChildStdout, to: &SyncSender<Result<Item, VideoFault>>) {
         Err(VideoFault::Size(sides)) => return drop(to.send(Err(VideoFault::Size(sides)))),
         Err(_) => return drop(to.send(Err(VideoFault::Output("no Y4M")))),
     };
-    if to.send(Ok(Item::Header)).is_err() {
-        return;
-    }
     for index in 0.. {
-        let item = match header.frame(&mut out, index) {
+        let frame = match header.frame(&mut out, index) {
             Ok(None) | Err(VideoFault::Read(_)) => return, // a frame that is cut off is none
             Ok(Some(luma)) => {
                 let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
-                Ok(Item::Frame(luma, now.and_then(|now| u64::try_from(now.as_nanos()).ok())))
+                Ok((luma, now.and_then(|now| u64::try_from(now.as_nanos()).ok())))
             }
             Err(_) => Err(VideoFault::Output("no frame of Y4M")),
         };
-        let is_over = item.is_err();
-        if to.send(item).is_err() || is_over {
+        let is_over = frame.is_err();
+        if to.send(frame).is_err() || is_over {
             return;
         }
     }
@@ -260,7 +255,8 @@ pub(super) struct Decoder {
     /// Number of frames of a file, and their times.
     count: Option<usize>,
     times: Option<Vec<u64>>,
-    running: Option<(Program, Receiver<Result<Item, VideoFault>>)>,
+    stop: Stop,
+    running: Option<(Program, Receiver<Result<Frame, VideoFault>>)>,
     /// Number of the next frame from the pipe.
     next: usize,
     last: Option<(usize, Luma, Option<u64>)>,
@@ -271,29 +267,29 @@ pub(super) struct Decoder {
 
 impl Decoder {
     /// Counts the frames of a file and starts to decode it.
-    pub(super) fn open(path: &Path) -> Result<Self, VideoFault> {
+    pub(super) fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
         drop(untrusted::open(path, u64::MAX)?); // what is missing, or no file, is said as of others
-        let (times, count, said) = packets(path)?;
-        let mut args = words(READ);
-        args.extend([OsString::from("-i"), as_file(path), "-map".into(), "0:V:0".into()]);
-        args.extend(words(["-vf", "settb=1/25,setpts=N", "-r", "25"]));
-        Self::new(args, Some(count), times, said)
+        let is_raw = super::ending(path).is_some_and(|ending| RAW.contains(&&*ending));
+        let mut input = words(READ);
+        input.extend(words(if is_raw { &["-f", "mjpeg"][..] } else { &[] }.iter().copied()));
+        input.extend(["-i".into(), as_file(path), "-map".into(), "0:V:0".into()]);
+        let (times, count, said) = packets(input.clone(), stop)?;
+        Self::new(input, Some(count), times.filter(|_| !is_raw), said, stop)
     }
 
-    pub(super) fn camera(camera: &Camera) -> Result<Self, VideoFault> {
+    pub(super) fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
         there_is(&camera.device)?;
-        let mut args = words(["-f", "v4l2"]);
+        let mut input = words(["-f", "v4l2"]);
         let given = [
             ("-input_format", camera.format.clone()),
             ("-video_size", camera.size.map(|[width, height]| format!("{width}x{height}"))),
             ("-framerate", camera.rate.map(|rate| rate.to_string())),
         ];
         for (name, value) in given {
-            args.extend(value.into_iter().flat_map(|value| [OsString::from(name), value.into()]));
+            input.extend(value.into_iter().flat_map(|value| [OsString::from(name), value.into()]));
         }
-        args.extend([OsString::from("-i"), camera.device.clone().into()]);
-        args.extend(words(["-vf", "settb=1/25,setpts=N", "-r", "25"]));
-        Self::new(args, None, None, String::new())
+        input.extend([OsString::from("-i"), camera.device.clone().into()]);
+        Self::new(input, None, None, String::new(), stop)
     }
 
     fn new(
@@ -301,10 +297,12 @@ impl Decoder {
         count: Option<usize>,
         times: Option<Vec<u64>>,
         said: String,
+        stop: Stop,
     ) -> Result<Self, VideoFault> {
+        args.extend(words(["-vf", "settb=1/25,setpts=N", "-r", "25"]));
         args.extend(words(["-sws_flags", "bicubic+accurate_rnd+bitexact", "-pix_fmt", "gray"]));
         args.extend(words(["-flush_packets", "1", "-f", "yuv4mpegpipe", "pipe:1"]));
-        let mut decoder = Self { args, count, times, running: None, next: 0, last: None, ended: None, said };
+        let mut decoder = Self { args, count, times, stop, running: None, next: 0, last: None, ended: None, said };
         decoder.start()?;
         decoder.frame(0)?;
         Ok(decoder)
@@ -353,7 +351,7 @@ impl Decoder {
             {
                 return Err(VideoFault::EndsEarly(frames, self.said.clone()));
             }
-            if interruption::requested() {
+            if (self.stop)() {
                 return Err(VideoFault::Interrupted);
             }
             if index < self.next {
@@ -373,9 +371,8 @@ impl Decoder {
         let Some((program, from)) = &mut self.running else {
             return Err(VideoFault::EndsEarly(self.next, self.said.clone()));
         };
-        match next(from)? {
-            Some(Ok(Item::Header)) => Ok(()),
-            Some(Ok(Item::Frame(luma, time_ns))) => {
+        match next(from, self.stop)? {
+            Some(Ok((luma, time_ns))) => {
                 self.last = Some((self.next, luma, time_ns));
                 self.next += 1;
                 Ok(())

@@ -5,7 +5,7 @@
 
 use super::RecordingFault;
 use super::topics::is_rectified;
-use crate::ros::received::CameraInfo;
+use crate::ros::messages::CameraInfo;
 use core::fmt::Write;
 use linestereo_frames::StoredRig;
 use linestereo_wire::RigUpdate;
@@ -72,7 +72,7 @@ fn raw(infos: [&CameraInfo; 2]) -> std::io::Result<(StoredRig, TempDir)> {
     let folder = tempfile::Builder::new().prefix("linestereo-rig-").tempdir()?;
     let paths = ["left.yaml", "right.yaml"].map(|name| folder.path().join(name));
     for (info, path) in infos.into_iter().zip(&paths) {
-        let model: String = info.model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+        let model: String = info.distortion_model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
         let mut text = format!("width: {}\nheight: {}\ndistortion_model: \"{model}\"\n", info.width, info.height);
         for (name, values) in [("d", &info.d[..]), ("k", &info.k), ("r", &info.r), ("p", &info.p)] {
             let _ = writeln!(text, "{name}: {values:?}");

@@ -28,25 +28,26 @@ pub(super) struct Header {
     other_bytes: u64,
 }
 
-/// A line without its end; nothing at the end of the data, an error where it is longer than a line may be or has no end.
-fn line(from: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
+/// A line with its end; empty at the end of the data, cut off where it is longer than a line may be.
+fn line(from: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
-    if from.take(LINE_BYTES).read_until(b'\n', &mut line)? == 0 {
-        return Ok(None);
-    }
-    if line.pop() == Some(b'\n') { Ok(Some(line)) } else { Err(io::ErrorKind::InvalidData.into()) }
+    from.take(LINE_BYTES).read_until(b'\n', &mut line)?;
+    Ok(line)
+}
+
+fn is_frame(line: &[u8]) -> bool {
+    let rest = line.strip_suffix(b"\n").and_then(|line| line.strip_prefix(FRAME));
+    rest.is_some_and(|rest| rest.is_empty() || rest[0] == b' ')
 }
 
 impl Header {
     /// Reads the first line.
     pub(super) fn read(from: &mut impl BufRead) -> Result<Self, VideoFault> {
-        match line(from) {
-            Ok(Some(line)) => Self::of(&line),
-            Ok(None) => Err(VideoFault::Header("it is empty")),
-            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-                Err(VideoFault::Header("its first line has no end"))
-            }
-            Err(error) => Err(error.into()),
+        let line = line(from)?;
+        match line.strip_suffix(b"\n") {
+            Some(line) => Self::of(line),
+            None if line.is_empty() => Err(VideoFault::Header("it is empty")),
+            None => Err(VideoFault::Header("its first line has no end")),
         }
     }
 
@@ -87,12 +88,10 @@ impl Header {
 
     /// The next frame: nothing at the end of the data, an error where that is inside the frame.
     pub(super) fn frame(&self, from: &mut impl BufRead, index: usize) -> Result<Option<Luma>, VideoFault> {
-        match line(from) {
-            Ok(None) => return Ok(None),
-            Ok(Some(line)) if is_frame(&line) => {}
-            Ok(_) => return Err(VideoFault::Frame(index)),
-            Err(error) if error.kind() == io::ErrorKind::InvalidData => return Err(VideoFault::Frame(index)),
-            Err(error) => return Err(error.into()),
+        match line(from)? {
+            line if line.is_empty() => return Ok(None),
+            line if !is_frame(&line) => return Err(VideoFault::Frame(index)),
+            _ => {}
         }
         let luma = self.luma(from)?;
         let passed = io::copy(&mut from.take(self.other_bytes), &mut io::sink())?;
@@ -107,10 +106,6 @@ impl Header {
         from.read_exact(&mut bytes)?;
         Ok(Luma { sides: self.sides, bits: self.bits, bytes })
     }
-}
-
-fn is_frame(line: &[u8]) -> bool {
-    line.strip_prefix(FRAME).is_some_and(|rest| rest.is_empty() || rest[0] == b' ')
 }
 
 /// Bits of a sample, and number of those that are not luma.
@@ -147,25 +142,21 @@ impl Stored {
         let mut file = untrusted::open(path, u64::MAX)?;
         let length = file.get_ref().metadata()?.len();
         let header = Header::read(&mut file)?;
+        let bytes = header.luma_bytes + header.other_bytes;
         let (mut places, mut is_cut) = (Vec::new(), false);
         loop {
-            match line(&mut file) {
-                Ok(None) => break,
-                Ok(Some(line)) if is_frame(&line) => {}
-                Ok(_) => return Err(VideoFault::Frame(places.len())),
-                Err(error) if error.kind() != io::ErrorKind::InvalidData => return Err(error.into()),
-                // A line without an end: that of the file, or no line.
-                Err(_) if file.stream_position()? == length => {
-                    is_cut = true;
-                    break;
-                }
-                Err(_) => return Err(VideoFault::Frame(places.len())),
-            }
+            let line = line(&mut file)?;
             let at = file.stream_position()?;
-            let bytes = header.luma_bytes + header.other_bytes;
-            if length.saturating_sub(at) < bytes {
-                is_cut = true;
+            if line.is_empty() {
                 break;
+            }
+            // The file ends in this line, or in the frame behind it.
+            is_cut = at == length && !line.ends_with(b"\n") || is_frame(&line) && length.saturating_sub(at) < bytes;
+            if is_cut {
+                break;
+            }
+            if !is_frame(&line) {
+                return Err(VideoFault::Frame(places.len()));
             }
             if places.len() == MOST_FRAMES {
                 return Err(VideoFault::TooMany);
