@@ -6,8 +6,8 @@
 use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
 use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::{firmware, toolchain::Toolchain};
-use linestereo_tests::board::{image, on_all, or_skip};
+use linestereo_sim::board::is_long;
+use linestereo_tests::board::{image, image_with};
 use linestereo_wire::{Message, Request, ResetCause};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -17,21 +17,13 @@ fn execute(mut scenario: Value) -> Option<Run> {
     Run::of("stm32h7.py", || image(&Board::PORTENTA_H7, "live"), &scenario)
 }
 
-/// The image whose pairs are captured while the ones before them are matched.
-fn image_ahead() -> Option<PathBuf> {
-    let board = Board::PORTENTA_H7;
-    let toolchain = or_skip(Toolchain::for_board(&board))?;
-    let features = ["ahead".to_owned()];
-    or_skip(firmware::build_all(&toolchain, &board, &["live"], firmware::Logs::None, &features))?.pop()
-}
-
 /// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and
 /// comes back.
 #[test]
 fn seconds_of_a_portenta() {
     const FAULTS: [(CameraSide, u64, &str, usize); 2] =
         [(CameraSide::Left, 5, "short", 3), (CameraSide::Left, 9, "few", 2)];
-    if !on_all() {
+    if !is_long() {
         return; // LINESTEREO_LONG=1
     }
     let requests = [
@@ -72,7 +64,7 @@ fn seconds_of_a_portenta() {
 /// A host on USB, which starts when its PHY has power and is out of reset; packets of 512 bytes.
 #[test]
 fn a_host_on_usb_at_high_speed() {
-    if !on_all() {
+    if !is_long() {
         return; // LINESTEREO_LONG=1
     }
     let requests = [(150_000, Request::Describe), (200_000, Request::Start)];
@@ -105,7 +97,7 @@ fn pace(run: &Run) -> [u64; 2] {
 fn ahead_gives_more_pairs_that_are_no_older() {
     const FAULTS: [(CameraSide, u64, &str, usize); 3] =
         [(CameraSide::Left, 3, "short", 3), (CameraSide::Left, 6, "few", 2), (CameraSide::Left, 9, "overrun", 0)];
-    if !on_all() {
+    if !is_long() {
         return; // LINESTEREO_LONG=1
     }
     let scenario = || {
@@ -128,7 +120,7 @@ fn ahead_gives_more_pairs_that_are_no_older() {
     };
     let paces = std::thread::scope(|scope| {
         let turns = scope.spawn(|| run(|| image(&Board::PORTENTA_H7, "live")));
-        [run(image_ahead), turns.join().unwrap()]
+        [run(|| image_with(&Board::PORTENTA_H7, "live", &["ahead"])), turns.join().unwrap()]
     });
     let [Some(ahead), Some(turns)] = paces else { return };
     println!("us from pair to pair, us to the host: {turns:?}, ahead {ahead:?}");

@@ -9,11 +9,10 @@ mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::{Confidence, Depth, HealthFlags, Margin, Match, Parts};
-use linestereo_firmware::programs::expected::QVGA;
+use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::{firmware, toolchain::Toolchain};
-use linestereo_tests::board::or_skip;
+use linestereo_tests::board::image_with;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, RegionBox, Regions,
     Request, ResetCause, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
@@ -23,13 +22,7 @@ use std::sync::LazyLock;
 
 /// Runs an image for a still scene: without the feature such cameras' pairs are refused.
 fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
-    let image = || {
-        let board = linestereo_boards::Board::STM32H743;
-        let toolchain = or_skip(Toolchain::for_board(&board))?;
-        let features = ["still-scene".to_owned()];
-        let built = firmware::build_all(&toolchain, &board, &["live", "selftest"], firmware::Logs::None, &features);
-        or_skip(built)?.into_iter().find(|image| image.ends_with(program))
-    };
+    let image = || image_with(&linestereo_boards::Board::STM32H743, program, &["still-scene"]);
     let mut scenario = scenario.clone();
     scenario["board"] = json!("stm32h743");
     Run::of("stm32h7.py", image, &scenario)

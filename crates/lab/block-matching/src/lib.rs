@@ -10,7 +10,7 @@
 //!
 //! dense      every pixel, windows of 15 x 15: OpenCV's StereoBM number for number
 //! grid       every fourth pixel of every fourth row, windows of 16 x 16 out of blocks of 4 x 4
-//! portable   the kernels: the definition; dsp: the same for Cortex-M4 and M7
+//! portable   the kernels: the definition; dsp: the same for boards, which have to be Cortex-M4 or M7
 //! ```
 //!
 //! # Bounds
@@ -27,10 +27,10 @@
 
 mod decision;
 mod dense;
-#[cfg(dsp)]
+#[cfg(all(target_arch = "arm", target_os = "none"))]
 mod dsp;
 mod grid;
-pub mod portable;
+mod portable;
 
 pub use decision::{MOST_UNIQUE, NO_DISPARITY};
 pub use dense::{DenseMemory, dense_groups};
@@ -40,14 +40,14 @@ use core::fmt;
 use linestereo::Dims;
 
 /// The kernels of this machine.
-pub mod kernel {
-    #[cfg(dsp)]
-    pub use crate::dsp::{
+mod kernel {
+    #[cfg(all(target_arch = "arm", target_os = "none"))]
+    pub(crate) use crate::dsp::{
         add_block, add_column, block_costs, columns_of_four, groups_within, places_within, slide_windows, sobel_row,
     };
-    pub use crate::portable::{Blocks, CAP, Column, Group, Windows};
-    #[cfg(not(dsp))]
-    pub use crate::portable::{
+    pub(crate) use crate::portable::{Blocks, CAP, Column, Group, Windows};
+    #[cfg(not(all(target_arch = "arm", target_os = "none")))]
+    pub(crate) use crate::portable::{
         add_block, add_column, block_costs, columns_of_four, groups_within, places_within, slide_windows, sobel_row,
     };
 }

@@ -20,7 +20,7 @@ use core::arch::asm;
 const UNROLLED: usize = 4;
 
 /// See [`portable::sobel_row`].
-pub fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     if width < 8 || above.len() != width || below.len() != width || out.len() != width {
         return portable::sobel_row(above, row, below, out);
@@ -160,7 +160,7 @@ macro_rules! lowest {
 
 /// See [`portable::add_column`].
 #[inline]
-pub fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group]) {
+pub(crate) fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group]) {
     let groups = sums.len();
     let is_long = column.right[0].len() >= 4 * groups && column.right[1].len() >= 4 * groups;
     if groups == 0 || !groups.is_multiple_of(UNROLLED) || ring.len() != groups || !is_long {
@@ -211,7 +211,7 @@ struct Slide {
 }
 
 /// See [`portable::slide_windows`].
-pub fn slide_windows<const GROUPS: usize>(
+pub(crate) fn slide_windows<const GROUPS: usize>(
     windows: &Windows<'_>,
     (changes, place): (&mut [[[i8; 4]; GROUPS]], usize),
     sums: &mut [Group],
@@ -337,7 +337,7 @@ unsafe fn slide(state: &mut Slide) {
 
 /// See [`portable::groups_within`].
 #[inline]
-pub fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
+pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     if costs.is_empty() || !costs.len().is_multiple_of(UNROLLED) || bound == u16::MAX {
         return portable::groups_within(costs, bound);
     }
@@ -391,7 +391,7 @@ pub fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
 /// See [`portable::places_within`].
 #[inline]
 #[must_use]
-pub fn places_within(group: Group, bound: u16) -> u32 {
+pub(crate) fn places_within(group: Group, bound: u16) -> u32 {
     let Group([a, c, b, d]) = group;
     let places: u32;
     // SAFETY: registers alone; the flags between two instructions are nobody else's.
@@ -415,7 +415,7 @@ pub fn places_within(group: Group, bound: u16) -> u32 {
 }
 
 /// See [`portable::columns_of_four`].
-pub fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
+pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
     let width = out.len();
     if width < 4 || !width.is_multiple_of(4) || rows.iter().any(|row| row.len() != width) {
         return portable::columns_of_four(rows, out);
@@ -472,7 +472,7 @@ pub fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
 
 /// See [`portable::block_costs`].
 #[inline]
-pub fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
+pub(crate) fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
     let count = 4 * out.len();
     if count == 0 || right.len() != count + 3 {
         return portable::block_costs(left, right, out);
@@ -532,7 +532,7 @@ pub fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
 
 /// See [`portable::add_block`].
 #[inline]
-pub fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
+pub(crate) fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
     let count = costs.len();
     let is_same = blocks.enters.len() == count
         && blocks.leaves.len() == count

@@ -10,26 +10,26 @@
 /// Costs of four disparities: of the first, the third, the second and the fourth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C, align(8))]
-pub struct Group(pub [u16; 4]);
+pub(crate) struct Group(pub(crate) [u16; 4]);
 
 impl Group {
     /// Costs in the order of disparities.
     #[must_use]
-    pub fn in_order(self) -> [u16; 4] {
+    pub(crate) fn in_order(self) -> [u16; 4] {
         let Self([a, c, b, d]) = self;
         [a, b, c, d]
     }
 
     /// Of costs in the order of disparities.
     #[must_use]
-    pub fn of([a, b, c, d]: [u16; 4]) -> Self {
+    pub(crate) fn of([a, b, c, d]: [u16; 4]) -> Self {
         Self([a, c, b, d])
     }
 
     /// The cost of disparity `d % 4`.
     #[inline]
     #[must_use]
-    pub fn at(&self, d: usize) -> u16 {
+    pub(crate) fn at(&self, d: usize) -> u16 {
         let Self(costs) = self;
         costs.get((d & 1) << 1 | d >> 1 & 1).copied().unwrap_or(0)
     }
@@ -53,13 +53,13 @@ impl Group {
 }
 
 /// Largest difference of neighbours that counts; OpenCV's `preFilterCap`.
-pub const CAP: u8 = 31;
+pub(crate) const CAP: u8 = 31;
 /// The lowest of nothing.
 const NOTHING: Group = Group([u16::MAX; 4]);
 
 /// Sobel along the row, clipped to +-[`CAP`] and shifted by it: 0 ..= 62. The first and last pixel are [`CAP`], and so is what `out` is longer
 /// than the shortest row.
-pub fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
+pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     out.fill(CAP);
     let triples = above.windows(3).zip(row.windows(3)).zip(below.windows(3));
     for (((above, row), below), value) in triples.zip(out.iter_mut().skip(1)) {
@@ -71,16 +71,16 @@ pub fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
 
 /// A column of a window, at the row that enters it and at the one that leaves it.
 #[derive(Clone, Copy, Debug)]
-pub struct Column<'a> {
+pub(crate) struct Column<'a> {
     /// Values of the left image.
-    pub left: [u8; 2],
+    pub(crate) left: [u8; 2],
     /// The right row, from right to left: what each disparity meets.
-    pub right: [&'a [u8]; 2],
+    pub(crate) right: [&'a [u8]; 2],
 }
 
 /// Moves the sums over the columns of one row on: `sums` gains what this column costs more in the row that enters than in the one that
 /// leaves, and loses the same of the column that `ring` holds, which is kept there for when this column leaves. As many groups as all have.
-pub fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group]) {
+pub(crate) fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group]) {
     let [enters, leaves] = column.right.map(|row| row.as_chunks::<4>().0);
     for (((sum, kept), enters), leaves) in sums.iter_mut().zip(ring).zip(enters).zip(leaves) {
         let [new, old] = column.left;
@@ -96,19 +96,19 @@ pub fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group])
 
 /// The columns at which windows end, in a row that enters the windows and one that leaves them.
 #[derive(Debug)]
-pub struct Windows<'a> {
+pub(crate) struct Windows<'a> {
     /// Values of the left image at each column.
-    pub left: [&'a [u8]; 2],
+    pub(crate) left: [&'a [u8]; 2],
     /// The right rows, from right to left: the last column meets the first pixel at disparity 0, each column before it one further on.
-    pub right: [&'a [u8]; 2],
+    pub(crate) right: [&'a [u8]; 2],
     /// Is the lowest cost asked for?
-    pub asked: &'a [bool],
+    pub(crate) asked: &'a [bool],
 }
 
 /// Moves the sums on, column by column as [`add_column`], and the costs of each window one row down. Where it is asked for, `lowest` becomes the
 /// lowest of every fourth cost, elsewhere it stays. `place` is where in the ring of `changes` the first column is kept. Nothing happens unless there is as
 /// much of everything as of `asked`.
-pub fn slide_windows<const GROUPS: usize>(
+pub(crate) fn slide_windows<const GROUPS: usize>(
     windows: &Windows<'_>,
     (changes, mut place): (&mut [[[i8; 4]; GROUPS]], usize),
     sums: &mut [Group],
@@ -146,19 +146,19 @@ pub fn slide_windows<const GROUPS: usize>(
 
 /// First and last group with a cost of at most `bound`.
 #[must_use]
-pub fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
+pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     let is_within = |group: &Group| group.0.iter().any(|&cost| cost <= bound);
     Some([costs.iter().position(is_within)?, costs.iter().rposition(is_within)?])
 }
 
 /// Which costs of a group are at most `bound`: bit d for disparity d.
 #[must_use]
-pub fn places_within(group: Group, bound: u16) -> u32 {
+pub(crate) fn places_within(group: Group, bound: u16) -> u32 {
     group.in_order().iter().rev().fold(0, |places, &cost| places << 1 | u32::from(cost <= bound))
 }
 
 /// Columns of four rows, the first row in the lowest byte; as many as all have.
-pub fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
+pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
     let [a, b, c, d] = rows;
     for ((((out, &a), &b), &c), &d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
         *out = u32::from_le_bytes([a, b, c, d]);
@@ -167,7 +167,7 @@ pub fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
 
 /// Costs of a block of four columns: at the last disparity of `out` it meets the first four of `right`, at each one before that four
 /// begin one further on. `out` stays where `right` ends.
-pub fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
+pub(crate) fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
     let mut places = right.windows(4).take(4 * out.len()).rev();
     if places.len() < 4 * out.len() {
         return;
@@ -183,20 +183,20 @@ pub fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
 /// Costs of blocks that the next window of a row has and the one before had not, and the other way round; and of the row of blocks that
 /// leaves.
 #[derive(Debug)]
-pub struct Blocks<'a> {
+pub(crate) struct Blocks<'a> {
     /// Costs of the block that enters.
-    pub enters: &'a [Group],
+    pub(crate) enters: &'a [Group],
     /// Costs of the block that leaves.
-    pub leaves: &'a [Group],
+    pub(crate) leaves: &'a [Group],
     /// Sums over the blocks of one row that a window has.
-    pub row: &'a mut [Group],
+    pub(crate) row: &'a mut [Group],
     /// The same of the row of blocks that leaves; afterwards of the one that enters.
-    pub kept: &'a mut [Group],
+    pub(crate) kept: &'a mut [Group],
 }
 
 /// Moves the sums of one row of blocks on by a block, and the costs of the window there down by a row of blocks. Gives the lowest of every
 /// fourth cost. As many groups as all have.
-pub fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
+pub(crate) fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
     let mut lowest = NOTHING;
     let (row, kept) = (blocks.row.iter_mut(), blocks.kept.iter_mut());
     for ((((cost, row), kept), &enters), &leaves) in

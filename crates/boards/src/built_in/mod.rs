@@ -1,9 +1,15 @@
-//! Cases of `selftest` and `bench`: every scene in the board's sizes, with the default parameters, and once with the worst case.
+//! Built-in pairs: every scene in a board's sizes, with the default parameters, and some with those that cost most; and what a PC
+//! computes of them.
 
-use crate::painter::Scene;
+pub mod digests;
+mod scene;
+
+use crate::Board;
 use core::fmt;
+use digests::Digests;
+use linestereo::diagnostics::Stage;
 use linestereo::{Confidence, Dims, Params};
-use linestereo_boards::Board;
+pub use scene::Scene;
 
 /// A built-in pair and how to match it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +49,17 @@ impl Case {
     pub const fn params(&self) -> Params {
         if self.worst_case { WORST_CASE } else { Params::DEFAULT }
     }
+}
+
+/// Digest behind those of the stages: of sectors and the bytes of MAVLink.
+pub const AUTOPILOT: &str = "autopilot";
+
+/// The name of the first stage whose digest differs, or [`AUTOPILOT`].
+#[must_use]
+pub fn first_difference(found: &Digests, expected: &Digests) -> Option<&'static str> {
+    let names = Stage::ALL.into_iter().map(Stage::name).chain([AUTOPILOT]);
+    let mut pairs = names.zip(found.iter().zip(expected));
+    pairs.find(|(_, (found, expected))| found != expected).map(|(name, _)| name)
 }
 
 /// Such as `bricks_160x120` and `bricks_160x120_worst_case`.

@@ -1,7 +1,7 @@
 //! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated on a PC by `cargo xtask bless`.
 
+use crate::Board;
 use linestereo::diagnostics::Stage;
-use linestereo_boards::Board;
 
 /// One digest per stage, and one of what an autopilot gets.
 pub type Digests = [u32; Stage::ALL.len() + 1];
