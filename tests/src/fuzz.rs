@@ -1,4 +1,4 @@
-//! Every input of others, as a function of bytes that may do nothing but return: `fuzz_targets` calls one by coverage, `tests/tests/fuzz.rs` all
+//! Every input of others, as a function of bytes that may do nothing but return: `fuzz/fuzz_targets` calls one by coverage, `tests/tests/fuzz.rs` all
 //! of them for some seconds.
 //!
 //! ```text
