@@ -11,7 +11,6 @@ use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
-use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::listing::{self, Answers};
@@ -22,7 +21,7 @@ use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::{Arc, Mutex};
 
 const LIMIT: Duration = Duration::from_secs(600);
@@ -365,55 +364,7 @@ impl Drop for Running {
     }
 }
 
-/// The twin of `no_panic.rs` for boards: there the graph of references is walked, here the linker does it. `tests/no-panic` links only
-/// if no entry point can reach the panic handler, which calls a function that does not exist.
-#[test]
-fn the_core_for_boards_links_without_a_panic_handler() {
-    let top = board::top().unwrap();
-    let board = mps2_an500::BOARD;
-    let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("no-panic-{}", toolchain.way));
-    let built = toolchain
-        .cargo()
-        .current_dir(&top)
-        .args([
-            "build",
-            "--release",
-            "--locked",
-            "--manifest-path",
-            "tests/no-panic/Cargo.toml",
-            "--target",
-            board.target,
-        ])
-        .arg("--target-dir")
-        .arg(&target)
-        .output()
-        .unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let library = target.join(board.target).join("release/liblinestereo_no_panic.a");
-    let link = |entries: &[&str]| {
-        let mut linker = Process::new(toolchain.linker(&top).unwrap());
-        linker.args(["-flavor", "gnu", "--gc-sections", "--entry", entries[0], "-o", "/dev/null"]);
-        linker.args(entries.iter().map(|entry| format!("--undefined={entry}")));
-        let output = linker.arg(&library).output().unwrap();
-        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
-    };
-    // Every entry point of the library.
-    let source = std::fs::read_to_string(top.join("tests/no-panic/src/lib.rs")).unwrap();
-    let proofs: Vec<&str> = source
-        .lines()
-        .filter_map(|line| line.strip_prefix("pub fn "))
-        .filter_map(|rest| rest.split(['(', '<']).next())
-        .filter(|name| name.starts_with("proof_"))
-        .collect();
-    assert!(proofs.len() >= 28, "{proofs:?}");
-    let (linked, errors) = link(&proofs);
-    assert!(linked, "a panic is reachable on a board:\n{errors}");
-    let (linked, errors) = link(&["control_index"]);
-    assert!(!linked && errors.contains("panic_is_reachable"), "the linker overlooks a panic: {errors}");
-}
-
-/// Not the core alone: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
+/// Not the core alone, which `no_panic` has: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
     for board in Board::MEASURED {

@@ -143,7 +143,8 @@ impl SceneFolder {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = untrusted::read(&path, untrusted::SETTINGS_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = untrusted::read(&path, untrusted::SETTINGS_BYTES)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         let info: Info = serde_json::from_slice(&text)
             .with_context(|| format!("{} is not understood; correct it, or move the folder away", path.display()))?;
         let scene = Self { folder: folder.to_path_buf(), info };

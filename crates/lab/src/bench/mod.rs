@@ -151,7 +151,8 @@ struct Done {
 
 fn read_report(path: &Path) -> Result<Report> {
     let advice = || format!("{} is no run of this program; delete it, or give another file", path.display());
-    let text = untrusted::read(path, untrusted::RESULT_BYTES).with_context(|| format!("cannot read {}; check the path", path.display()))?;
+    let text = untrusted::read(path, untrusted::RESULT_BYTES)
+        .with_context(|| format!("cannot read {}; check the path", path.display()))?;
     serde_json::from_slice(&text).with_context(advice)
 }
 
