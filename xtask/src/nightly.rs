@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Seconds for each function of `fuzz/src/lib.rs`.
+/// Seconds for each function of `tests/src/fuzz.rs`.
 const FUZZ_S: &str = "60";
 
 /// Runs every step and prints a table of them.
