@@ -124,13 +124,19 @@ fn photos_in_folders_swapped_and_of_another_board() {
     let folder = tempfile::tempdir().unwrap();
     let side = |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
     let number = |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();
-    copied(&photos, &folder.path().join("folders"), |name| Some(format!("{}/{}", side(name).0, number(name))));
-    copied(&photos, &folder.path().join("swapped"), |name| Some(format!("{}{}", side(name).1, number(name))));
+    // A few of them are enough, and of another board the finder tries most.
+    let is_early = |name: &str, end: &str| number(name).as_str() < end;
+    copied(&photos, &folder.path().join("folders"), |name| {
+        is_early(name, "08.jpg").then(|| format!("{}/{}", side(name).0, number(name)))
+    });
+    copied(&photos, &folder.path().join("swapped"), |name| {
+        is_early(name, "08.jpg").then(|| format!("{}{}", side(name).1, number(name)))
+    });
+    copied(&photos, &folder.path().join("few"), |name| is_early(name, "05.jpg").then(|| name.to_owned()));
     let run = |name: &str, board: &str| calibrate(folder.path(), &[name, "--board", board, "--square-mm", "25"]);
     let good = run("folders", "9x6");
-    assert!(good.status.success() && String::from_utf8_lossy(&good.stdout).contains("13 of 13 pairs"));
+    assert!(good.status.success() && String::from_utf8_lossy(&good.stdout).contains("7 of 7 pairs"));
     assert_refused(&run("swapped", "9x6"), &["the cameras are swapped"]);
-    assert_refused(&run("folders", "10x7"), &["the board is not 10x7", "give --board 9x6"]);
-    copied(&photos, &folder.path().join("few"), |name| (number(name).as_str() < "05.jpg").then(|| name.to_owned()));
+    assert_refused(&run("few", "10x7"), &["the board is not 10x7", "give --board 9x6"]);
     assert_refused(&run("few", "9x6"), &["4 pairs only", "5 are needed"]);
 }
