@@ -10,9 +10,9 @@ use linestereo::diagnostics::kernel::{
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::scratch::mark_words;
 use linestereo::{Dims, Params};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{find_scenes, load_scene};
 use linestereo_sim::engine::Engine;
-use linestereo_sim::input::{find_scenes, load_scene};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use std::path::PathBuf;
 use std::time::Instant;

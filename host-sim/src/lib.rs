@@ -24,7 +24,6 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
 pub mod board;
-pub mod calibration;
 pub mod commands;
 pub mod draw;
 pub mod engine;
@@ -45,6 +44,4 @@ pub mod rivals;
 pub mod ros;
 pub mod scene;
 pub mod serve;
-pub mod statistics;
-pub mod untrusted;
 pub mod video;

@@ -11,11 +11,11 @@
 //! Links are followed: a link to a photo is the photo, and what is written to another link is written to what it points to.
 
 use crate::interruption;
-use crate::untrusted::printable;
 use anyhow::{Result, anyhow, bail};
 use core::fmt;
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
+use linestereo_frames::untrusted::printable;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::ffi::OsString;

@@ -110,7 +110,7 @@ fn photos_become_a_rig() {
     for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "] {
         assert!(text.contains(word), "\"{word}\" is missing in: {text}");
     }
-    let rig = linestereo_sim::input::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
+    let rig = linestereo_calibration::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
     assert!((rig.calibration.baseline() - 0.0939).abs() < 5e-4);
     assert!(rig.quality.unwrap().views >= 27);
     let json: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("rig.json")).unwrap()).unwrap();

@@ -1,14 +1,14 @@
 //! Calibration from boards: rigs that are known, rigs that were photographed, and photos that cannot be used.
 
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
-use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
-use linestereo_sim::calibration::{
+use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Estimate, EstimateError, JunctionFinder, LensModel, NotFound, Options, Pattern,
     Verdict, assess, estimate, find_pairs,
 };
-use linestereo_sim::input::load_gray;
-use linestereo_sim::input::rig_file::quaternion;
+use linestereo_calibration::rig_file::quaternion;
+use linestereo_frames::GrayImage;
+use linestereo_frames::load_gray;
+use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 use std::collections::HashMap;
@@ -128,7 +128,7 @@ fn truth(rig: &Calibration, name: &str) -> f64 {
     let (part, name) = name.split_once('.').unwrap();
     if part == "pose" {
         let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis)).unwrap();
-        let vector = linestereo_sim::input::rig_file::rotation_vector(rig.rotation());
+        let vector = linestereo_calibration::rig_file::rotation_vector(rig.rotation());
         return if name.starts_with('r') { vector[axis] } else { rig.translation()[axis] };
     }
     let camera = rig.camera(if part == "left" { CameraSide::Left } else { CameraSide::Right });

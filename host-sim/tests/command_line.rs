@@ -2,7 +2,7 @@
 
 use crate::support::{linestereo, stderr, stdout};
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;

@@ -3,9 +3,9 @@
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::rectify::RIG;
 use crate::support::succeed;
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::boards::{Board, Dictionary};
+use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, CameraSide};
-use linestereo_sim::calibration::{Board, Dictionary};
 use linestereo_sim::scene::{Pattern, Texture};
 use std::collections::BTreeMap;
 use std::fs;

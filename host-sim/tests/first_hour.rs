@@ -4,7 +4,7 @@ use crate::rectify::RIG;
 use crate::support::{all_refused, json, linestereo, refused, stderr, stdout, succeed};
 use core::time::Duration;
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;
@@ -469,7 +469,7 @@ fn depths_as_others_store_them() {
     succeed(at, &[&PAIR[..], &rig, &files].concat());
     let found: Value = serde_json::from_slice(&fs::read(at.join("a.json")).unwrap()).unwrap();
     let image::DynamicImage::ImageLuma16(png) = image::open(at.join("d.png")).unwrap() else { panic!("16-bit grey") };
-    let (dims, npy) = linestereo_sim::input::load_disparities(&at.join("d.npy")).unwrap();
+    let (dims, npy) = linestereo_frames::load_disparities(&at.join("d.npy")).unwrap();
     assert_eq!((dims, png.dimensions()), (DIMS, (320, 240)));
     let points = found["points"].as_array().unwrap();
     for point in points {

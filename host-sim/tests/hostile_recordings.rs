@@ -2,8 +2,9 @@
 
 use crate::support::with_scene;
 use crate::support::{stderr, succeed};
+use linestereo_frames::load_images;
+use linestereo_sim::input::Footage;
 use linestereo_sim::input::recording::Choice;
-use linestereo_sim::input::{Dataset, load_images};
 use linestereo_sim::mcap::Writer;
 use linestereo_sim::ros::sent::{self, Header, Projection};
 use linestereo_tests::drawn::Random;
@@ -122,7 +123,7 @@ fn recordings() -> Vec<Vec<u8>> {
 
 /// Reads all that is in a recording; the number of pairs that were loaded.
 fn read(path: &Path) -> Result<usize, String> {
-    let found = Dataset::recorded(path, &Choice::default()).map_err(|error| error.to_string())?;
+    let found = Footage::recorded(path, &Choice::default()).map_err(|error| error.to_string())?;
     let mut loaded = 0;
     for pair in &found.pairs {
         pair.info().map_err(|error| error.to_string())?;

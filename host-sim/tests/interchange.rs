@@ -5,10 +5,10 @@
 
 use core::time::Duration;
 use linestereo::Dims;
-use linestereo_rig::{Calibration, CameraSide, Lens, View};
-use linestereo_sim::input::interchange::{
+use linestereo_calibration::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
+use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 use std::path::{Path, PathBuf};

@@ -2,10 +2,11 @@
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb};
 use linestereo::{Dims, HealthFlags, Params, Rig};
-use linestereo_sim::engine::Engine;
-use linestereo_sim::input::{
-    Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, load_disparities, load_scene,
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::{
+    Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, layouts, load_disparities, load_scene,
 };
+use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
 use std::fs;
 use std::io::Write;
@@ -114,8 +115,8 @@ const KITTI_2012: &str = "P0: 400 0 20 0 0 400 10 0 0 0 1 0\nP1: 400 0 20 -200 0
 /// The only pair of a folder, loaded.
 fn only(folder: &TempDir, layout: Layout) -> Scene {
     let set = Dataset::find(folder.path()).unwrap();
-    assert_eq!(set.layouts(), [(layout, 1)], "{:?}", set.pairs);
-    set.pairs[0].load(None).unwrap()
+    assert_eq!(layouts(&set.pairs), [(layout, 1)], "{:?}", set.pairs);
+    set.pairs[0].load(None, &rectify_raw).unwrap()
 }
 
 /// Truth is known but for the first column, and as it was stored.
@@ -143,10 +144,10 @@ fn middlebury_2001_and_2003() {
         ("map/disp0.pgm", File::Image(steps_8(8.0))),
     ]);
     let found = Dataset::find(set.path()).unwrap();
-    assert_eq!(found.layouts(), [(Layout::Middlebury2001, 3)]);
+    assert_eq!(layouts(&found.pairs), [(Layout::Middlebury2001, 3)]);
     assert_eq!(found.pairs.iter().map(|pair| pair.name.as_str()).collect::<Vec<_>>(), ["map", "tsukuba", "venus"]);
     for pair in &found.pairs {
-        let scene = pair.load(None).unwrap();
+        let scene = pair.load(None, &rectify_raw).unwrap();
         check_truth(&scene, false);
         assert_eq!((scene.rig, scene.max_disparity), (None, 16), "{}", scene.name);
         assert_eq!(scene.left.pixels[3], texture(3, 0));
@@ -187,7 +188,12 @@ fn middlebury_2005_and_2006() {
     let found = Dataset::find(exposures.path()).unwrap();
     let names: Vec<&str> = found.pairs.iter().map(|pair| pair.name.as_str()).collect();
     assert_eq!(names, ["Art/Illum1/Exp0", "Art/Illum2/Exp1"]);
-    assert!(found.pairs.iter().all(|pair| pair.load(None).unwrap().truth.unwrap().disparity(9, 9) == Some(7.0)));
+    assert!(
+        found
+            .pairs
+            .iter()
+            .all(|pair| pair.load(None, &rectify_raw).unwrap().truth.unwrap().disparity(9, 9) == Some(7.0))
+    );
 
     // Resized by somebody: nothing says what a grey value is.
     let resized = folder(&[
@@ -196,7 +202,7 @@ fn middlebury_2005_and_2006() {
         ("disp1.png", File::Image(steps_8(3.0))),
         ("dmin.txt", text("150")),
     ]);
-    let error = Dataset::find(resized.path()).unwrap().pairs[0].load(None).unwrap_err();
+    let error = Dataset::find(resized.path()).unwrap().pairs[0].load(None, &rectify_raw).unwrap_err();
     assert!(matches!(error, FrameError::Layout(_, LayoutFault::TruthScale(_))), "{error}");
 }
 
@@ -270,15 +276,15 @@ fn kitti_2012_and_2015() {
         ];
         let set = folder(&files);
         let found = Dataset::find(set.path()).unwrap();
-        assert_eq!(found.layouts(), [(layout, 2)]);
+        assert_eq!(layouts(&found.pairs), [(layout, 2)]);
         let names: Vec<_> = found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
         assert_eq!(names, [("training/000007_10", true), ("training/000007_11", false)]);
-        let scene = found.pairs[0].load(None).unwrap();
+        let scene = found.pairs[0].load(None, &rectify_raw).unwrap();
         check_truth(&scene, false);
         assert_eq!(scene.rig, Some(Rig::new(400.0, baseline, 0.0).unwrap()));
         let truth = scene.truth.unwrap();
         assert!(!truth.is_visible(23, 5) && truth.is_visible(24, 5));
-        assert_eq!(found.pairs[1].load(None).unwrap().max_disparity, 64);
+        assert_eq!(found.pairs[1].load(None, &rectify_raw).unwrap().max_disparity, 64);
     }
 }
 
@@ -310,9 +316,9 @@ fn euroc_is_rectified_by_its_sensor_files() {
         let files = files(root);
         let set = folder(&files);
         let found = Dataset::find(set.path()).unwrap();
-        assert_eq!(found.layouts(), [(Layout::Euroc, 2)]);
+        assert_eq!(layouts(&found.pairs), [(Layout::Euroc, 2)]);
         assert_eq!(found.pairs[0].name, "MH_01/1403715273262142976");
-        let scene = found.pairs[0].load(None).unwrap();
+        let scene = found.pairs[0].load(None, &rectify_raw).unwrap();
         // Without a lens and side by side already: the images as they are, but for less than 1 % of the view, which is cut so that
         // every pixel has a source (0.2 px along the row, 0.1 px down), for the mesh's 1/32 px and for rounding.
         let (found, drawn) = (f64::from(scene.left.pixels[5]), f64::from(2 * 5 + 40));
@@ -344,9 +350,9 @@ fn plain_folders_sequences_and_side_by_side() {
         ("scene.json", text(r#"{"max_disparity":24,"rectified":{"focal_px":100,"baseline_m":0.1}}"#)),
     ]);
     let found = Dataset::find(set.path()).unwrap();
-    assert_eq!((found.layouts(), found.alone), (vec![(Layout::CameraFolders, 2)], 1));
+    assert_eq!((layouts(&found.pairs), found.alone), (vec![(Layout::CameraFolders, 2)], 1));
     for (pair, name) in found.pairs.iter().zip(["2", "10"]) {
-        let scene = pair.load(None).unwrap();
+        let scene = pair.load(None, &rectify_raw).unwrap();
         assert_eq!((scene.name.as_str(), scene.max_disparity, scene.left.pixels[5]), (name, 24, texture(5, 0)));
         assert_eq!(scene.rig, Some(Rig::new(100.0, 0.1, 0.0).unwrap()));
         check_truth(&scene, true);
@@ -363,11 +369,11 @@ fn plain_folders_sequences_and_side_by_side() {
         ("b/gt.pfm", File::Bytes(pfm(&values(f32::INFINITY), "-1", false))),
     ]);
     let found = Dataset::find(set.path()).unwrap();
-    assert_eq!(found.layouts(), [(Layout::SidesInNames, 2), (Layout::PairFolder, 1)]);
+    assert_eq!(layouts(&found.pairs), [(Layout::SidesInNames, 2), (Layout::PairFolder, 1)]);
     let names: Vec<_> = found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
     assert_eq!(names, [("a/0001", true), ("a/0002", false), ("b", true)]);
-    check_truth(&found.pairs[0].load(None).unwrap(), false);
-    check_truth(&found.pairs[2].load(None).unwrap(), true);
+    check_truth(&found.pairs[0].load(None, &rectify_raw).unwrap(), false);
+    check_truth(&found.pairs[2].load(None, &rectify_raw).unwrap(), true);
 
     let both: DynamicImage = GrayImage::from_fn(2 * WIDTH + 1, HEIGHT, |x, y| Luma([texture(x, y)])).into();
     let set = folder(&[("x/1.png", File::Image(both)), ("x/square.png", File::Image(GrayImage::new(48, 48).into()))]);
@@ -495,7 +501,7 @@ fn changed_bytes_are_no_crash() {
 fn what_is_missing_or_does_not_fit_is_named() {
     let fault = |files: &[(&str, File)]| {
         let set = folder(files);
-        let error = Dataset::find(set.path()).and_then(|found| found.pairs[0].load(None)).unwrap_err();
+        let error = Dataset::find(set.path()).and_then(|found| found.pairs[0].load(None, &rectify_raw)).unwrap_err();
         assert!(error.to_string().contains("; "), "{error}");
         error
     };
@@ -621,15 +627,15 @@ fn captured_folders_are_recognised() {
     let folders: Vec<_> = found.pairs.iter().map(|pair| pair.folder.clone()).collect();
     assert_eq!(folders, find_scenes(&qvga).unwrap());
     assert!(
-        found.layouts().len() == 1
+        layouts(&found.pairs).len() == 1
             && found.pairs.iter().all(|pair| pair.layout == Layout::SceneJson && pair.has_truth())
     );
     if let Some(boards) = captured::folder("calibration_boards") {
-        assert_eq!(Dataset::find(&boards).unwrap().layouts(), [(Layout::SidesInNames, 13 + 28)]);
+        assert_eq!(layouts(&Dataset::find(&boards).unwrap().pairs), [(Layout::SidesInNames, 13 + 28)]);
     }
     if let Some(flights) = captured::folder("tudelft_stereoboard") {
         let found = Dataset::find(&flights).unwrap();
-        assert_eq!((found.layouts(), found.alone), (vec![(Layout::SidesInNames, 149)], 0));
+        assert_eq!((layouts(&found.pairs), found.alone), (vec![(Layout::SidesInNames, 149)], 0));
     }
 }
 
@@ -649,7 +655,7 @@ fn captured_euroc_pairs_are_rectified() {
         }
     }
     let found = Dataset::find(set.path()).unwrap();
-    assert_eq!(found.layouts(), [(Layout::Euroc, 5)]);
+    assert_eq!(layouts(&found.pairs), [(Layout::Euroc, 5)]);
     let rows_off = |scene: &Scene, max_disparity| {
         let params = Params { max_disparity, ..Params::default() };
         let mut engine = Engine::new(&params, scene.left.dims).unwrap();
@@ -661,8 +667,8 @@ fn captured_euroc_pairs_are_rectified() {
     };
     let raw = Dataset::find(&source).unwrap();
     for (pair, raw) in found.pairs.iter().zip(&raw.pairs) {
-        assert!(!rows_off(&pair.load(None).unwrap(), 96), "{}", pair.name);
-        assert!(!rows_off(&pair.load(Some(376)).unwrap(), 48), "{}", pair.name);
-        assert!(rows_off(&raw.load(None).unwrap(), 96), "{} raw", raw.name);
+        assert!(!rows_off(&pair.load(None, &rectify_raw).unwrap(), 96), "{}", pair.name);
+        assert!(!rows_off(&pair.load(Some(376), &rectify_raw).unwrap(), 48), "{}", pair.name);
+        assert!(rows_off(&raw.load(None, &rectify_raw).unwrap(), 96), "{} raw", raw.name);
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
 use crate::support::{linestereo, stderr, succeed};
-use linestereo_baselines::GrayImage;
-use linestereo_rig::{Calibration, CameraSide};
-use linestereo_sim::calibration::{
+use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
 };
-use linestereo_sim::input::load_gray;
+use linestereo_frames::GrayImage;
+use linestereo_frames::load_gray;
+use linestereo_rig::{Calibration, CameraSide};
 use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which knows the official definitions.
 
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
-use linestereo_sim::input::load_gray;
+use linestereo_frames::load_gray;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

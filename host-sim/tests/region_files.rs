@@ -2,7 +2,7 @@
 
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, Span};
-use linestereo_sim::input::regions::{Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load};
+use linestereo_frames::regions::{Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

@@ -1,6 +1,6 @@
 //! Packages with real pairs: what is checked of a package file before anything of it is laid out. The packages here are made up.
 
-use linestereo_sim::input::SceneInfo;
+use linestereo_frames::SceneInfo;
 use linestereo_sim::input::registry::{Package, PackageError, Way, packages, parsed};
 use std::fs;
 use std::io::Write;

@@ -2,10 +2,10 @@
 
 use linestereo::Area;
 use linestereo::{Dims, Params, Rejection, Rig};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::regions::{Object, Pixels};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::explain::{CurveLog, SegmentTexts};
-use linestereo_sim::input::regions::{Object, Pixels};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
 use linestereo_sim::results::listing;

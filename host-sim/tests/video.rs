@@ -5,8 +5,9 @@ use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_dra
 use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
-use linestereo_baselines::GrayImage;
-use linestereo_sim::input::{Dataset, load_gray, load_images};
+use linestereo_frames::GrayImage;
+use linestereo_frames::{load_gray, load_images};
+use linestereo_sim::input::Footage;
 use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;
@@ -351,7 +352,7 @@ fn mutated_videos_are_read_or_refused() {
         let (name, video) = &videos[i % 2];
         let path = folder.path().join(name);
         fs::write(&path, change(&mut random, video)).unwrap();
-        let found = Dataset::recording(&path, false);
+        let found = Footage::open(&path, false);
         let loaded = found
             .as_ref()
             .map(|found| found.pairs.iter().filter(|pair| load_images(&pair.images, None).is_ok()).count());

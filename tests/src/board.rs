@@ -2,10 +2,10 @@
 
 use core::any::Any;
 use linestereo::{Matcher, ObjectDepth, Params, Region};
-use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
+use linestereo_frames::GrayImage;
 use linestereo_sim::board::{Machine, firmware};
 use linestereo_sim::engine::FrameResult;
 use linestereo_wire::Health;

@@ -1,9 +1,9 @@
 //! Captured frames with ground truth, which are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside it.
 
 use linestereo::Params;
+use linestereo_frames::{Scene, find_scenes, load_scene};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
-use linestereo_sim::input::{Scene, find_scenes, load_scene};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -1,7 +1,7 @@
 //! Images drawn in the test: one hex digit per pixel, `0` black to `f` white.
 
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
 
 /// Grey levels per hex digit.

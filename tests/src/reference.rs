@@ -1,6 +1,6 @@
 //! Naive oracles: as short as possible, nothing shared with the core. Outside an image its nearest pixel counts.
 
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// The pixel, or the nearest one of the image.
 #[must_use]

@@ -2,13 +2,14 @@
 
 use linestereo::Dims;
 use linestereo_baselines::{
-    Acceptance, AfterStep, BlockMatcher, CostKind, DisparityMap, Fraction, GrayImage, Method, Minimum,
-    PushbroomMatcher, ScanLineMatcher, Search, Shape, SparseBlockMatcher, StereoBm, StereoBmError, Window, descend,
-    fill_from_neighbours, fill_surfaces, for_each_row, median, remove_speckles,
+    Acceptance, AfterStep, BlockMatcher, CostKind, DisparityMap, Fraction, Method, Minimum, PushbroomMatcher,
+    ScanLineMatcher, Search, Shape, SparseBlockMatcher, StereoBm, StereoBmError, Window, descend, fill_from_neighbours,
+    fill_surfaces, for_each_row, median, remove_speckles,
 };
+use linestereo_frames::GrayImage;
+use linestereo_frames::Truth;
 use linestereo_sim::engine::FrameResult;
 use linestereo_sim::evaluate::{FrameScore, Summary};
-use linestereo_sim::input::Truth;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{at, census, sobel};

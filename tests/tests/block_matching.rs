@@ -1,8 +1,9 @@
 //! The board's block matchers: OpenCV's numbers, naive windows, and kernels of every length.
 
 use linestereo::Dims;
-use linestereo_baselines::{DisparityMap, GrayImage, Search, StereoBm};
+use linestereo_baselines::{DisparityMap, Search, StereoBm};
 use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
+use linestereo_frames::GrayImage;
 use linestereo_sim::engine::FrameResult;
 use linestereo_sim::evaluate::FrameScore;
 use linestereo_sim::rivals::{MethodScore, comparison_table, summarise};
@@ -173,7 +174,7 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
         ("grid-strict, unchecked", grid, strict),
         ("grid-strict", grid, Settings::STRICT),
     ];
-    let score = |scene: linestereo_sim::input::Scene| {
+    let score = |scene: linestereo_frames::Scene| {
         let truth = scene.truth.unwrap();
         let pair = (scene.left, scene.right);
         let of = |&(name, run, settings): &(&str, Run, Settings)| {

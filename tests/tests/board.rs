@@ -2,18 +2,18 @@
 
 use core::time::Duration;
 use linestereo::{Confidence, Dims, Params, Span};
-use linestereo_baselines::GrayImage;
 use linestereo_boards::{Board, Exit};
+use linestereo_calibration::rectify::PairRectifier;
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;
+use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_sim::input::rectify::PairRectifier;
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::{Twin, image, machine, on_every_board, or_skip};

@@ -2,8 +2,8 @@
 
 use core::fmt::Write as _;
 use linestereo::{Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig};
-use linestereo_baselines::GrayImage;
 use linestereo_boards::Board;
+use linestereo_frames::GrayImage;
 use linestereo_sim::board::{qemu, toolchain::Toolchain};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::listing;

@@ -4,7 +4,7 @@ use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
     Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
 };
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, painted, rendered};

@@ -4,8 +4,8 @@
 
 use linestereo::diagnostics::{Candidate, Segment};
 use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
+use linestereo_frames::Scene;
 use linestereo_sim::evaluate::object_cases;
-use linestereo_sim::input::Scene;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };

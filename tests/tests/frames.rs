@@ -4,9 +4,9 @@
 //! The bounds are the promises of the README with room for other machines' frames, not the figures reached.
 
 use linestereo::{Confidence, Params, Parts};
+use linestereo_frames::{Perturbation, Scene};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::evaluate::{FrameScore, Summary};
-use linestereo_sim::input::{Perturbation, Scene};
 use linestereo_tests::captured;
 
 fn score(scene: &Scene, params: Params, models: Option<FittedModels>, perturbation: &Perturbation) -> FrameScore {

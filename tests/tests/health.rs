@@ -5,13 +5,13 @@
 
 use linestereo::health::{Findings, HealthMonitor};
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::interchange::{Options, load_rig};
+use linestereo_frames::GrayImage;
+use linestereo_frames::{Perturbation, Scene, Truth, find_scenes, load_gray, load_scene};
 use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{object_cases, score_objects};
 use linestereo_sim::faults::{Damage, Source};
-use linestereo_sim::input::interchange::{Options, load_rig};
-use linestereo_sim::input::{Perturbation, Scene, Truth, find_scenes, load_gray, load_scene};
 use linestereo_sim::results::outline::Mask;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;

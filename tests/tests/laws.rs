@@ -7,7 +7,7 @@
 //! 2.1 % of the corridor's points (paths of costs run down alone): no law.
 
 use linestereo::{Dims, Match, Params, Point};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::drawn::{painted, rendered};
 use std::collections::HashMap;

@@ -19,7 +19,7 @@ fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
 }
 
 /// A straight edge through the middle (plus `shift`), anti-aliased over one pixel; `theta` in degrees, clockwise from +x.
-fn edge(theta: f64, shift: f64, dark: f64, bright: f64) -> linestereo_baselines::GrayImage {
+fn edge(theta: f64, shift: f64, dark: f64, bright: f64) -> linestereo_frames::GrayImage {
     let normal = normal(theta);
     painted(64, 64, |x, y| {
         let distance = (f64::from(x) - 31.5) * normal[0] + (f64::from(y) - 31.5) * normal[1] - shift;
@@ -67,7 +67,7 @@ fn one_edge_of_any_direction_is_found_where_it_is() {
 }
 
 /// Where a row crosses the edge next to column `near`: vertex of the parabola through the three largest Sobel gradients.
-fn crossing(image: &linestereo_baselines::GrayImage, near: f64, y: i32) -> f64 {
+fn crossing(image: &linestereo_frames::GrayImage, near: f64, y: i32) -> f64 {
     let gradient = |x: i32| f64::from(sobel(image, x, y).0.abs());
     let around = near.round() as i32 - 3..=near.round() as i32 + 3;
     let top = around.max_by(|&a, &b| gradient(a).total_cmp(&gradient(b))).unwrap();
@@ -102,7 +102,7 @@ fn lines_are_those_of_least_squares() {
 }
 
 /// Name and image of what is hard on a detector.
-fn hard_images() -> Vec<(String, linestereo_baselines::GrayImage)> {
+fn hard_images() -> Vec<(String, linestereo_frames::GrayImage)> {
     let mut random = Random(4);
     let mut images = vec![
         ("noise".to_owned(), painted(160, 120, |_, _| random.grey())),

@@ -3,7 +3,8 @@
 //! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else `python3`).
 
 use linestereo::Dims;
-use linestereo_baselines::{GrayImage, Search, StereoBm};
+use linestereo_baselines::{Search, StereoBm};
+use linestereo_frames::GrayImage;
 use linestereo_sim::rivals::OpenCv;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;

@@ -1,9 +1,9 @@
 //! Surfaces that segments are credited to, on the built-in room.
 
 use linestereo::{Dims, Match, Params};
+use linestereo_frames::Truth;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::OwnedMiddle;
-use linestereo_sim::input::Truth;
 use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

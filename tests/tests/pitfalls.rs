@@ -1,7 +1,7 @@
 //! The pitfalls that the method's source lists, each on images with exact truth.
 
 use linestereo::{Dims, Owner, Params};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
 use linestereo_tests::drawn::painted;

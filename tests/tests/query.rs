@@ -4,11 +4,11 @@ use linestereo::diagnostics::FITTED_PIXEL;
 use linestereo::{
     Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Span,
 };
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{Perturbation, Scene};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
-use linestereo_sim::input::{Perturbation, Scene};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use std::path::PathBuf;

@@ -4,12 +4,12 @@
 //! pass without them.
 
 use linestereo::{Dims, Span};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::load_gray;
 use linestereo_rig::{
     Band, Calibration, Camera, CameraSide, Lens, Mesh, MeshError, Rectification, RowError, View, fine_mesh_nodes,
     mesh_nodes,
 };
-use linestereo_sim::input::load_gray;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 

@@ -3,7 +3,7 @@
 use linestereo::image::ViewError;
 use linestereo::image::{MARGIN, shrink_to_valid};
 use linestereo::{Confidence, Dims, Gray, Match, Params, Point, Span};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, rendered};
 

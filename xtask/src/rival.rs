@@ -3,11 +3,11 @@
 use crate::bench;
 use anyhow::{Context, Result, bail};
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::blocks::{self, METHODS, Measured, groups};
+use linestereo_frames::GrayImage;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{Board, qemu};

@@ -8,7 +8,7 @@ use crate::refused;
 use linestereo::objects::Run;
 use linestereo::scratch::Capacity;
 use linestereo::{Area, Dims, Pair, Params, Plan, Region, Span, Summary};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

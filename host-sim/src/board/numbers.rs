@@ -3,7 +3,6 @@
 //! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU counted
 //! for the same pairs on the same kind of processor, `docs/board-numbers.toml`), and of each pair the first stage whose digest is another.
 
-use crate::statistics::upper_median;
 use anyhow::{Context, Result};
 use core::fmt::Write;
 use linestereo::diagnostics::Stage;
@@ -11,6 +10,7 @@ use linestereo_boards::Board;
 use linestereo_firmware::cases::Case;
 use linestereo_firmware::programs::expected;
 use linestereo_firmware::programs::selftest::Outcome;
+use linestereo_frames::statistics::upper_median;
 use linestereo_wire::{CaseReport, Hello, MachineReport, Silicon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -4,12 +4,12 @@ use super::firmware::{self, Logs};
 use super::toolchain::Toolchain;
 use super::{Board, qemu};
 use crate::engine::FrameResult;
-use crate::untrusted::{self, RESULT_BYTES};
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, ObjectDepth, Params};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, ParamUpdate, Refusal,

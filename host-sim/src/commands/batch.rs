@@ -1,10 +1,10 @@
 //! Evaluations over many pairs, the same for every command that scores: which pairs, on how many threads, in how many parts.
 
 use crate::evaluate::{Shard, ShardFile};
-use crate::input::{Dataset, StoredPair};
 use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;
+use linestereo_frames::{Dataset, StoredPair, layouts};
 use serde::{Serialize, de::DeserializeOwned};
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ pub(super) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collecte
     let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for folder in folders {
         let found = Dataset::find(folder)?;
-        for (layout, count) in found.layouts() {
+        for (layout, count) in layouts(&found.pairs) {
             // Paths differ between the machines of a cluster; names do not.
             let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
             notes.push(format!("{name}{count} pairs, layout: {layout}"));

@@ -1,7 +1,7 @@
 //! Options that say which board was, or will be, photographed.
 
-use crate::calibration::{Board, Dictionary, Pattern};
 use anyhow::{Result, anyhow, bail};
+use linestereo_calibration::boards::{Board, Dictionary, Pattern};
 
 /// Kind and size of a board.
 #[derive(Clone, Copy, Debug)]

@@ -3,20 +3,20 @@
 use super::asked_for;
 use super::board_options::{BoardOptions, BoardSize, parse_board};
 use super::pairs::bar;
-use crate::calibration::{
-    Board, BoardCorners, BoardFinder, BoardPair, Estimate, JunctionFinder, LEAST_CORNERS, LEAST_VIEWS, LensModel,
-    NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
-};
 use crate::draw;
-use crate::input::load_gray;
-use crate::input::rig_file::{Quality, RigFile};
 use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::ProgressBar;
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::boards::{
+    Board, BoardCorners, BoardFinder, BoardPair, Estimate, JunctionFinder, LEAST_CORNERS, LEAST_VIEWS, LensModel,
+    NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
+};
+use linestereo_calibration::rig_file::{Quality, RigFile};
+use linestereo_frames::GrayImage;
+use linestereo_frames::load_gray;
 use std::path::PathBuf;
 use std::thread;
 

@@ -7,17 +7,16 @@ use super::{asked_for, engine_with};
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{ShardFile, ShardHead};
-use crate::input::{
-    PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
-};
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::rivals::{
     CORE, Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};
-use linestereo_baselines::{
-    Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, GrayImage, Matcher, Method, Shape, Window,
+use linestereo_baselines::{Acceptance, AfterStep, BlockMatcher, CostKind, Fraction, Matcher, Method, Shape, Window};
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::{
+    GrayImage, PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -312,7 +311,7 @@ impl Args {
 
     /// The scene as it is to be matched.
     fn load(&self, pair: &StoredPair) -> Result<Scene> {
-        let mut scene = pair.load(self.width)?;
+        let mut scene = pair.load(self.width, &rectify_raw)?;
         check_usable(&scene.folder.join("left"), &scene.left)?;
         check_usable(&scene.folder.join("right"), &scene.right)?;
         scene.max_disparity = self.range(&scene)?;

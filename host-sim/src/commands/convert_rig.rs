@@ -1,11 +1,13 @@
 //! `linestereo convert-rig`: calibrations of other programs to `rig.toml` and back.
 
-use crate::input::interchange::{Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig};
-use crate::input::rig_file::rotation_vector;
 use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::Dims;
+use linestereo_calibration::interchange::{
+    Exported, Format, Imported, LensModel, Options, TranslationUnit, export, load_rig,
+};
+use linestereo_calibration::rig_file::rotation_vector;
 use linestereo_rig::{Camera, CameraSide, Lens};
 use std::path::PathBuf;
 

@@ -5,13 +5,13 @@ use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::FrameResult;
 use crate::evaluate::{FrameScore, ObjectCase, ObjectScore, OwnedMiddle, Summary, score_objects};
-use crate::input::Truth;
 use crate::output::{OutputFiles, OutputPath};
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
 use linestereo::{Dims, Match, Rejection, Rig};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::Truth;
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

@@ -7,12 +7,13 @@ use super::{asked_for, does_not_fit, engine_with};
 use crate::board::{self, Machine};
 use crate::engine::Engine;
 use crate::evaluate::{FrameScore, ShardFile, ShardHead, Summary, cell_table, report, scene_table};
-use crate::input::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::Params;
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{Perturbation, Scene, StoredPair, Truth, check_usable};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -224,7 +225,7 @@ fn head(args: &Args, found: &Collected) -> ShardHead {
 
 /// The scene as it is to be matched.
 fn load(pair: &StoredPair, args: &Args) -> Result<Scene> {
-    let mut scene = pair.load(args.width)?;
+    let mut scene = pair.load(args.width, &rectify_raw)?;
     scene.max_disparity = args.max_disparity.unwrap_or(scene.max_disparity);
     Ok(scene)
 }

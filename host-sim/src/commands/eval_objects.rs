@@ -6,9 +6,9 @@ use super::pairs::for_each_pair;
 use crate::engine::Engine;
 use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
-use crate::input::{Perturbation, Scene, StoredPair, check_usable};
 use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Context, Result, bail};
+use linestereo_frames::{Perturbation, Scene, StoredPair, check_usable};
 use serde::Serialize;
 
 #[derive(Serialize)]

@@ -7,11 +7,12 @@ use super::{asked_for, engine_with};
 use crate::engine::{Engine, FittedModels};
 use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
-use crate::input::{Scene, StoredPair};
 use crate::output::{OutputFiles, OutputPath, say, spare};
-use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::FITTED_PIXEL;
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_frames::{Scene, StoredPair};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -90,7 +91,7 @@ fn load(args: &Args) -> Result<Vec<Scene>> {
     if args.leave_one_out && pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }
-    Ok(pairs.iter().map(|pair| pair.load(args.width)).collect::<Result<_, _>>()?)
+    Ok(pairs.iter().map(|pair| pair.load(args.width, &rectify_raw)).collect::<Result<_, _>>()?)
 }
 
 fn engine(args: &Args, scene: &Scene) -> Result<Engine> {

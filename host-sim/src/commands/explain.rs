@@ -5,10 +5,10 @@ use super::run::pixel;
 use super::written;
 use crate::draw;
 use crate::explain::{CurveLog, Explanation};
-use crate::input::{PairFiles, StoredPair};
 use crate::output::{OutputFiles, OutputPath};
 use crate::results::health;
 use anyhow::{Result, bail};
+use linestereo_frames::{PairFiles, StoredPair};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -8,12 +8,13 @@ use super::{asked_for, written};
 use crate::draw;
 use crate::evaluate::object_cases;
 use crate::faults::{Damage, Family, FaultReport, Source, Tally, is_asked, score};
-use crate::input::{Scene, StoredPair};
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::results::outline::Mask;
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;
 use linestereo::HealthFlags;
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::{Scene, StoredPair};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -74,8 +75,8 @@ pub fn run(args: &Args) -> Result<()> {
     let threads = args.threads.map(NonZeroUsize::get);
     let name = |&place: &usize| found.pairs[place].name.clone();
     let outcomes = for_each_pair(&places, threads, name, |&place| {
-        let scene = found.pairs[place].load(args.width)?;
-        let other = found.pairs[(place + 1) % found.pairs.len()].load(args.width)?;
+        let scene = found.pairs[place].load(args.width, &rectify_raw)?;
+        let other = found.pairs[(place + 1) % found.pairs.len()].load(args.width, &rectify_raw)?;
         damaged(args, &scene, &other, &damages)
     })?;
     let report = FaultReport::new(&outcomes.concat());

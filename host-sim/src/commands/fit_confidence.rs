@@ -7,10 +7,11 @@ use super::pairs::for_each_pair;
 use crate::engine::FittedModels;
 use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
-use crate::input::{Perturbation, Scene};
 use crate::output::{OutputFiles, print, say};
-use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, bail};
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_frames::{Perturbation, Scene};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -106,7 +107,7 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     if pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }
-    Ok(pairs.iter().map(|pair| pair.load(None)).collect::<Result<_, _>>()?)
+    Ok(pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?)
 }
 
 /// The answers of one scene, whatever their confidence.

@@ -2,9 +2,9 @@
 
 use super::rectified_view::ViewArgs;
 use crate::output::{OutputFiles, OutputPath, print};
-use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
 use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};

@@ -11,11 +11,6 @@ use super::engine_with;
 use super::method::MethodArgs;
 use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
-use crate::input::rectify::PairRectifier;
-use crate::input::{
-    PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size, check_usable,
-    load_images, scaled_max_disparity,
-};
 use crate::output::detail;
 use crate::results::listing::{Query, finite_metres};
 use anyhow::{Context, Result, anyhow, bail};
@@ -23,7 +18,12 @@ use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
 use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::rectify::PairRectifier;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{
+    PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size, check_usable,
+    load_images, scaled_max_disparity,
+};
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
 use std::path::PathBuf;

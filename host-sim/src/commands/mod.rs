@@ -44,14 +44,14 @@ pub mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
-use crate::input::resampled_height;
 use crate::interruption::{self, Interrupted};
 use crate::output::{self, ClosedPipe, OutputPath, print};
-use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
 use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
+use linestereo_frames::resampled_height;
+use linestereo_frames::untrusted::printable;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;

@@ -2,7 +2,6 @@
 
 use super::input::Setup;
 use crate::engine::{Engine, FrameResult};
-use crate::input::regions::{self, Frame, Object, ObjectsError, Skipped};
 use crate::results::health;
 use crate::results::listing::{self, Answers};
 use crate::results::outline::{OutlineFile, label_png, refine};
@@ -10,6 +9,7 @@ use anyhow::{Result, bail};
 use core::fmt::Write;
 use linestereo::objects::Shape;
 use linestereo::{Area, ObjectDepth};
+use linestereo_frames::regions::{self, Frame, Object, ObjectsError, Skipped};
 use linestereo_wire::{MAX_REGIONS, RegionBox};
 use std::path::{Path, PathBuf};
 

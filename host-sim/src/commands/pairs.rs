@@ -2,13 +2,14 @@
 //!
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
+use crate::input::Footage;
 use crate::input::recording::is_recording;
 use crate::input::video::{Video, is_video};
-use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::is_quiet;
-use crate::untrusted::printable;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use linestereo_frames::untrusted::printable;
+use linestereo_frames::{PairFiles, StoredPair};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use std::path::Path;
@@ -17,16 +18,12 @@ use std::path::Path;
 const STACK_BYTES: usize = 64 << 20;
 
 /// Pairs of a command line's paths, with a title: one of two images or of one file, those of a folder, of a recording or of videos.
-pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Dataset, String)> {
+pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Footage, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()).into_owned())
     };
-    let alone = |title: String, files: PairFiles| {
-        let mut found = Dataset::default();
-        found.pairs.push(StoredPair::alone(title, files));
-        found
-    };
+    let alone = |title: String, files: PairFiles| Footage::of_pair(StoredPair::alone(title, files));
     let is_film = |path: &Path| is_video(path) && !path.is_dir();
     if let Some(right) = right {
         let title = format!("{} and {}", name(left), name(right));
@@ -42,16 +39,16 @@ pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) ->
     if !left.is_dir() && !is_recording(left) && !is_video(left) {
         bail!("{} is no folder; give a left and a right image, a folder, an .mcap file, or videos", left.display());
     }
-    Ok((Dataset::recording(left, side_by_side)?, name(left)))
+    Ok((Footage::open(left, side_by_side)?, name(left)))
 }
 
 /// No more pairs come of a video, though there should be.
-pub(super) fn has_ended(found: &Dataset) -> bool {
+pub(super) fn has_ended(found: &Footage) -> bool {
     found.of_video().is_some_and(|video| video.ended().is_some())
 }
 
 /// Warnings about videos, a line each; empty where there are none.
-pub(super) fn video_note(found: &Dataset) -> String {
+pub(super) fn video_note(found: &Footage) -> String {
     let mut text = found.of_video().and_then(Video::summary).map_or(String::new(), |note| format!("video: {note}\n"));
     if found.of_video().is_some() && found.alone > 0 {
         text.push_str(&format!("{} frames of the longer video have no partner\n", found.alone));

@@ -7,7 +7,7 @@ use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_wire::{
     Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
 };

@@ -4,9 +4,10 @@ use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
-use crate::input::{Dataset, SceneInfo, StoredPair};
+use crate::input::Footage;
 use crate::results::listing;
 use anyhow::{Result, bail};
+use linestereo_frames::{SceneInfo, StoredPair};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -30,12 +31,12 @@ pub(super) struct SourceArgs {
 
 impl SourceArgs {
     /// The pairs of this path, or of the camera where there is none.
-    pub(super) fn find(&self, path: Option<&Path>) -> Result<Dataset> {
+    pub(super) fn find(&self, path: Option<&Path>) -> Result<Footage> {
         self.recording.find(path, self.right.as_deref(), self.side_by_side, &self.camera)
     }
 
     /// Those of them that are asked for.
-    pub(super) fn chosen<'a>(&self, path: &Path, found: &'a Dataset) -> Result<Chosen<'a>> {
+    pub(super) fn chosen<'a>(&self, path: &Path, found: &'a Footage) -> Result<Chosen<'a>> {
         let chosen = Chosen::new(found, self.frames);
         if chosen.count() == Some(0) {
             bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), path.display());
@@ -52,7 +53,7 @@ pub(super) struct Chosen<'a> {
 }
 
 impl<'a> Chosen<'a> {
-    fn new(found: &'a Dataset, range: Option<(u64, u64)>) -> Self {
+    fn new(found: &'a Footage, range: Option<(u64, u64)>) -> Self {
         let live = found.of_video().filter(|video| video.is_live());
         let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
         let is_in = |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
@@ -71,7 +72,7 @@ impl<'a> Chosen<'a> {
         }
     }
 
-    pub(super) fn pairs(&self, found: &'a Dataset) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
+    pub(super) fn pairs(&self, found: &'a Footage) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
         let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
         let live = live.map_while(|number| Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?))));
         self.listed.iter().map(|&(number, pair)| (number, Cow::Borrowed(pair))).chain(live)

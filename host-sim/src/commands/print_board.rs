@@ -1,10 +1,10 @@
 //! `linestereo print-board`: a board to print and photograph.
 
 use super::board_options::{BoardOptions, BoardSize, parse_board};
-use crate::calibration::Board;
 use crate::output::{OutputFiles, OutputPath};
 use anyhow::Result;
 use core::fmt::Write;
+use linestereo_calibration::boards::Board;
 
 const EXAMPLES: &str = "\
 Examples:

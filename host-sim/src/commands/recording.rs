@@ -4,14 +4,15 @@ use super::input::Setup;
 use super::objects::Asked;
 use super::video::CameraArgs;
 use crate::engine::FrameResult;
+use crate::input::Footage;
 use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
 use crate::input::video::is_video;
-use crate::input::{Dataset, PairFiles, StoredPair};
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
 use crate::ros::sent::{Header, Label};
 use anyhow::{Result, bail};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::StoredPair;
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
@@ -53,7 +54,7 @@ impl RecordingArgs {
         right: Option<&Path>,
         side_by_side: bool,
         camera: &CameraArgs,
-    ) -> Result<Dataset> {
+    ) -> Result<Footage> {
         let Some(root) = root else {
             self.refuse_options()?;
             return camera.open();
@@ -65,14 +66,14 @@ impl RecordingArgs {
         }
         if !is_recording(root) || root.is_dir() {
             self.refuse_options()?;
-            return Ok(Dataset::recording(root, side_by_side)?);
+            return Ok(Footage::open(root, side_by_side)?);
         }
         if side_by_side {
             bail!("--side-by-side is for folders; images of a recording have a topic for each camera");
         }
         let topics = [self.left_topic.clone(), self.right_topic.clone()];
         let choice = Choice { topics, window_ms: self.pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
-        Ok(Dataset::recorded(root, &choice)?)
+        Ok(Footage::recorded(root, &choice)?)
     }
 
     fn refuse_options(&self) -> Result<()> {
@@ -148,11 +149,7 @@ impl Sink {
         played: &Result<Played, String>,
     ) -> Result<()> {
         let To::Messages(file) = &mut self.to else { return Ok(()) };
-        let stamp_ns = match &pair.images {
-            PairFiles::Recorded(recorded) => recorded.stamps_ns().map(|[left, _]| left),
-            PairFiles::Filmed(filmed) => filmed.time_ns(),
-            files => files.times_us().map(|[left, _]| left.saturating_mul(1000)),
-        };
+        let stamp_ns = pair.images.time_ns();
         self.first_ns += STEP_NS;
         let header = Header { stamp_ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
         let named = (number, &*pair.name);

@@ -1,13 +1,13 @@
 //! Options of the rectified view and the rig behind it, the same for every command that rectifies.
 
 use super::scene::parse_size;
-use crate::input::interchange::{Options, load_rig};
-use crate::input::rectify::reduced;
-use crate::input::{area_average, resampled_height};
 use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::interchange::{Options, load_rig};
+use linestereo_calibration::rectify::reduced;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{area_average, resampled_height};
 use linestereo_rig::{Calibration, CameraSide, RectifyError, RigImage, RigImageError, View};
 use std::path::PathBuf;
 

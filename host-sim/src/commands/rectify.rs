@@ -3,11 +3,11 @@
 use super::pairs::named_bar;
 use super::rectified_view::ViewArgs;
 use crate::draw;
-use crate::input::rectify::PairRectifier;
-use crate::input::{Dataset, PairFiles, StoredPair, check_same_size, load_images};
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::rectify::PairRectifier;
+use linestereo_frames::GrayImage;
+use linestereo_frames::{Dataset, PairFiles, StoredPair, check_same_size, load_images};
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
@@ -90,7 +90,7 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
 /// Rectifies one pair; returns the names of the files written, in words.
 fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
-    let pairs = Dataset::recording(root, false)?.pairs;
+    let pairs = Dataset::sequence(root, false)?.pairs;
     // A single pair keeps the folder's name, which is that of OUT.
     let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
     let target = |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };

@@ -5,11 +5,11 @@ use super::objects::ObjectArgs;
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
 use crate::explain::{CurveLog, SegmentTexts};
-use crate::input::StoredPair;
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::{Observer, SegmentCurves, StageEvent, SupportCurves};
+use linestereo_frames::StoredPair;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -8,16 +8,17 @@ use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
 use crate::draw;
 use crate::evaluate::{NearestSummary, Surveyed, nearest_disparity, surveyed};
+use crate::input::Footage;
 use crate::input::video::Video;
-use crate::input::{Dataset, StoredPair};
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
 use crate::results::ros::Extra;
 use crate::results::{health, listing};
-use crate::statistics::upper_median;
-use crate::untrusted::printable;
 use anyhow::{Result, bail};
 use linestereo::Disparity;
+use linestereo_frames::statistics::upper_median;
+use linestereo_frames::untrusted::printable;
+use linestereo_frames::{StoredPair, layouts};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -192,8 +193,8 @@ impl Tally {
     }
 
     /// The counts in words.
-    fn summary(&self, found: &Dataset) -> String {
-        let layouts: Vec<&str> = found.layouts().into_iter().map(|(layout, _)| layout.name()).collect();
+    fn summary(&self, found: &Footage) -> String {
+        let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
         let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
         text.push_str(&format!("; layout: {}\n", layouts.join(", ")));

@@ -1,6 +1,6 @@
 //! Videos and cameras as input of a sequence.
 
-use crate::input::Dataset;
+use crate::input::Footage;
 use crate::input::video::is_video;
 use crate::video::Camera;
 use anyhow::{Result, bail};
@@ -49,16 +49,16 @@ impl CameraArgs {
     }
 
     /// Starts the camera.
-    pub(super) fn open(&self) -> Result<Dataset> {
+    pub(super) fn open(&self) -> Result<Footage> {
         let Some(device) = self.camera.clone() else { bail!("give a folder, an .mcap file, a video or --camera") };
         let (size, rate, format) = (self.camera_size, self.camera_fps, self.camera_format.clone());
-        Ok(Dataset::camera(&Camera { device, size, rate, format })?)
+        Ok(Footage::camera(&Camera { device, size, rate, format })?)
     }
 }
 
 /// Pairs of a video with both views side by side, or of a left and a right one.
-pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<Dataset> {
-    let Some(right) = right else { return Ok(Dataset::video(&[left])?) };
+pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<Footage> {
+    let Some(right) = right else { return Ok(Footage::video(&[left])?) };
     if let Some(other) = [left, right].into_iter().find(|path| !is_video(path) || path.is_dir()) {
         bail!(
             "{} is no video; of two paths both are videos, a left and a right one: of images give the folder above both",
@@ -68,5 +68,5 @@ pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Res
     if side_by_side {
         bail!("--side-by-side is for one video with both views; leave it out, or give that one alone");
     }
-    Ok(Dataset::video(&[left, right])?)
+    Ok(Footage::video(&[left, right])?)
 }

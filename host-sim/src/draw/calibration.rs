@@ -2,9 +2,9 @@
 
 use super::sheet::{BACKGROUND, INK, Sheet};
 use super::text::Align;
-use crate::calibration::{Assessment, CornerError, Estimate, Verdict};
 use image::RgbImage;
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::boards::{Assessment, CornerError, Estimate, Verdict};
+use linestereo_frames::GrayImage;
 use linestereo_rig::{CameraSide, Rectification};
 
 const WIDTH: u32 = 1280;

@@ -5,7 +5,7 @@ use super::sheet::{FAINT, GRID, INK, Sheet};
 use super::text::Align;
 use crate::explain::{Explanation, Plot};
 use image::RgbImage;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 const WIDTH: u32 = 1400;
 const MARGIN: f32 = 24.0;

@@ -4,7 +4,7 @@ use super::colour::{Range, colour};
 use super::text::{Align, write};
 use crate::engine::FrameResult;
 use image::{Rgb, RgbImage};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Titles stand in a strip of this height.
 const TITLE: u32 = 20;

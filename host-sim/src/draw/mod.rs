@@ -34,7 +34,7 @@ use crate::engine::FrameResult;
 use colour::Range;
 use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use linestereo::{Match, Owner, Rig, Source};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 pub use rows::rows;
 use tiny_skia::{
     Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,

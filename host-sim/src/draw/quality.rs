@@ -5,7 +5,7 @@ use super::text::Align;
 use crate::evaluate::{OFF_PLANE, Quality, WallAnswer};
 use image::RgbImage;
 use linestereo::diagnostics::SUPPORT_PITCH;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 const MARGIN: f32 = 20.0;
 const LINE: f32 = 19.0;

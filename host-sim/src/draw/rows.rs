@@ -1,7 +1,7 @@
 //! Do rows agree? A raw and a rectified pair with lines across both images.
 
 use image::{Rgb, RgbImage};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Rows of the rectified images between lines.
 const SPACING: u32 = 32;

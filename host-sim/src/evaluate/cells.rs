@@ -5,8 +5,8 @@
 //! all frames together; a cell whose answer has no truth takes its place and is neither right nor wrong.
 
 use super::packed::{self, Floats};
-use crate::input::Truth;
 use linestereo::Point;
+use linestereo_frames::Truth;
 use serde::{Deserialize, Serialize};
 
 /// Side of a cell, px; those at the right and lower border may be cut off.

@@ -3,9 +3,9 @@
 use super::cells::{CELL, CellAnswers};
 use super::packed::{self, Floats};
 use crate::engine::FrameResult;
-use crate::input::Truth;
-use crate::statistics::median;
 use linestereo::Match;
+use linestereo_frames::Truth;
+use linestereo_frames::statistics::median;
 use serde::{Deserialize, Serialize};
 
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its neighbours across the edge are above and below.

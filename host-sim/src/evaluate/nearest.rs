@@ -8,9 +8,9 @@
 //! ```
 
 use crate::engine::FrameResult;
-use crate::statistics::{quantile, upper_median};
 use core::fmt;
 use csv::ReaderBuilder;
+use linestereo_frames::statistics::{quantile, upper_median};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

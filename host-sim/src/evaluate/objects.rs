@@ -6,14 +6,14 @@
 
 use super::packed::{packed, unpacked};
 use crate::engine::Engine;
-use crate::input::{FrameError, Scene, Truth, load_values};
 use crate::results::outline::{Mask, RefinedOutline, refine};
-use crate::statistics::{interpolated_quantile, median};
-use crate::untrusted::{self, SETTINGS_BYTES};
 use core::fmt::Write;
 use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
+use linestereo_frames::statistics::{interpolated_quantile, median};
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_frames::{FrameError, Scene, Truth, load_values};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

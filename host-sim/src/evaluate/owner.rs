@@ -1,7 +1,7 @@
 //! A segment against the truth of the surface that it is said to belong to.
 
-use crate::input::Truth;
 use linestereo::{Match, Owner};
+use linestereo_frames::Truth;
 
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its sides are above and below.
 const STEEP_LIMIT: f64 = 4.0;

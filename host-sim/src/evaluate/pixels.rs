@@ -4,11 +4,11 @@
 //! too, because a robot does not know which are which.
 
 use crate::engine::Engine;
-use crate::input::{SplitMix64, Truth};
-use crate::statistics::upper_median;
 use core::fmt::Write;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
 use linestereo::{Confidence, PixelRejection};
+use linestereo_frames::statistics::upper_median;
+use linestereo_frames::{SplitMix64, Truth};
 
 /// Shares of the visible pixels at which the curve of error against answers is read.
 const SHARES: [f64; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
@@ -39,7 +39,7 @@ pub fn query_pixels(engine: &mut Engine, truth: &Truth, (count, seed): (usize, u
         pixels.filter_map(|(x, y)| truth.disparity(x.into(), y.into()).map(|disparity| (x, y, disparity))).collect();
     let (mut random, mut queried, mut visible) = (SplitMix64(seed), Vec::new(), 0);
     while visible < count && !pixels.is_empty() {
-        let (x, y, disparity) = pixels.swap_remove((random.next() % pixels.len() as u64) as usize);
+        let (x, y, disparity) = pixels.swap_remove((random.bits() % pixels.len() as u64) as usize);
         let is_visible = truth.is_visible(x.into(), y.into());
         visible += usize::from(is_visible);
         let found = engine.matched().pixel_evidence((x, y), None);

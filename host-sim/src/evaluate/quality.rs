@@ -18,9 +18,9 @@
 //! Intel, "RealSense Camera Depth Testing Methodology", revision 1.0, 2018; librealsense, tools/depth-quality/rs-depth-quality.cpp (its texts
 //! on Z accuracy, plane fit RMS error, subpixel RMS error and fill rate).
 
-use crate::statistics::quantile;
 use linestereo::diagnostics::SUPPORT_PITCH;
 use linestereo::{Area, Point, Rig};
+use linestereo_frames::statistics::quantile;
 use serde::Serialize;
 use std::collections::HashMap;
 

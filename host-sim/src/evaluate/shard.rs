@@ -7,9 +7,9 @@
 //!
 //! Which pairs there are is found anew by every part, so that no part waits for another: the head holds a digest of their names.
 
-use crate::untrusted::{self, RESULT_BYTES};
 use core::fmt;
 use core::str::FromStr;
+use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

@@ -2,7 +2,7 @@
 
 use super::cells::{self, CellRow};
 use super::frame::{FrameScore, PointScore};
-use crate::statistics::{median, upper_median};
+use linestereo_frames::statistics::{median, upper_median};
 use serde::Serialize;
 
 /// Points per frame at which the error-against-yield curve is read.

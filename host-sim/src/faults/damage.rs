@@ -2,9 +2,9 @@
 
 use super::source::Source;
 use super::{detail, geometry, sensor, texture};
-use crate::input::Perturbation;
 use core::fmt;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::Perturbation;
 
 /// Kind of damage: what a user would look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]

@@ -1,9 +1,9 @@
 //! Less detail than there was.
 
-use crate::input::Perturbation;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::Perturbation;
 
 /// Compressed and decoded again.
 ///

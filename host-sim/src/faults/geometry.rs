@@ -1,7 +1,7 @@
 //! Images that moved: resampled linearly, the border repeated.
 
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// The image at positions that `at` gives for each pixel.
 fn resampled(image: &GrayImage, at: impl Fn(f64, f64) -> (f64, f64)) -> GrayImage {

@@ -11,9 +11,9 @@
 use super::{Damage, Evidence, Family};
 use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{ObjectCase, ObjectScore, Outline, score_objects};
-use crate::input::Truth;
 use core::fmt::Write;
 use linestereo::HealthFlags;
+use linestereo_frames::Truth;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

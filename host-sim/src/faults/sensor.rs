@@ -1,7 +1,7 @@
 //! The same thing at the same pixel of both images, and what a sensor does to single pixels.
 
-use crate::input::SplitMix64;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::SplitMix64;
 
 /// Adds to a pixel, in grey levels.
 fn add(value: &mut u8, change: f64) {
@@ -52,7 +52,7 @@ pub(super) fn text(pair: [GrayImage; 2], lines: usize, seed: u64) -> [GrayImage;
         for line in 0..lines {
             let top = height * (2 * line + 1) / (2 * lines) - 4;
             for letter in 0..width / 6 {
-                let strokes = LETTERS[(random.next() % 8) as usize];
+                let strokes = LETTERS[(random.bits() % 8) as usize];
                 for (y, row) in strokes.iter().enumerate() {
                     for x in (0..5).filter(|x| row >> (4 - x) & 1 == 1) {
                         image.pixels[(top + y) * width + 6 * letter + x] = 250;
@@ -94,7 +94,7 @@ pub(super) fn blobs(mut image: GrayImage, count: usize, radius: f64, level: u8, 
 
 /// Discs behind which the image is blurred and a little brighter.
 pub(super) fn drops(image: &GrayImage, count: usize, radius: f64, seed: u64) -> GrayImage {
-    let blurred = crate::input::blur(image, radius / 3.0);
+    let blurred = linestereo_frames::blur(image, radius / 3.0);
     let mut seen = image.clone();
     let behind = cover(image, count, radius, seed).into_iter().zip(blurred.pixels);
     for (value, (share, blurred)) in seen.pixels.iter_mut().zip(behind) {

@@ -1,8 +1,8 @@
 //! A pair as it is before it is damaged.
 
-use crate::input::Scene;
 use crate::results::outline::Mask;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::Scene;
 
 /// A pair to be damaged, and what the damages take from elsewhere.
 #[derive(Clone, Copy, Debug)]

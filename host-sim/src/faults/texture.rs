@@ -1,7 +1,7 @@
 //! Periodic texture painted on objects at their true disparity.
 
 use super::source::Source;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Part of an object's own texture that remains.
 const REMAINING: f64 = 0.15;

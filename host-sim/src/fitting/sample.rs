@@ -1,11 +1,11 @@
 //! Answers with evidence and truth.
 
 use crate::engine::Engine;
-use crate::input::Truth;
 use linestereo::diagnostics::{
     Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
 };
 use linestereo::{Params, Support};
+use linestereo_frames::Truth;
 
 /// Pixels from the edge up to which answers are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;

@@ -1,19 +1,11 @@
 //! A video that was opened, or two, and a pair of it: frames by their numbers, read when the pair is loaded.
 
-use super::error::FrameError;
-use crate::untrusted::printable;
 use crate::video::{Frame, Source, VideoFault};
 use core::fmt;
+use linestereo_frames::untrusted::printable;
+use linestereo_frames::{FrameError, Views};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Both views of a pair.
-pub(super) enum Views<T> {
-    /// Side by side.
-    Both(T),
-    /// The left and the right one.
-    Two([T; 2]),
-}
 
 /// A video with both views side by side, or a left and a right one; or a camera.
 pub struct Video {
@@ -29,14 +21,6 @@ pub struct VideoPair {
     pub(super) video: Arc<Video>,
     pub(super) index: usize,
 }
-
-impl PartialEq for VideoPair {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.video, &other.video) && self.index == other.index
-    }
-}
-
-impl Eq for VideoPair {}
 
 impl fmt::Debug for Video {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -81,15 +65,13 @@ impl Video {
 
 impl VideoPair {
     /// The files, left first: of both views in one that one twice.
-    #[must_use]
-    pub fn paths(&self) -> [&Path; 2] {
+    pub(super) fn files(&self) -> [&Path; 2] {
         let paths = &self.video.paths;
         [&paths[0], &paths[paths.len() - 1]]
     }
 
     /// When it was captured: ns behind the first one; of a camera those of the clock, of the pair that was loaded last.
-    #[must_use]
-    pub fn time_ns(&self) -> Option<u64> {
+    pub(super) fn captured_ns(&self) -> Option<u64> {
         self.video.with(|sources| sources[0].time_ns(self.index))
     }
 
@@ -98,7 +80,7 @@ impl VideoPair {
         let one = |eye: usize| {
             let path = || self.video.paths[eye].clone();
             let frame = self.video.with(|sources| sources[eye].frame(self.index));
-            let frame = frame.map_err(|fault| FrameError::Video(path(), fault))?;
+            let frame = frame.map_err(|fault| FrameError::Source(path(), Box::new(fault)))?;
             read(frame).map_err(|what| FrameError::VideoFrame(path(), self.index, what))
         };
         Ok(if self.video.paths.len() == 1 { Views::Both(one(0)?) } else { Views::Two([one(0)?, one(1)?]) })
@@ -106,6 +88,6 @@ impl VideoPair {
 
     /// An error of both views in an image that has no middle.
     pub(super) fn odd(&self, width: u16) -> FrameError {
-        FrameError::Video(self.video.paths[0].clone(), VideoFault::OddWidth(width))
+        FrameError::Source(self.video.paths[0].clone(), Box::new(VideoFault::OddWidth(width)))
     }
 }

@@ -1,8 +1,10 @@
 //! A recording that was scanned, and a pair of it: places of messages, read when the pair is loaded.
 
-use super::error::{FrameError, RecordingFault};
+use super::fault::RecordingFault;
 use crate::mcap::{Place, Reader};
 use crate::ros::kind::Kind;
+use linestereo_frames::grey::StoredGray;
+use linestereo_frames::{FrameError, Layout, PairSource, Views};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use tempfile::TempDir;
@@ -30,35 +32,36 @@ pub struct Recording {
 
 /// A pair of a recording.
 #[derive(Clone, Debug)]
-pub struct RecordedPair {
+pub(super) struct RecordedPair {
     pub(super) recording: Arc<Recording>,
     pub(super) index: usize,
 }
 
-impl PartialEq for RecordedPair {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.recording, &other.recording) && self.index == other.index
+impl PairSource for RecordedPair {
+    fn layout(&self) -> Layout {
+        Layout::Recording
+    }
+
+    fn paths(&self) -> [&Path; 2] {
+        [&self.recording.path; 2]
+    }
+
+    fn times_us(&self) -> Option<[u64; 2]> {
+        self.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000))
+    }
+
+    fn time_ns(&self) -> Option<u64> {
+        self.stamps_ns().map(|[left, _]| left)
+    }
+
+    fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
+        self.stored_grey().map(Views::Two)
     }
 }
 
-impl Eq for RecordedPair {}
-
 impl RecordedPair {
-    /// The file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.recording.path
-    }
-
-    /// The recording.
-    #[must_use]
-    pub fn recording(&self) -> &Recording {
-        &self.recording
-    }
-
     /// When the images were captured, ns; `None` before 1970.
-    #[must_use]
-    pub fn stamps_ns(&self) -> Option<[u64; 2]> {
+    fn stamps_ns(&self) -> Option<[u64; 2]> {
         let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
         Some([left?, right?])
     }
@@ -67,7 +70,7 @@ impl RecordedPair {
     pub(super) fn images<T>(&self, read: impl Fn(&[u8], Kind) -> Result<T, String>) -> Result<[T; 2], FrameError> {
         let recording = &self.recording;
         let one = |eye: usize| {
-            let fault = |fault| FrameError::Recording(recording.path.clone(), fault);
+            let fault = |fault| FrameError::Source(recording.path.clone(), Box::new(fault));
             let stored = recording.pairs[self.index][eye];
             let mut reader = recording.reader.lock().unwrap_or_else(PoisonError::into_inner);
             let message = reader.message(stored.place).map_err(|error| fault(error.into()))?;

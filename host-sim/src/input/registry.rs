@@ -11,10 +11,10 @@
 
 use crate::output::OutputFiles;
 use crate::programs::process;
-use crate::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt;
 use core::time::Duration;
+use linestereo_frames::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};

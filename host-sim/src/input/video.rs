@@ -2,13 +2,10 @@
 //!
 //! One video has both views side by side, left | right; two are paired by the numbers of their frames, up to the end of the shorter one.
 
-use super::decode::Bytes;
-use super::error::FrameError;
-use super::filmed::Views;
-use super::grey::{StoredGray, Values};
-use super::sequence::PairFiles;
-use super::stored::StoredPair;
+use crate::mcap::RECORD_BYTES;
 use crate::video::{Camera, Frame, Luma, Source, VideoFault};
+use linestereo_frames::grey::{StoredGray, Values};
+use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, PixelBytes, StoredPair, Views};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -33,7 +30,7 @@ pub(super) fn camera(camera: &Camera) -> Result<Arc<Video>, FrameError> {
 }
 
 fn fault_of(path: &Path, fault: VideoFault) -> FrameError {
-    FrameError::Video(path.to_path_buf(), fault)
+    FrameError::Source(path.to_path_buf(), Box::new(fault))
 }
 
 /// The same, unless the first frame has no middle; one that is broken ends its own pair.
@@ -41,7 +38,7 @@ fn opened_as(paths: Vec<PathBuf>, sources: Vec<Source>, pairs: Option<usize>) ->
     let video = Arc::new(Video { paths, sources: Mutex::new(sources), pairs });
     let first = VideoPair { video: Arc::clone(&video), index: 0 };
     match first.grey() {
-        Err(error @ FrameError::Video(..)) => Err(error),
+        Err(error @ FrameError::Source(..)) => Err(error),
         _ => Ok(video),
     }
 }
@@ -49,17 +46,33 @@ fn opened_as(paths: Vec<PathBuf>, sources: Vec<Source>, pairs: Option<usize>) ->
 /// A pair by its number, named by its time in s where that is known.
 pub(super) fn pair(video: &Arc<Video>, index: usize) -> StoredPair {
     let pair = VideoPair { video: Arc::clone(video), index };
-    let time = pair.time_ns().filter(|_| !video.is_live());
+    let time = pair.captured_ns().filter(|_| !video.is_live());
     let name = time.map_or_else(|| index.to_string(), |ns| format!("{:.3}", ns as f64 / 1e9));
-    StoredPair::alone(name, PairFiles::Filmed(pair))
+    StoredPair::alone(name, PairFiles::Source(Arc::new(pair)))
 }
 
-impl VideoPair {
-    /// Both views.
-    pub(super) fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
+impl PairSource for VideoPair {
+    fn layout(&self) -> Layout {
+        Layout::Video
+    }
+
+    fn paths(&self) -> [&Path; 2] {
+        self.files()
+    }
+
+    /// Nobody says whether two videos began at once.
+    fn times_us(&self) -> Option<[u64; 2]> {
+        None
+    }
+
+    fn time_ns(&self) -> Option<u64> {
+        self.captured_ns()
+    }
+
+    fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
         let views = self.images(|frame| match frame {
             Frame::Luma(luma) => of_luma(&luma),
-            Frame::Jpeg(bytes) => StoredGray::of_file(&bytes),
+            Frame::Jpeg(bytes) => StoredGray::of_file(&bytes, RECORD_BYTES),
         })?;
         match &views {
             Views::Both(both) if both.dims.width % 2 == 1 => Err(self.odd(both.dims.width)),
@@ -69,7 +82,7 @@ impl VideoPair {
 }
 
 fn of_luma(luma: &Luma) -> Result<StoredGray, String> {
-    let layout = if luma.bits > 8 { Bytes::Grey16(u16::from_le_bytes) } else { Bytes::Grey };
+    let layout = if luma.bits > 8 { PixelBytes::Grey16(u16::from_le_bytes) } else { PixelBytes::Grey };
     let rows = luma.bytes.chunks_exact(luma.sides[0] as usize * layout.bytes());
     let stored = StoredGray::of_rows(luma.sides, layout, rows)?;
     // 16 bits may hold the values of a sensor with fewer, as in image files; others say how many there are.

@@ -1,8 +1,8 @@
 //! Records of a file, from its first to the end of its data; indexes and what no message needs are passed over.
 
 use super::{MAGIC, RECORD_BYTES, kind};
-use crate::untrusted::{self, printable};
 use core::fmt;
+use linestereo_frames::untrusted::{self, printable};
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};

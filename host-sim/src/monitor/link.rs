@@ -10,7 +10,7 @@ use super::text;
 use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
 use linestereo::ObjectDepth;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_wire::{
     Answer, Command, Counters, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome,
     Request, SettingValue, encode,

@@ -6,7 +6,7 @@
 use core::fmt;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_wire::{PairHead, Pixels};
 
 /// Pixels of a photograph did not arrive, or are more than there can be.

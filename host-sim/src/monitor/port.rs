@@ -2,9 +2,9 @@
 //!
 //! In: a path, an address or the name of a serial port. Out: bytes, silence, or the end; every failure names the port.
 
-use crate::untrusted;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
+use linestereo_frames::untrusted;
 use serialport::SerialPort;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};

@@ -4,10 +4,10 @@
 //! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
 //! only has to be one that can be sent.
 
-use crate::untrusted::{self, SETTINGS_BYTES};
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
 use linestereo::{Confidence, Depth, Disparity, Margin, Parts};
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
     KeptReport, MAX_REGIONS, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate, Setting, SettingValue,

@@ -15,13 +15,13 @@ pub use rejected::{Rejected, RejectionLog};
 use crate::draw::ColourRange;
 use crate::engine::FrameResult;
 use crate::explain::{SegmentTexts, meaning};
-use crate::input::regions::{Object, Pixels};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
 use linestereo::{Match, Rejection, Rig};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
+use linestereo_frames::regions::{Object, Pixels};
 use serde::Serialize;
 use serde_json::Value;
 

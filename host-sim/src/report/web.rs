@@ -97,6 +97,6 @@ fn packed(module: &Path) -> Result<String> {
 
 /// A file of the project itself.
 fn bytes(path: &Path) -> Result<Vec<u8>> {
-    crate::untrusted::read(path, crate::untrusted::SETTINGS_BYTES)
+    linestereo_frames::untrusted::read(path, linestereo_frames::untrusted::SETTINGS_BYTES)
         .with_context(|| format!("cannot read {}", path.display()))
 }

@@ -127,6 +127,7 @@ impl Directions {
 }
 
 /// One step of a probability or of a depth is 1.5e-5: five decimals tell all values apart.
-pub(super) fn five_decimals(value: f64) -> f64 {
+#[must_use]
+pub fn five_decimals(value: f64) -> f64 {
     (value * 1e5).round() / 1e5
 }

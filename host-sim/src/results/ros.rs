@@ -17,7 +17,7 @@ use crate::mcap::Writer;
 use crate::ros::schema;
 use crate::ros::sent::{self, Disparities, Header, Label, Level, Line, Projection, Topic};
 use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use linestereo_wire::RigUpdate;
 use std::io::{self, Write};
 

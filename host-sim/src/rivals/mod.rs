@@ -16,13 +16,13 @@ use crate::engine::{Engine, FrameResult};
 use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases, score_objects,
 };
-use crate::input::{Scene, Truth};
 use crate::results::outline::Mask;
-use crate::statistics::upper_median;
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::{Disparity, NoDepth, ObjectDepth};
 use linestereo_baselines::{DisparityMap, Method, Search};
+use linestereo_frames::statistics::upper_median;
+use linestereo_frames::{Scene, Truth};
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.

@@ -1,8 +1,9 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
 
-use crate::untrusted::{self, RESULT_BYTES};
 use core::fmt;
-use linestereo_baselines::{DisparityMap, GrayImage, Search};
+use linestereo_baselines::{DisparityMap, Search};
+use linestereo_frames::GrayImage;
+use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ffi::OsString;

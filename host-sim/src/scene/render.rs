@@ -7,7 +7,7 @@ use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
 use super::texture::{hash, unit_from};
 use linestereo::Dims;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Points per pixel, a Fibonacci number, and the second one before it.
 const LATTICE: (u32, u32) = (55, 21);

@@ -15,8 +15,8 @@
 use super::y4m::Header;
 use super::{Luma, MOST_FRAMES, VideoFault};
 use crate::interruption;
-use crate::untrusted::{self, PIXELS};
 use core::time::Duration;
+use linestereo_frames::untrusted::{self, PIXELS};
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read};

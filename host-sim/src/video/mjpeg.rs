@@ -4,7 +4,7 @@
 
 use super::{MOST_FRAMES, VideoFault};
 use crate::mcap::RECORD_BYTES;
-use crate::untrusted;
+use linestereo_frames::untrusted;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;

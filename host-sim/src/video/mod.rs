@@ -17,8 +17,8 @@ mod mjpeg;
 mod y4m;
 
 use crate::mcap::RECORD_BYTES;
-use crate::untrusted::{PIXELS, printable};
 use core::fmt;
+use linestereo_frames::untrusted::{PIXELS, printable};
 use std::io;
 use std::path::Path;
 

@@ -4,7 +4,7 @@
 //! `yuv4mpeg(5)` of MJPEG Tools; names of samples beyond 8 bits as ffmpeg writes them (`C420p10`, `Cmono12`).
 
 use super::{Luma, MOST_FRAMES, VideoFault};
-use crate::untrusted::{self, PIXELS};
+use linestereo_frames::untrusted::{self, PIXELS};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;

@@ -6,7 +6,7 @@ use super::map::DisparityMap;
 use super::search::Search;
 use super::sums::for_each_row;
 use super::window::Window;
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Every pixel by the lowest cost of the window around it.
 #[derive(Clone, Copy, Debug, PartialEq)]

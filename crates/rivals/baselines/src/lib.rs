@@ -23,7 +23,6 @@ mod after;
 mod block;
 mod cost;
 mod curve;
-mod image;
 mod map;
 mod method;
 mod pushbroom;
@@ -39,7 +38,6 @@ pub use after::{AfterStep, descend, fill_from_neighbours, fill_surfaces, median,
 pub use block::BlockMatcher;
 pub use cost::{Cost, CostKind};
 pub use curve::{Acceptance, Fraction, Minimum};
-pub use image::GrayImage;
 pub use map::DisparityMap;
 pub use method::{Matcher, Method};
 pub use pushbroom::PushbroomMatcher;

@@ -4,7 +4,7 @@ use super::{
     Acceptance, AfterStep, BlockMatcher, CostKind, DisparityMap, Fraction, Paths, PushbroomMatcher, ScanLineMatcher,
     Search, SemiGlobalMatcher, SparseBlockMatcher, StereoBm, Window,
 };
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// How the pixels of a pair are matched.
 #[derive(Clone, Copy, Debug, PartialEq)]

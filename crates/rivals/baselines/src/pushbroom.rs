@@ -17,7 +17,7 @@
 //! horizontal lines moves the block in the same way.
 
 use super::map::DisparityMap;
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// The matcher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -26,7 +26,7 @@ use super::map::DisparityMap;
 use super::search::Search;
 use super::sums::{CurveRow, for_each_row};
 use super::window::Window;
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Costs of windows are scaled so that this is their mean over a row; penalties are in the same unit.
 const MEAN_COST: f32 = 256.0;

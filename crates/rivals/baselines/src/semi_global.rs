@@ -24,8 +24,8 @@ use super::map::DisparityMap;
 use super::search::Search;
 use super::sums::{CurveRow, for_each_row};
 use super::window::Window;
-use crate::GrayImage;
 use linestereo::Dims;
+use linestereo_frames::GrayImage;
 
 /// A window's cost never counts more.
 const LARGEST_COST: u32 = 4095;

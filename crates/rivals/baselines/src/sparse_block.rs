@@ -20,7 +20,7 @@
 use super::curve::{Fraction, Minimum};
 use super::map::DisparityMap;
 use super::search::Search;
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Half the side of the window.
 const HALF: usize = 2;

@@ -23,8 +23,8 @@
 use super::map::DisparityMap;
 use super::search::Search;
 use super::window::Window;
-use crate::GrayImage;
 use core::fmt;
+use linestereo_frames::GrayImage;
 
 /// Largest sum of a window.
 const LARGEST_SUM: usize = i16::MAX as usize;

@@ -3,7 +3,6 @@
 use super::space::Space;
 use super::{Args, Asked, LOOK, Pace, end, picture};
 use crate::commands::input::Setup;
-use crate::input::rectify::PairRectifier;
 use crate::interruption;
 use crate::monitor::frames::Frame;
 use crate::monitor::link::{Event, Link};
@@ -16,7 +15,8 @@ use crate::serve::Server;
 use anyhow::{Result, bail};
 use core::time::Duration;
 use linestereo::{Dims, ObjectDepth};
-use linestereo_baselines::GrayImage;
+use linestereo_calibration::rectify::PairRectifier;
+use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
 use linestereo_wire::{RegionBox, Regions, Request};
 use serde_json::json;

@@ -17,7 +17,7 @@ use crate::serve::{AskedBox, Event, Server};
 use anyhow::Result;
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
-use linestereo_baselines::GrayImage;
+use linestereo_frames::GrayImage;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

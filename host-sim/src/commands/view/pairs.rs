@@ -7,7 +7,7 @@ use crate::commands::pairs::{has_ended, video_note};
 use crate::commands::player::{Player, line};
 use crate::commands::recording::Played;
 use crate::engine::FrameResult;
-use crate::input::{Dataset, PairFiles, StoredPair};
+use crate::input::Footage;
 use crate::interruption;
 use crate::output::say;
 use crate::results::health;
@@ -15,6 +15,7 @@ use crate::results::listing;
 use crate::serve::{AskedBox, Server};
 use anyhow::{Result, bail};
 use linestereo::{Area, Region};
+use linestereo_frames::StoredPair;
 use serde_json::json;
 use std::path::Path;
 use std::thread;
@@ -73,15 +74,12 @@ pub(super) fn show(args: &Args) -> Result<String> {
 }
 
 fn time_us(pair: &StoredPair) -> Option<u64> {
-    match &pair.images {
-        PairFiles::Filmed(filmed) => filmed.time_ns().map(|ns| ns / 1000),
-        files => files.times_us().map(|[left, _]| left),
-    }
+    pair.images.time_ns().map(|ns| ns / 1000)
 }
 
 impl Show<'_> {
     /// Matches and shows a pair; false where no more will come.
-    fn pair(&mut self, number: u64, pair: &StoredPair, found: &Dataset) -> Result<bool> {
+    fn pair(&mut self, number: u64, pair: &StoredPair, found: &Footage) -> Result<bool> {
         let outcome = self.player.next(pair, &ObjectArgs::default());
         if outcome.is_err() && (interruption::requested() || has_ended(found)) {
             return Ok(false);
@@ -146,7 +144,7 @@ impl Show<'_> {
         Some(json!({"boxes": boxes, "objects": objects, "rig": has_metres}).to_string())
     }
 
-    fn summary(&self, found: &Dataset) -> String {
+    fn summary(&self, found: &Footage) -> String {
         let mut text = format!("{} pairs shown, {} failed\n", self.shown, self.failed);
         if let Some(error) = &self.first_error {
             text.push_str(&format!("first failure: {error}\n"));

@@ -1,18 +1,18 @@
 //! A message with an image -> grey values, as files of the same pixels give them.
 
 use super::RecordedPair;
-use crate::input::decode::Bytes;
-use crate::input::error::FrameError;
-use crate::input::grey::StoredGray;
+use crate::mcap::RECORD_BYTES;
 use crate::ros::kind::{Content, Kind};
-use crate::untrusted::PIXELS;
+use linestereo_frames::grey::StoredGray;
+use linestereo_frames::untrusted::PIXELS;
+use linestereo_frames::{FrameError, PixelBytes};
 
 /// Why nothing is made of a message that ends before its fields do.
 const EARLY: &str = "the message ends early; record it again";
 
 impl RecordedPair {
     /// Both images.
-    pub(in crate::input) fn grey(&self) -> Result<[StoredGray; 2], FrameError> {
+    pub(in crate::input) fn stored_grey(&self) -> Result<[StoredGray; 2], FrameError> {
         self.images(|message, kind| match kind.content {
             Content::CompressedImage => compressed(message, kind),
             Content::Image | Content::Calibration => plain(message, kind),
@@ -21,19 +21,19 @@ impl RecordedPair {
 }
 
 fn compressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
-    StoredGray::of_file(kind.compressed(message).ok_or(EARLY)?.data)
+    StoredGray::of_file(kind.compressed(message).ok_or(EARLY)?.data, RECORD_BYTES)
 }
 
 fn plain(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     let image = kind.image(message).ok_or(EARLY)?;
     let layout = match image.encoding {
-        "mono8" | "8UC1" => Bytes::Grey,
-        "mono16" | "16UC1" if image.is_big_endian => Bytes::Grey16(u16::from_be_bytes),
-        "mono16" | "16UC1" => Bytes::Grey16(u16::from_le_bytes),
-        "rgb8" => Bytes::Colour { red: 0, blue: 2, bytes: 3 },
-        "bgr8" | "8UC3" => Bytes::Colour { red: 2, blue: 0, bytes: 3 },
-        "rgba8" => Bytes::Colour { red: 0, blue: 2, bytes: 4 },
-        "bgra8" | "8UC4" => Bytes::Colour { red: 2, blue: 0, bytes: 4 },
+        "mono8" | "8UC1" => PixelBytes::Grey,
+        "mono16" | "16UC1" if image.is_big_endian => PixelBytes::Grey16(u16::from_be_bytes),
+        "mono16" | "16UC1" => PixelBytes::Grey16(u16::from_le_bytes),
+        "rgb8" => PixelBytes::Colour { red: 0, blue: 2, bytes: 3 },
+        "bgr8" | "8UC3" => PixelBytes::Colour { red: 2, blue: 0, bytes: 3 },
+        "rgba8" => PixelBytes::Colour { red: 0, blue: 2, bytes: 4 },
+        "bgra8" | "8UC4" => PixelBytes::Colour { red: 2, blue: 0, bytes: 4 },
         bayer if bayer.starts_with("bayer") => {
             return Err(format!("{bayer} is a mosaic of colours; record what image_proc's debayer node makes of it"));
         }

@@ -17,15 +17,14 @@ mod pairing;
 mod rig;
 mod topics;
 
-use super::error::{FrameError, RecordingFault};
+use super::fault::RecordingFault;
 use super::recorded::{RecordedPair, Stored};
-use super::sequence::PairFiles;
-use super::stored::{StoredPair, StoredRig};
 use crate::mcap::{Item, Place, Reader};
 use crate::ros::kind::{Content, Kind};
 use crate::ros::received::CameraInfo;
-use crate::untrusted::printable;
 use core::fmt;
+use linestereo_frames::untrusted::printable;
+use linestereo_frames::{FrameError, PairFiles, StoredPair, StoredRig};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -67,7 +66,7 @@ pub fn is_recording(path: &Path) -> bool {
 
 /// Pairs of a recording in the order of their times, and the number of images without a partner.
 pub(super) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
-    let fault = |fault| FrameError::Recording(path.to_path_buf(), fault);
+    let fault = |fault| FrameError::Source(path.to_path_buf(), Box::new(fault));
     let mut reader = Reader::open(path).map_err(|error| fault(error.into()))?;
     let all = scanned(&mut reader).map_err(fault)?;
     let chosen = choice.topics(&all).map_err(fault)?;
@@ -98,8 +97,9 @@ pub(super) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
 }
 
 fn stored(name: String, pair: RecordedPair, rig: &StoredRig) -> StoredPair {
-    let (images, rig) = (PairFiles::Recorded(pair), rig.clone());
-    StoredPair { rig, ..StoredPair::alone(name, images) }
+    let mut stored = StoredPair::alone(name, PairFiles::Source(Arc::new(pair)));
+    stored.rig = rig.clone();
+    stored
 }
 
 /// Every topic with images or a calibration.

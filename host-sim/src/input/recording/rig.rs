@@ -5,9 +5,9 @@
 
 use super::RecordingFault;
 use super::topics::is_rectified;
-use crate::input::stored::StoredRig;
 use crate::ros::received::CameraInfo;
 use core::fmt::Write;
+use linestereo_frames::StoredRig;
 use linestereo_wire::RigUpdate;
 use std::path::Path;
 use tempfile::TempDir;

@@ -7,8 +7,8 @@
 //! ```
 
 use super::{RecordingFault, Topic};
-use crate::input::sequence::{SIDES, without_side};
 use crate::ros::received::CameraInfo;
+use linestereo_frames::{SIDES, without_side};
 
 /// Longest time between two images of a pair, ms, where none is given.
 pub const DEFAULT_WINDOW_MS: f64 = 10.0;

@@ -1,11 +1,11 @@
 //! Refined outlines as files: JSON that `--objects` reads back, with what belongs to each object; or a label image.
 
 use super::{Refined, RefinedOutline};
-use crate::input::regions::Object;
 use anyhow::Result;
 use image::{ImageBuffer, ImageFormat, Luma};
 use linestereo::diagnostics::Segment;
 use linestereo::{Area, Dims, Region};
+use linestereo_frames::regions::Object;
 use serde::Serialize;
 use std::io::Cursor;
 

@@ -7,11 +7,11 @@ use linestereo_boards::Board;
 use linestereo_firmware::boards::stm32h743::Workspace;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::session::{Reply, Session};
+use linestereo_frames::Truth;
 use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, Rectification, RigImage, View};
 use linestereo_sim::engine::FrameResult;
 use linestereo_sim::evaluate::FrameScore;
-use linestereo_sim::input::Truth;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 use linestereo_wire::{

@@ -10,8 +10,8 @@
 //! # Source
 //! Lucas and Kanade, "An iterative image registration technique with an application to stereo vision" (1981).
 
-use crate::GrayImage;
 use crate::map::DisparityMap;
+use linestereo_frames::GrayImage;
 
 /// Most steps of a pixel.
 const STEPS: usize = 6;

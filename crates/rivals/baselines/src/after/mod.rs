@@ -14,7 +14,7 @@ pub use median::median;
 pub use speckle::remove_speckles;
 
 use super::map::DisparityMap;
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// A step with its usual parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -7,9 +7,9 @@
 //! `n sum LR` stays below 2^53 for windows of less than 2^37 / 2^16 pixels: it is exact in double precision.
 
 use super::{Cost, mirrored};
-use crate::GrayImage;
 use crate::search::Search;
 use crate::window::{Part, Window};
+use linestereo_frames::GrayImage;
 
 /// Cost of `1 - NCC = 1`.
 const ONE: f64 = 32_768.0;

@@ -20,8 +20,8 @@ mod transform;
 
 use super::search::Search;
 use super::window::Window;
-use crate::GrayImage;
 use correlation::{Correlation, NormalisedAbsolute};
+use linestereo_frames::GrayImage;
 use transform::{census_codes, gradients, ranks};
 
 /// Terms of pixels, and what the cost of a window is made of their sum.

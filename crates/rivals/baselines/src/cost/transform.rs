@@ -3,7 +3,7 @@
 //! # Source
 //! Rank and census: Zabih and Woodfill, "Non-parametric local transforms for computing visual correspondence" (1994).
 
-use crate::GrayImage;
+use linestereo_frames::GrayImage;
 
 /// Half the side of the window of a rank: 7x7, 0 to 48.
 const RANK_HALF: isize = 3;

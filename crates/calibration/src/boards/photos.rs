@@ -1,0 +1,200 @@
+//! A folder of photos -> pairs of files.
+//!
+//! Left and right photos stand in one folder (`left01.jpg`, `right01.jpg`; `3_cam0.png`, `3_cam1.png`) or in two inside it (`left/`,
+//! `right/`, or `cam0/`, `cam1/`, with or without `data/` below), by every name of a side that recordings have. A pair has the same number;
+//! without one, the same rest of the name.
+
+use core::fmt;
+use linestereo_frames::{SIDES, without_side};
+use linestereo_rig::CameraSide;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Words for the left and the right camera that may stand anywhere in a name, without a mark around them.
+const WORDS: [[&str; 2]; 2] = [["left", "cam0"], ["right", "cam1"]];
+/// Extensions of photos.
+const EXTENSIONS: [&str; 10] = ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
+/// File names listed in a message.
+const LISTED: usize = 4;
+
+/// Two photos taken at the same time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PhotoPair {
+    /// The number, or what the two names share.
+    pub name: String,
+    /// Left, right.
+    pub files: [PathBuf; 2],
+}
+
+/// Why a folder holds no pairs.
+#[derive(Debug)]
+pub enum PhotoError {
+    /// It cannot be listed.
+    Folder(PathBuf, std::io::Error),
+    /// No left or right photo in it.
+    None(PathBuf),
+    /// One camera's photos only.
+    OneSide(PathBuf, CameraSide),
+    /// Two photos of one camera have one number.
+    Twice(PathBuf, PathBuf),
+    /// Photos without a partner.
+    Unpaired(Vec<PathBuf>, [usize; 2]),
+}
+
+impl fmt::Display for PhotoError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Folder(path, error) => {
+                write!(f, "cannot read the folder {}: {error}; check the path", path.display())
+            }
+            Self::None(path) => write!(
+                f,
+                "{} holds no photos named left*, right* (or cam0*, cam1*), nor folders of these names with photos; \
+                 name them left01.png, right01.png and so on",
+                path.display()
+            ),
+            Self::OneSide(path, eye) => {
+                let [have, miss] = if *eye == CameraSide::Left { ["left", "right"] } else { ["right", "left"] };
+                write!(f, "{} holds {have} photos but no {miss} ones; a pair has the same number", path.display())
+            }
+            Self::Twice(first, second) => {
+                write!(f, "{} and {} have the same number; rename or remove one", first.display(), second.display())
+            }
+            Self::Unpaired(paths, [left, right]) => {
+                let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+                let names: Vec<String> = paths.iter().take(LISTED).filter_map(name).collect();
+                let more = if paths.len() > LISTED { ", ..." } else { "" };
+                write!(
+                    f,
+                    "{left} left and {right} right photos do not make pairs: {}{more} without a partner of the same number; \
+                     add it, remove them, or leave them out with --skip-unpaired",
+                    names.join(", ")
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for PhotoError {}
+
+/// Pairs in a folder, in the order of their numbers, and the photos left without a partner.
+pub fn find_pairs(folder: &Path, skip_unpaired: bool) -> Result<(Vec<PhotoPair>, Vec<PathBuf>), PhotoError> {
+    let [mut left, mut right] = [numbered(folder, 0)?, numbered(folder, 1)?];
+    let counts = [left.len(), right.len()];
+    match counts {
+        [0, 0] => return Err(PhotoError::None(folder.to_path_buf())),
+        [_, 0] => return Err(PhotoError::OneSide(folder.to_path_buf(), CameraSide::Left)),
+        [0, _] => return Err(PhotoError::OneSide(folder.to_path_buf(), CameraSide::Right)),
+        _ => {}
+    }
+    let keys: Vec<Key> = left.keys().filter(|key| right.contains_key(*key)).cloned().collect();
+    let pair = |key: Key| {
+        let files = [left.remove(&key)?, right.remove(&key)?];
+        Some(PhotoPair { name: key.text(), files })
+    };
+    let pairs: Vec<PhotoPair> = keys.into_iter().filter_map(pair).collect();
+    let alone: Vec<PathBuf> = left.into_values().chain(right.into_values()).collect();
+    if alone.is_empty() || (skip_unpaired && !pairs.is_empty()) {
+        return Ok((pairs, alone));
+    }
+    Err(PhotoError::Unpaired(alone, counts))
+}
+
+/// Common part of the names of two photos of a pair; numbers come in their order.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Key {
+    Number(u64),
+    Rest(String),
+}
+
+impl Key {
+    fn of(rest: &str) -> Self {
+        let digits = rest.trim_end_matches(|letter: char| !letter.is_ascii_digit());
+        let number =
+            digits.rsplit(|letter: char| !letter.is_ascii_digit()).next().and_then(|digits| digits.parse().ok());
+        number.map_or_else(|| Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned()), Self::Number)
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::Number(number) => number.to_string(),
+            Self::Rest(rest) => rest.clone(),
+        }
+    }
+}
+
+/// One camera's photos by number.
+fn numbered(folder: &Path, side: usize) -> Result<BTreeMap<Key, PathBuf>, PhotoError> {
+    let mut found = BTreeMap::new();
+    for (path, rest) in named(folder, side)? {
+        if let Some(other) = found.insert(Key::of(&rest), path.clone()) {
+            return Err(PhotoError::Twice(other, path));
+        }
+    }
+    Ok(found)
+}
+
+/// One camera's photos with the rest of their names.
+fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoError> {
+    let mut found = Vec::new();
+    for path in listed(folder)? {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+        if path.is_dir() {
+            if SIDES.iter().any(|names| names[side] == stem) {
+                let below = path.join("data");
+                let inside = listed(if below.is_dir() { &below } else { &path })?;
+                let photos = inside.into_iter().filter(|path| is_photo(path));
+                found.extend(
+                    photos.map(|photo| (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))),
+                );
+            }
+        } else if is_photo(&path)
+            && let Some(rest) = rest_of(&path, side)
+        {
+            found.push((path, rest));
+        }
+    }
+    Ok(found)
+}
+
+fn stem_of(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// The name without the word for the camera; `None` without such a word.
+fn rest_of(path: &Path, side: usize) -> Option<String> {
+    let stem = stem_of(path);
+    if let Some(rest) = SIDES.iter().find_map(|names| without_side(&stem, names[side])) {
+        return Some(rest);
+    }
+    let word = WORDS[side].iter().find(|word| stem.contains(*word))?;
+    Some(stem.replacen(word, "", 1))
+}
+
+fn is_photo(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    path.is_file() && EXTENSIONS.contains(&extension.as_str())
+}
+
+fn listed(folder: &Path) -> Result<Vec<PathBuf>, PhotoError> {
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let entries = entries.map_err(|error| PhotoError::Folder(folder.to_path_buf(), error))?;
+    let mut paths: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
+    paths.sort();
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_number_of_a_name_counts() {
+        assert_eq!(Key::of("007"), Key::Number(7));
+        assert_eq!(Key::of("2024-05-01_12"), Key::Number(12));
+        assert_eq!(Key::of("12_"), Key::Number(12));
+        assert_eq!(Key::of("_kitchen"), Key::Rest("kitchen".into()));
+        assert_eq!(Key::of("ä7"), Key::Number(7));
+    }
+}

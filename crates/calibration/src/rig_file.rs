@@ -1,0 +1,241 @@
+//! `rig.toml`: two cameras and the pose between them, for people to read and programs to load.
+
+use core::fmt::{self, Write};
+use linestereo::Dims;
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens};
+use serde::Deserialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The version of the format that is written.
+const VERSION: u32 = 1;
+
+/// A calibrated pair with what is known of its making.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigFile {
+    /// The cameras and their pose.
+    pub calibration: Calibration,
+    /// How well it fits what it was made from, if that is known.
+    pub quality: Option<Quality>,
+}
+
+/// How well a calibration fits the photos it was made from.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quality {
+    /// Origin of the rig, in words.
+    pub source: String,
+    /// Pairs of photos used.
+    pub views: u32,
+    /// Root mean square of the reprojection error over both cameras, px.
+    pub stereo_rms_px: f64,
+    /// Mean difference of rows of the same corner after rectification, px.
+    pub vertical_residual_px: f64,
+    /// `good`, `usable` or `repeat`.
+    pub verdict: String,
+}
+
+/// Why a rig file cannot be used.
+#[derive(Debug)]
+pub enum RigFileError {
+    /// It cannot be read.
+    Read(PathBuf, io::Error),
+    /// It is no rig file: line and column stand in the text.
+    Parse(PathBuf, String),
+    /// A later version.
+    Version(PathBuf, u32),
+    /// A camera in it is none.
+    Camera(PathBuf, CameraSide, CameraError),
+    /// Its cameras are no pair.
+    Pair(PathBuf, CalibrationError),
+}
+
+impl fmt::Display for RigFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(path, error) => write!(f, "{}: {error}", path.display()),
+            Self::Parse(path, what) => write!(f, "{}: {what}", path.display()),
+            Self::Version(path, version) => {
+                write!(f, "{} has version {version}, this program knows {VERSION}", path.display())
+            }
+            Self::Camera(path, eye, error) => {
+                write!(f, "{}, [{}]: {error}", path.display(), side_name(*eye))
+            }
+            Self::Pair(path, error) => write!(f, "{}, [pose]: {error}", path.display()),
+        }
+    }
+}
+
+impl core::error::Error for RigFileError {}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    version: u32,
+    left: RawCamera,
+    right: RawCamera,
+    pose: RawPose,
+    quality: Option<Quality>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCamera {
+    size: [u16; 2],
+    focal_px: [f64; 2],
+    centre_px: [f64; 2],
+    #[serde(default)]
+    skew_px: f64,
+    lens: RawLens,
+}
+
+#[derive(Deserialize)]
+#[serde(tag = "model", rename_all = "kebab-case", deny_unknown_fields)]
+enum RawLens {
+    BrownConrady { k: [f64; 3], p: [f64; 2] },
+    Fisheye { k: [f64; 4] },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPose {
+    rotation_rad: [f64; 3],
+    translation_m: [f64; 3],
+}
+
+impl RigFile {
+    /// Reads and checks a file.
+    pub fn load(path: &Path) -> Result<Self, RigFileError> {
+        let at = || path.to_path_buf();
+        let text = untrusted::read_text(path, SETTINGS_BYTES).map_err(|error| RigFileError::Read(at(), error))?;
+        let raw: Raw = toml::from_str(&text).map_err(|error| RigFileError::Parse(at(), error.to_string()))?;
+        if raw.version != VERSION {
+            return Err(RigFileError::Version(at(), raw.version));
+        }
+        let camera = |raw: &RawCamera, eye| camera(raw).map_err(|error| RigFileError::Camera(at(), eye, error));
+        let (left, right) = (camera(&raw.left, CameraSide::Left)?, camera(&raw.right, CameraSide::Right)?);
+        let calibration = Calibration::new(left, right, quaternion(raw.pose.rotation_rad), raw.pose.translation_m)
+            .map_err(|error| RigFileError::Pair(at(), error))?;
+        Ok(Self { calibration, quality: raw.quality })
+    }
+
+    /// The file as text; numbers are read back as the same bits, but for the last of the rotation.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "# A stereo rig: two cameras and the pose between them. Pixels: whole numbers are pixel centres.\n\
+             version = {VERSION}\n"
+        );
+        for eye in CameraSide::BOTH {
+            text.push_str(&camera_text(side_name(eye), self.calibration.camera(eye)));
+        }
+        let _ = write!(
+            text,
+            "\n# A point X of the left camera (x right, y down, z forward) is at R X + t in the right one.\n\
+             [pose]\n\
+             rotation_rad = {:?} # axis times angle\n\
+             translation_m = {:?} # baseline {:.4} m\n",
+            rotation_vector(self.calibration.rotation()),
+            self.calibration.translation(),
+            self.calibration.baseline(),
+        );
+        if let Some(Quality { source, views, stereo_rms_px, vertical_residual_px, verdict }) = &self.quality {
+            let _ = write!(
+                text,
+                "\n[quality]\n\
+                 source = {source:?}\n\
+                 views = {views}\n\
+                 stereo_rms_px = {stereo_rms_px:?}\n\
+                 vertical_residual_px = {vertical_residual_px:?}\n\
+                 verdict = {verdict:?}\n"
+            );
+        }
+        text
+    }
+}
+
+fn camera(raw: &RawCamera) -> Result<Camera, CameraError> {
+    let [width, height] = raw.size;
+    let lens = match raw.lens {
+        RawLens::BrownConrady { k, p } => Lens::BrownConrady { k, p },
+        RawLens::Fisheye { k } => Lens::Fisheye { k },
+    };
+    Camera::new(Dims { width, height }, raw.focal_px, raw.centre_px, raw.skew_px, lens)
+}
+
+fn camera_text(name: &str, camera: &Camera) -> String {
+    let Dims { width, height } = camera.dims();
+    let lens = match camera.lens() {
+        Lens::BrownConrady { k, p } => format!("{{ model = \"brown-conrady\", k = {k:?}, p = {p:?} }}"),
+        Lens::Fisheye { k } => format!("{{ model = \"fisheye\", k = {k:?} }}"),
+    };
+    format!(
+        "\n[{name}]\nsize = [{width}, {height}]\nfocal_px = {:?}\ncentre_px = {:?}\nskew_px = {:?}\nlens = {lens}\n",
+        camera.focal(),
+        camera.centre(),
+        camera.skew(),
+    )
+}
+
+/// Name of a camera, in this file and in messages.
+#[must_use]
+pub fn side_name(eye: CameraSide) -> &'static str {
+    if eye == CameraSide::Left { "left" } else { "right" }
+}
+
+/// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the same bits on every machine.
+#[must_use]
+pub fn quaternion(vector: [f64; 3]) -> [f64; 4] {
+    let angle = libm::sqrt(vector.iter().map(|v| v * v).sum());
+    let scale = if angle > 1e-12 { libm::sin(angle / 2.0) / angle } else { 0.5 };
+    let [x, y, z] = vector.map(|v| v * scale);
+    [libm::cos(angle / 2.0), x, y, z]
+}
+
+/// The inverse of [`quaternion`].
+#[must_use]
+pub fn rotation_vector([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+    let sine = libm::sqrt(x * x + y * y + z * z);
+    let scale = if sine > 1e-12 { 2.0 * libm::atan2(sine, w) / sine } else { 2.0 };
+    [x * scale, y * scale, z * scale]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_file_is_read_back_as_it_was_written() {
+        let dims = Dims { width: 640, height: 480 };
+        let lens = Lens::BrownConrady { k: [-0.3, 0.1, 1e-3], p: [1e-4, -2e-4] };
+        let left = Camera::new(dims, [500.1, 501.2], [320.3, 240.4], 0.25, lens).unwrap();
+        let right =
+            Camera::new(dims, [499.0, 498.0], [310.0, 250.0], 0.0, Lens::Fisheye { k: [0.01, 0.0, 0.0, -0.001] });
+        let calibration =
+            Calibration::new(left, right.unwrap(), quaternion([0.01, -0.02, 0.03]), [-0.1, 0.001, -0.002]).unwrap();
+        let quality = Quality { source: "a \"quoted\" source".into(), views: 9, ..Quality::default() };
+        let file = RigFile { calibration, quality: Some(quality) };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rig.toml");
+        fs::write(&path, file.text()).unwrap();
+        let again = RigFile::load(&path).unwrap();
+        assert_eq!(again.quality, file.quality);
+        assert_eq!(again.calibration.camera(CameraSide::Left), file.calibration.camera(CameraSide::Left));
+        assert_eq!(again.calibration.camera(CameraSide::Right), file.calibration.camera(CameraSide::Right));
+        assert_eq!(again.calibration.translation(), file.calibration.translation());
+        for (a, b) in again.calibration.rotation().into_iter().zip(file.calibration.rotation()) {
+            assert!((a - b).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_wrong_number_is_named_with_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rig.toml");
+        fs::write(&path, "version = 1\n[left]\nsize = [640, -3]\n").unwrap();
+        let text = RigFile::load(&path).unwrap_err().to_string();
+        assert!(text.contains("line 3"), "{text}");
+    }
+}

@@ -1,0 +1,97 @@
+//! Pairs without a data set's rules: a folder for each camera, the side in each name, one pair in a folder, both views side by side.
+//!
+//! ```text
+//! left/0001.png right/0001.png   truth: disp/, disparity/, gt/ or disp_occ/ with the same names
+//! 0001_left.png 0001_right.png   truth: 0001_disp.*, 0001_gt.*
+//! left.png right.png             truth: disp.*, disparity.*, gt.*
+//! 0001.png (both views)          truth: none; any image in a tree without a pair that is at least twice as wide as high
+//! ```
+//!
+//! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in the folder gives range, rig and, with
+//! `disparity_scale`, the steps of truth images, for every frame.
+
+use super::Dataset;
+use crate::decode::dimensions;
+use crate::error::FrameError;
+use crate::folder::{Listing, walk};
+use crate::layout::Layout;
+use crate::scene_info::SceneInfo;
+use crate::sequence::{Sequence, SequencePair};
+use crate::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
+use std::path::Path;
+
+const TRUTH_FOLDERS: [&str; 4] = ["disp", "disparity", "gt", "disp_occ"];
+const TRUTH_NAMES: [&str; 3] = ["disp", "disparity", "gt"];
+/// Sides of an image that holds two views: a single one is seldom as wide.
+const LEAST_ASPECT: u64 = 2;
+
+/// The pairs of this folder itself; folders below are for the caller.
+pub(crate) fn find(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError> {
+    let (sequence, in_folders) = Sequence::here(folder)?;
+    let info = info(folder, is_lenient)?;
+    let truths = TRUTH_FOLDERS.iter().filter(|_| in_folders).find(|name| folder.has_folder(name));
+    let truths = truths.map(|name| folder.below(name)).transpose()?.flatten();
+    let pairs =
+        sequence.pairs.iter().map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
+    Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone, ..Dataset::default() })
+}
+
+/// The folder's `scene.json`; of one that is broken its pairs say so when they are loaded, if that is early enough.
+fn info(folder: &Listing, is_lenient: bool) -> Result<Option<SceneInfo>, FrameError> {
+    match folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose() {
+        Err(_) if is_lenient => Ok(None),
+        info => info,
+    }
+}
+
+/// `truths` is the folder with truth, if there is one, of frames in folders.
+fn stored(
+    folder: &Listing,
+    pair: &SequencePair,
+    info: Option<&SceneInfo>,
+    truths: Option<Option<&Listing>>,
+) -> StoredPair {
+    let (layout, file) = match truths {
+        Some(truths) => (Layout::CameraFolders, truths.and_then(|listing| listing.disparities(&pair.name))),
+        None if pair.name.is_empty() => {
+            (Layout::PairFolder, TRUTH_NAMES.iter().find_map(|name| folder.disparities(name)))
+        }
+        None => {
+            let beside = |name: &&str| folder.disparities(&format!("{}_{name}", pair.name));
+            (Layout::SidesInNames, TRUTH_NAMES.iter().find_map(beside))
+        }
+    };
+    let scale = info.and_then(SceneInfo::disparity_scale).map_or(Scale::SixteenBit, Scale::Steps);
+    let rig = info.and_then(|info| info.rig_numbers(1.0));
+    StoredPair {
+        name: pair.name.clone(),
+        number: None,
+        layout,
+        folder: folder.path.clone(),
+        images: pair.files.clone(),
+        truth: file.map(|file| StoredTruth { file, scale, visibility: Visibility::Truth }),
+        rig: rig.map_or(StoredRig::Unknown, |rig| StoredRig::Rectified(folder.path.join("scene.json"), rig)),
+        max_disparity: info.and_then(|info| info.max_disparity),
+    }
+}
+
+/// Every image of this folder, each of both views.
+pub(crate) fn side_by_side(folder: &Listing, is_lenient: bool) -> Result<Vec<StoredPair>, FrameError> {
+    let info = info(folder, is_lenient)?;
+    let pairs = Sequence::side_by_side(&folder.path)?.pairs;
+    let stored = |pair| StoredPair { layout: Layout::SideBySide, ..stored(folder, pair, info.as_ref(), Some(None)) };
+    Ok(pairs.iter().map(stored).collect())
+}
+
+/// The images of a tree that hold both views.
+pub(crate) fn side_by_side_tree(root: &Path) -> Result<Vec<StoredPair>, FrameError> {
+    let mut found = Vec::new();
+    walk(root, |folder| {
+        found.extend(side_by_side(folder, false)?.into_iter().filter(|pair| {
+            let sides = dimensions(pair.left());
+            sides.is_ok_and(|(width, height)| u64::from(width) >= LEAST_ASPECT * u64::from(height))
+        }));
+        Ok(true)
+    })?;
+    Ok(found)
+}

@@ -1,0 +1,122 @@
+//! What a run gained and lost against an earlier one.
+
+use super::figures::{Better, Figure, Report};
+use core::fmt::Write;
+
+/// A figure of linestereo that is not shown as it was.
+#[derive(Clone, Debug, PartialEq)]
+struct Change<'a> {
+    set: &'a str,
+    group: &'a str,
+    figure: &'a Figure,
+    before: Option<f64>,
+}
+
+impl Change<'_> {
+    /// A gain is `Some(true)`, a loss `Some(false)`.
+    fn is_gain(&self) -> Option<bool> {
+        let now = self.figure.values.linestereo;
+        let rises = match (self.before, now) {
+            (Some(before), Some(now)) => now > before,
+            // What is not reached at all, such as a coverage, is worse than any value of it.
+            (before, _) => return (self.figure.better != Better::Neither).then_some(before.is_none()),
+        };
+        match self.figure.better {
+            Better::Higher => Some(rises),
+            Better::Lower => Some(!rises),
+            Better::Neither => None,
+        }
+    }
+
+    fn line(&self) -> String {
+        let what = match self.is_gain() {
+            Some(true) => "gained",
+            Some(false) => "lost",
+            None => "changed",
+        };
+        let (before, now) = (self.figure.shown(self.before), self.figure.shown(self.figure.values.linestereo));
+        format!("    {what:<8}{:<44}{before:>9} -> {now}\n", self.figure.name)
+    }
+}
+
+/// The figures of linestereo that changed in what is shown of them, by set and metric. Both runs may
+/// have sets that the other one lacks: these are left out.
+pub(crate) fn changes(before: &Report, now: &Report) -> String {
+    let changes = find(before, now);
+    let count = |kind: Option<bool>| changes.iter().filter(|change| change.is_gain() == kind).count();
+    let mut text = format!("\nagainst the stored run: {} gained, {} lost", count(Some(true)), count(Some(false)));
+    let _ = match count(None) {
+        0 => writeln!(text),
+        others => writeln!(text, ", {others} others changed"),
+    };
+    let mut at = ("", "");
+    for change in &changes {
+        if (change.set, change.group) != at {
+            at = (change.set, change.group);
+            let _ = writeln!(text, "  {}: {}", change.set, change.group);
+        }
+        text.push_str(&change.line());
+    }
+    if before.opencv != now.opencv {
+        text.push_str("  the stored run had another version of OpenCV, or none\n");
+    }
+    text
+}
+
+fn find<'a>(before: &Report, now: &'a Report) -> Vec<Change<'a>> {
+    let mut changes = Vec::new();
+    for set in &now.sets {
+        let Some(old_set) = before.sets.iter().find(|old| old.name == set.name) else { continue };
+        for group in &set.groups {
+            let Some(old_group) = old_set.groups.iter().find(|old| old.name == group.name) else { continue };
+            for figure in &group.figures {
+                let old = old_group.figures.iter().find(|old| old.name == figure.name);
+                let before = old.and_then(|old| old.values.linestereo);
+                if figure.shown(before) != figure.shown(figure.values.linestereo) {
+                    changes.push(Change { set: &set.name, group: &group.name, figure, before });
+                }
+            }
+        }
+    }
+    changes
+}
+
+/// The sets of `before` that were not run again, and those of `now`.
+pub(crate) fn merged(before: Option<Report>, now: Report) -> Report {
+    let mut sets = before.map_or(Vec::new(), |before| before.sets);
+    sets.retain(|old| now.sets.iter().all(|set| set.name != old.name));
+    sets.extend(now.sets);
+    sets.sort_by(|a, b| a.name.cmp(&b.name));
+    Report { opencv: now.opencv, sets }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::figures::{Group, Method, SetReport, Values};
+
+    fn report(set: &str, better: Better, value: f64) -> Report {
+        let values = Values::default().with(Method::Linestereo, Some(value));
+        let group = Group::new("cells", vec![Figure::new("a figure", better, 1, values)]);
+        let set = SetReport { name: set.to_owned(), scenes: 1, notes: Vec::new(), groups: vec![group] };
+        Report { opencv: None, sets: vec![set] }
+    }
+
+    #[test]
+    fn gains_and_losses_are_told_apart() {
+        let of = |better, before, now| changes(&report("room", better, before), &report("room", better, now));
+        assert!(of(Better::Lower, 2.0, 1.0).contains("1 gained, 0 lost\n  room: cells\n    gained  a figure"));
+        assert!(of(Better::Higher, 2.0, 1.0).contains("0 gained, 1 lost"));
+        assert!(of(Better::Neither, 2.0, 1.0).contains("0 gained, 0 lost, 1 others changed"));
+        assert!(of(Better::Lower, 2.0, 2.01).contains("0 gained, 0 lost\n"), "what is shown is equal");
+    }
+
+    #[test]
+    fn other_sets_are_left_out_and_kept() {
+        let (before, now) = (report("b", Better::Lower, 1.0), report("a", Better::Lower, 2.0));
+        assert!(changes(&before, &now).contains("0 gained, 0 lost\n"));
+        let merged = merged(Some(before), now.clone());
+        assert_eq!(merged.sets.iter().map(|set| set.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        assert_eq!(super::merged(Some(report("a", Better::Lower, 9.0)), now.clone()), now);
+    }
+}

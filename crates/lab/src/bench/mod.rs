@@ -1,0 +1,256 @@
+//! `linestereo-lab bench`: every data set of a folder, scored beside OpenCV.
+//!
+//! ```text
+//! data_set           which sets there are, by what their folders hold
+//! product, opencv    what is claimed of a pair: by the core here, by OpenCV in Python
+//! cells, seen, classes, reliability, objects, sectors   one metric each
+//! scoring            a set in one state of its images: all metrics, scene by scene
+//! figures, against   tables, JSON, and what changed since the last run
+//! ```
+
+mod against;
+mod cells;
+mod classes;
+mod data_set;
+mod figures;
+mod grid;
+mod objects;
+mod opencv;
+mod order;
+mod product;
+mod reliability;
+mod scoring;
+mod sectors;
+mod seen;
+
+use anyhow::{Context, Result, bail};
+use core::sync::atomic::{AtomicUsize, Ordering};
+use data_set::DataSet;
+use figures::{Group, Report, SetReport};
+use indicatif::{ProgressBar, ProgressStyle};
+use linestereo_frames::untrusted;
+use linestereo_sim::output::{OutputFiles, OutputPath, print};
+use opencv::{OpenCv, Worker};
+use scoring::{DAMAGES, Scores, Task};
+use std::fs;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::thread;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo-lab bench ../shared/frames
+      every set, in a table, and what changed since the last run
+  linestereo-lab bench ../shared/frames --only robot_world --full
+      one set, every figure
+  linestereo-lab bench ../shared/frames --json before.json
+  linestereo-lab bench ../shared/frames --against before.json
+      before and after a change of the method
+  linestereo-lab bench ../shared/frames --only middlebury2005_half --width 320
+      images reduced to 320 px
+
+Metrics:
+  one hypothesis per cell   the most probable point of each 16x16 cell; the surest N % of all cells are judged.
+                            SGBM's confidence is the largest uniqueness ratio that a pixel survives.
+  seen, seen by class       cells with an answer of at least 90 %, and how many of these are wrong;
+                            of SGBM and StereoBM with uniqueness 15 the median of a cell
+  objects                   the depth of each object of mask_objects.png
+  obstacles by direction    sectors of 5 degrees, by the truth and the camera's height, pitch and roll
+  said against right        points by their probability: what was said, and the share within 1 px
+
+A set is a folder whose subfolders are scenes: left.png, right.png, gt.png and a scene.json with \"ground_truth\".
+With labels.png and visible.png they are rendered rooms; small sets of others are scored with noise, blur and an
+exposure mismatch too. OpenCV and the noise need a Python with opencv-python-headless and numpy.";
+
+/// Score every data set of a folder, beside OpenCV's SGBM and StereoBM.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Args {
+    /// Folder that holds data sets.
+    frames: PathBuf,
+    /// Score this set alone, or those below this folder.
+    #[arg(long, value_name = "NAME")]
+    only: Option<String>,
+    /// Reduce wider images to this width, and score cells alone.
+    #[arg(long, value_name = "PX")]
+    width: Option<usize>,
+    /// Print every figure.
+    #[arg(long)]
+    full: bool,
+    /// Write every figure as JSON; "-" is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<OutputPath>,
+    /// Say what changed since this run, written by --json [default: the last run].
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
+    /// Folder for the last run, and for what OpenCV found in pairs that it was given before.
+    #[arg(long, value_name = "FOLDER", default_value = "target/lab")]
+    store: PathBuf,
+    /// Have OpenCV match every pair again.
+    #[arg(long)]
+    no_cache: bool,
+    /// Score linestereo alone.
+    #[arg(long)]
+    no_opencv: bool,
+    /// Python with OpenCV and NumPy [default: $LINESTEREO_PYTHON, else python3].
+    #[arg(long, value_name = "PROGRAM", conflicts_with = "no_opencv")]
+    python: Option<PathBuf>,
+    /// Sets that are scored at the same time [default: one per core].
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZero<usize>>,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let begin = Instant::now();
+    let last = args.store.join("last.json");
+    let stored = if last.is_file() { Some(read_report(&last)?) } else { None };
+    let before = args.against.as_deref().map(read_report).transpose()?.or_else(|| stored.clone());
+    let mut sets = data_set::find(&args.frames)?;
+    if let Some(only) = args.only.as_deref().map(|only| only.trim_end_matches('/')) {
+        let names: Vec<String> = sets.iter().map(|set| set.name.clone()).collect();
+        sets.retain(|set| Path::new(&set.name).starts_with(only));
+        if sets.is_empty() {
+            bail!("there is no set {only}; {} holds {}", args.frames.display(), names.join(", "));
+        }
+    }
+    let opencv = find_opencv(args)?;
+    let tasks = tasks(&sets, args.width, opencv.is_some())?;
+    let scored = score(&tasks, opencv.as_ref(), args)?;
+    let pairs: usize = scored.iter().map(|done| done.scenes).sum();
+    let report = Report {
+        opencv: opencv.as_ref().map(|opencv| opencv.version.clone()),
+        sets: sets.iter().map(|set| set_report(set, &tasks, &scored, args)).collect(),
+    };
+
+    let mut text = report.table(args.full);
+    text.extend(before.map(|before| against::changes(&before, &report)));
+    let mut output = OutputFiles::new();
+    output.add_json(args.json.as_ref(), &report)?;
+    let stored = serde_json::to_string_pretty(&against::merged(stored, report))? + "\n";
+    fs::create_dir_all(&args.store)
+        .with_context(|| format!("cannot make the folder {}; choose another one by --store", args.store.display()))?;
+    output.add(&last, stored.as_bytes())?;
+    output.commit()?;
+    if !args.json.as_ref().is_some_and(OutputPath::is_stdout) {
+        print(&text)?;
+    }
+    eprintln!("{pairs} pairs in {:.0} s", begin.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// What a task gave.
+#[derive(Debug)]
+struct Done {
+    scenes: usize,
+    groups: Vec<Group>,
+    notes: Vec<String>,
+}
+
+fn read_report(path: &Path) -> Result<Report> {
+    let advice = || format!("{} is no run of this program; delete it, or give another file", path.display());
+    let text = untrusted::read(path, untrusted::RESULT_BYTES).with_context(|| format!("cannot read {}; check the path", path.display()))?;
+    serde_json::from_slice(&text).with_context(advice)
+}
+
+/// OpenCV, unless nobody wants it; where none was named, it may be missing.
+fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
+    if args.no_opencv {
+        return Ok(None);
+    }
+    match OpenCv::find(args.python.as_deref()) {
+        Ok(opencv) => Ok(Some(opencv)),
+        Err(error) if args.python.is_some() => Err(error),
+        Err(error) => {
+            eprintln!("linestereo alone is scored, and no damaged images: {error:#}");
+            Ok(None)
+        }
+    }
+}
+
+/// The slowest first, so that none is left over at the end.
+fn tasks(sets: &[DataSet], width: Option<usize>, has_opencv: bool) -> Result<Vec<Task<'_>>> {
+    if width.is_some() && !has_opencv {
+        bail!("--width reduces images by OpenCV; pip install opencv-python-headless numpy, and leave out --no-opencv");
+    }
+    let mut tasks = Vec::new();
+    for set in sets {
+        let all = has_opencv && width.is_none() && set.is_damaged_too()?;
+        let damages = if all { &DAMAGES[..] } else { &DAMAGES[..1] };
+        tasks.extend(damages.iter().map(|&damage| Task { set, damage, width }));
+    }
+    tasks.sort_by_cached_key(|task| core::cmp::Reverse(task.cost()));
+    Ok(tasks)
+}
+
+/// The results of all tasks, in their order.
+fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec<Done>> {
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    let jobs = args.jobs.map_or(cores, NonZero::get).min(tasks.len());
+    let cache = (!args.no_cache).then(|| args.store.join("opencv"));
+    let cache = cache.as_deref().map(std::path::absolute).transpose()?;
+    let pairs: usize = tasks.iter().map(|task| task.set.scenes.len()).sum();
+    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} pairs, {msg}, {eta} left")?;
+    let progress = ProgressBar::new(pairs as u64).with_style(style);
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || -> Result<()> {
+        let mut worker = opencv.map(OpenCv::worker).transpose()?;
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(task) = tasks.get(index) else { return Ok(()) };
+            progress.set_message(format!("{} ({})", task.set.name, task.damage));
+            let scored = score_task(task, worker.as_mut(), cache.as_deref(), &progress)
+                .with_context(|| format!("{} is not scored", task.set.name))?;
+            done.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((index, scored));
+        }
+    };
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
+        threads
+            .into_iter()
+            .try_for_each(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })?;
+    progress.finish_and_clear();
+    let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    done.sort_by_key(|&(index, _)| index);
+    Ok(done.into_iter().map(|(_, scored)| scored).collect())
+}
+
+fn score_task(
+    task: &Task<'_>,
+    mut worker: Option<&mut Worker>,
+    cache: Option<&Path>,
+    progress: &ProgressBar,
+) -> Result<Done> {
+    let known = task.set.scenes.iter().map(|scene| task.known(scene)).collect::<Result<Vec<_>>>()?;
+    if let Some(worker) = &mut worker {
+        worker.ask(&task.request(&known, cache)?)?;
+    }
+    let (mut scores, mut notes) = (Scores::default(), Vec::new());
+    for (scene, known) in task.set.scenes.iter().zip(&known) {
+        let answer = worker.as_mut().map(|worker| worker.answer()).transpose()?;
+        if let Err(error) = scores.add(task, scene, known, answer.as_ref()) {
+            notes.push(format!("{} is left out: {error:#}", scene.name()));
+        }
+        progress.inc(1);
+    }
+    Ok(Done { scenes: scores.scenes(), groups: scores.groups(task), notes })
+}
+
+/// Figures of a set in all states of its images.
+fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done], args: &Args) -> SetReport {
+    let of_set = |damage: &str| {
+        let mut all = tasks.iter().zip(scored);
+        all.find(|(task, _)| task.set.name == set.name && task.damage == damage).map(|(_, done)| done)
+    };
+    let done: Vec<&Done> = DAMAGES.iter().filter_map(|damage| of_set(damage)).collect();
+    let width = args.width.map_or(String::new(), |width| format!(" at {width} px"));
+    SetReport {
+        name: format!("{}{width}", set.name),
+        scenes: done.first().map_or(0, |done| done.scenes),
+        notes: done.iter().flat_map(|done| done.notes.iter().cloned()).collect(),
+        groups: done.iter().flat_map(|done| done.groups.iter().cloned()).collect(),
+    }
+}

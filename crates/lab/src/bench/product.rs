@@ -1,0 +1,113 @@
+//! The core on a pair, as `linestereo run` would list its results.
+//!
+//! Everything that the bench takes of the program under test is taken here.
+
+use super::cells::Hypothesis;
+use super::grid::Grid;
+use super::sectors::{self, Camera, Said};
+use anyhow::{Context, Result, bail};
+use linestereo::obstacles::ObstacleParams;
+use linestereo::{Confidence, Dims, Gray, Params};
+use linestereo_frames::regions::{self, Frame};
+use linestereo_frames::{PairFiles, check_same_size, check_size, check_usable, load_images, load_values};
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::results::directions::{Direction, Directions, five_decimals};
+use linestereo_sim::results::health::is_fit;
+use linestereo_wire::RigUpdate;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Least probability of a point that is scored.
+const LEAST_PROBABILITY: f64 = 0.2;
+
+/// Pixels of both images.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) left: Grid<u8>,
+    pub(crate) right: Grid<u8>,
+}
+
+impl Pair {
+    /// Reads a pair as the program does.
+    pub(crate) fn load(left: &Path, right: &Path) -> Result<Self> {
+        let images = load_images(&PairFiles::Two([left.to_path_buf(), right.to_path_buf()]), None)?;
+        check_same_size((left, images[0].dims), (right, images[1].dims))?;
+        for (path, image) in [left, right].into_iter().zip(&images) {
+            check_size(path, image)?;
+            check_usable(path, image)?;
+        }
+        let [left, right] = images.map(|image| Grid::new(image.dims.width.into(), image.pixels));
+        Ok(Self { left, right })
+    }
+
+    fn dims(&self) -> Result<Dims> {
+        let [width, height] = [self.left.width(), self.left.height()].map(u16::try_from);
+        Ok(Dims { width: width?, height: height? })
+    }
+
+    fn run(&self, params: &Params) -> Result<(Engine, FrameResult)> {
+        let dims = self.dims()?;
+        if params.max_disparity >= dims.width {
+            bail!("a disparity range of {} does not fit images of {dims}", params.max_disparity);
+        }
+        let mut engine = Engine::new(params, dims)?;
+        let view = |image| Gray::new(Grid::values(image), dims, dims.width.into());
+        let result = engine.run(view(&self.left)?, view(&self.right)?)?;
+        Ok((engine, result))
+    }
+
+    /// Points with their probabilities, in the order in which they are listed.
+    pub(crate) fn points(&self, max_disparity: u16) -> Result<Vec<Hypothesis>> {
+        let min_confidence = Confidence::from_num(LEAST_PROBABILITY);
+        let (_, result) = self.run(&Params { max_disparity, min_confidence, ..Params::default() })?;
+        let listed = result.points.iter().map(|point| Hypothesis {
+            x: point.x.into(),
+            y: point.y.into(),
+            disparity: point.disparity.to_num(),
+            confidence: five_decimals(point.confidence.to_num()),
+        });
+        Ok(listed.collect())
+    }
+
+    /// The disparity of each object of a label image that has one, by its label, px.
+    pub(crate) fn objects(&self, max_disparity: u16, mask: &Path) -> Result<BTreeMap<u16, f64>> {
+        let dims = self.dims()?;
+        let objects = regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
+        let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
+        let (mut engine, result) = self.run(&Params { max_disparity, ..Params::default() })?;
+        let depths = engine.objects(&regions, is_fit(result.health));
+        Ok(depths.iter().filter_map(|found| Some((found.label, found.disparity.ok()?.to_num()))).collect())
+    }
+
+    /// What is said of each sector in view: its middle in degrees clockwise from ahead.
+    pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<(f64, Said)>> {
+        let dims = self.dims()?;
+        let numbers = RigUpdate { focal_px: camera.focal_px, baseline_m: camera.baseline_m, offset_px: 0.0 };
+        let rig = Some(numbers.rig()?.centred(dims));
+        let params = Params { max_disparity, rig, ..Params::default() };
+        // In millimetres, as options are given.
+        let above_camera = |height: f64| format!("{:.3}", height - camera.height_m).parse::<f32>();
+        let [low, high] = sectors::HEIGHTS_M.map(above_camera);
+        let wanted =
+            ObstacleParams { range_m: sectors::RANGE_M as f32, heights_m: [low?, high?], ..ObstacleParams::DEFAULT };
+        let plan = wanted.plan(&params, dims)?;
+        let (_, result) = self.run(&params)?;
+        let directions = Directions::new(plan, &result.matches, &result.points, result.health.of_pair());
+        let said = |direction: Direction| {
+            let said = match (direction.state, direction.distance_m) {
+                ("outside", _) => return None,
+                ("free", _) => Said::Free,
+                (_, Some(distance)) => Said::Obstacle(distance),
+                _ => Said::Unknown,
+            };
+            Some((direction.direction_deg, said))
+        };
+        Ok(directions.list().into_iter().filter_map(said).collect())
+    }
+}
+
+/// Reads an image of plain numbers.
+pub(crate) fn load_numbers(path: &Path) -> Result<Grid<u16>> {
+    let (dims, values) = load_values(path).with_context(|| format!("{} is not scored", path.display()))?;
+    Ok(Grid::new(dims.width.into(), values))
+}

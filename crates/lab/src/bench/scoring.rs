@@ -1,0 +1,175 @@
+//! The scores of one data set, scene by scene, in one state of its images.
+
+use super::cells::{self, Cells};
+use super::classes::{self, SeenByClass};
+use super::data_set::{DataSet, Known, Room, SceneFolder};
+use super::figures::{Group, Method};
+use super::objects::{self, Objects};
+use super::opencv::{Answer, PairRequest, Request};
+use super::product::Pair;
+use super::reliability::Reliability;
+use super::sectors::Sectors;
+use super::seen::{self, Seen};
+use anyhow::Result;
+use std::path::Path;
+
+/// What is done to images before they are matched; the first one is nothing.
+pub(crate) const DAMAGES: [&str; 5] = ["none", "noise2", "noise5", "blur1", "gain"];
+
+/// A data set in one state of its images.
+#[derive(Clone, Debug)]
+pub(crate) struct Task<'a> {
+    pub(crate) set: &'a DataSet,
+    /// Of [`DAMAGES`].
+    pub(crate) damage: &'static str,
+    /// Width to reduce images to.
+    pub(crate) width: Option<usize>,
+}
+
+/// Scores of the scenes so far.
+#[derive(Debug, Default)]
+pub(crate) struct Scores {
+    scenes: usize,
+    cells: Cells,
+    cells_sgbm: Cells,
+    /// Of linestereo, SGBM and BM.
+    seen: [Vec<Seen>; 3],
+    classes: [SeenByClass; 3],
+    reliability: Reliability,
+    objects: Option<Objects>,
+    sectors: Option<Sectors>,
+}
+
+impl Task<'_> {
+    /// A measure of how long it takes: bytes of the images times disparities.
+    pub(crate) fn cost(&self) -> u64 {
+        let of = |scene: &SceneFolder| {
+            let bytes = scene.images().ok().and_then(|[left, _]| Some(left.metadata().ok()?.len()));
+            bytes.unwrap_or(0) * u64::from(scene.likely_range())
+        };
+        self.set.scenes.iter().map(of).sum()
+    }
+
+    /// Is more scored than cells?
+    fn is_whole(&self) -> bool {
+        self.damage == DAMAGES[0] && self.width.is_none()
+    }
+
+    /// What is known of a scene.
+    pub(crate) fn known(&self, scene: &SceneFolder) -> Result<Known> {
+        let known = scene.known()?;
+        Ok(self.width.map_or_else(|| known.clone(), |width| known.clone().reduced(width)))
+    }
+
+    /// What OpenCV is asked for.
+    pub(crate) fn request(&self, known: &[Known], cache: Option<&Path>) -> Result<Request> {
+        let pair = |(scene, known): (&SceneFolder, &Known)| {
+            let [left, right] = scene.images()?;
+            let size = self.width.map(|_| [known.truth.width(), known.truth.height()]);
+            Ok(PairRequest { left, right, disparities: known.max_disparity, size })
+        };
+        Ok(Request {
+            pairs: self.set.scenes.iter().zip(known).map(pair).collect::<Result<_>>()?,
+            damage: self.damage,
+            generator_per_pair: self.set.is_rooms,
+            cache: cache.map(Path::to_path_buf),
+        })
+    }
+}
+
+impl Scores {
+    /// Adds a scene. An error is that of the scene: nothing of it is counted.
+    pub(crate) fn add(
+        &mut self,
+        task: &Task<'_>,
+        scene: &SceneFolder,
+        known: &Known,
+        answer: Option<&Answer>,
+    ) -> Result<()> {
+        let range = known.max_disparity;
+        // As the program reads it: of colours it makes other grey values than OpenCV.
+        let stored = match (task.is_whole(), answer) {
+            (false, Some(_)) => None,
+            _ => {
+                let [left, right] = scene.images()?;
+                Some(Pair::load(&left, &right)?)
+            }
+        };
+        let given = answer.map(|answer| &answer.pair).or(stored.as_ref());
+        let Some(given) = given else { return Ok(()) };
+        let points = given.points(range)?;
+        let stored_points = match &stored {
+            Some(stored) if stored != given => &stored.points(range)?,
+            _ => &points,
+        };
+        let objects = match (&stored, &known.room, scene.object_mask()) {
+            (Some(stored), Some(room), Some(mask)) => {
+                let truths =
+                    objects::truths(&super::product::load_numbers(&mask)?, &known.truth, &room.labels, &room.visible);
+                Some((truths, stored.objects(range, &mask)?))
+            }
+            _ => None,
+        };
+        let sectors = match (&stored, &known.room, scene.camera()) {
+            (Some(stored), Some(room), Some(camera)) => Some((room, camera, stored.sectors(range, &camera)?)),
+            _ => None,
+        };
+
+        let judged = known.judged();
+        self.scenes += 1;
+        self.cells.add(&points, &judged);
+        self.reliability.add(&points, &judged);
+        if let Some(answer) = answer {
+            self.cells_sgbm.add(&answer.hypotheses, &judged);
+        }
+        if !task.is_whole() {
+            return Ok(());
+        }
+        let maps = answer.map(|answer| [&answer.sgbm, &answer.bm]);
+        match &known.room {
+            None => {
+                let cells = seen::cells(&known.truth);
+                self.seen[0].push(seen::of_points(&cells, stored_points, &known.truth));
+                for (scenes, map) in self.seen[1..].iter_mut().zip(maps.into_iter().flatten()) {
+                    scenes.push(seen::of_map(&cells, map, &known.truth));
+                }
+            }
+            Some(Room { labels, visible }) => {
+                let cells = classes::cells(labels, visible);
+                self.classes[0].add_points(&cells, stored_points, labels, &known.truth);
+                for (classes, map) in self.classes[1..].iter_mut().zip(maps.into_iter().flatten()) {
+                    classes.add_map(&cells, map, labels, &known.truth);
+                }
+            }
+        }
+        if let Some((truths, answers)) = objects {
+            self.objects.get_or_insert_default().add(&truths, &answers);
+        }
+        if let Some((room, camera, said)) = sectors {
+            self.sectors.get_or_insert_default().add(&known.truth, &room.labels, &camera, said);
+        }
+        Ok(())
+    }
+
+    /// Scenes that were scored.
+    pub(crate) fn scenes(&self) -> usize {
+        self.scenes
+    }
+
+    /// Figures of all scenes.
+    pub(crate) fn groups(&self, task: &Task<'_>) -> Vec<Group> {
+        const METHODS: [Method; 3] = [Method::Linestereo, Method::Sgbm, Method::Bm];
+        let state = if task.damage == DAMAGES[0] { String::new() } else { format!(", {}", task.damage) };
+        let cells = [(Method::Linestereo, &self.cells), (Method::Sgbm, &self.cells_sgbm)];
+        let mut groups = vec![cells::group(&format!("one hypothesis per 16x16 cell{state}"), &cells)];
+        if task.is_whole() && task.set.is_rooms {
+            groups.push(classes::group(&core::array::from_fn::<_, 3, _>(|i| (METHODS[i], &self.classes[i]))));
+        } else if task.is_whole() {
+            groups.push(seen::group(&core::array::from_fn::<_, 3, _>(|i| (METHODS[i], &self.seen[i][..]))));
+        }
+        groups.extend(self.objects.as_ref().map(Objects::group));
+        groups.extend(self.sectors.as_ref().map(Sectors::group));
+        groups.push(self.reliability.group(&format!("said against right{state}")));
+        groups
+    }
+}
