@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 30] = [
+const NOT_RUN: [(&str, &str); 31] = [
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
     ("monitor run.bin", "the recording of a board"),
@@ -35,6 +35,7 @@ const NOT_RUN: [(&str, &str); 30] = [
     ("frames/calibration_boards", "frames of `frames get`"),
     ("pymavlink", "a package of Python"),
     ("--opencv", "OpenCV in Python: `compare` tests it where it is installed"),
+    ("linestereo-lab", "scores captured frames, for minutes"),
     ("fit-confidence", "fits on captured frames, for minutes"),
     ("core/src/query/fitted.rs", "fits on captured frames"),
     ("--leave-one-out", "fits on captured frames"),

@@ -24,6 +24,7 @@ mod sectors;
 mod seen;
 
 use anyhow::{Context, Result, bail};
+use core::num::NonZero;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use data_set::DataSet;
 use figures::{Group, Report, SetReport};
@@ -33,7 +34,6 @@ use linestereo_sim::output::{OutputFiles, OutputPath, print};
 use opencv::{OpenCv, Worker};
 use scoring::{DAMAGES, Scores, Task};
 use std::fs;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::thread;
@@ -151,7 +151,8 @@ struct Done {
 
 fn read_report(path: &Path) -> Result<Report> {
     let advice = || format!("{} is no run of this program; delete it, or give another file", path.display());
-    let text = untrusted::read(path, untrusted::RESULT_BYTES).with_context(|| format!("cannot read {}; check the path", path.display()))?;
+    let text = untrusted::read(path, untrusted::RESULT_BYTES)
+        .with_context(|| format!("cannot read {}; check the path", path.display()))?;
     serde_json::from_slice(&text).with_context(advice)
 }
 
@@ -252,5 +253,61 @@ fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done], args: &Args) -
         scenes: done.first().map_or(0, |done| done.scenes),
         notes: done.iter().flat_map(|done| done.notes.iter().cloned()).collect(),
         groups: done.iter().flat_map(|done| done.groups.iter().cloned()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::product::Pair;
+    use std::collections::HashSet;
+
+    /// Two scenes of a set of captured frames, by linestereo alone.
+    fn first_two(set: &str) -> (DataSet, Done) {
+        let beside = || PathBuf::from("../../../shared/frames");
+        let frames = std::env::var_os("LINESTEREO_FRAMES").map_or_else(beside, PathBuf::from);
+        let mut set = data_set::find(&frames).unwrap().into_iter().find(|found| found.name == set).unwrap();
+        set.scenes.truncate(2);
+        let task = Task { set: &set, damage: DAMAGES[0], width: None };
+        let done = score_task(&task, None, None, &ProgressBar::hidden()).unwrap();
+        (set, done)
+    }
+
+    fn value(done: &Done, group: &str, figure: &str) -> f64 {
+        let group = done.groups.iter().find(|found| found.name.starts_with(group)).unwrap();
+        let figure = group.figures.iter().find(|found| found.name == figure).unwrap();
+        assert_eq!((figure.values.sgbm, figure.values.bm), (None, None), "OpenCV was not asked");
+        figure.values.linestereo.unwrap()
+    }
+
+    #[test]
+    #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+    fn real_scenes_are_scored() {
+        let (set, done) = first_two("qvga");
+        assert_eq!((done.scenes, done.notes.len()), (2, 0));
+        let (mut cells, mut all) = (0, 0);
+        for scene in &set.scenes {
+            let [left, right] = scene.images().unwrap();
+            let pair = Pair::load(&left, &right).unwrap();
+            let points = pair.points(scene.known().unwrap().max_disparity).unwrap();
+            cells += points.iter().map(|point| (point.x / 16, point.y / 16)).collect::<HashSet<_>>().len();
+            all += pair.left.width().div_ceil(16) * pair.left.height().div_ceil(16);
+        }
+        let covered = value(&done, "one hypothesis per", "cells with a hypothesis, %");
+        assert_eq!(covered, 100.0 * cells as f64 / all as f64);
+        assert!(value(&done, "one hypothesis per", "first 50 % of all cells: off by > 1 px, %") < 5.0);
+        assert!(value(&done, "seen", "answered, %") > 50.0);
+        assert!(value(&done, "said against right", "mean |said - right|, %") < 10.0);
+    }
+
+    #[test]
+    #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+    fn rendered_rooms_are_scored_by_class() {
+        let (set, done) = first_two("robot_world");
+        assert!(set.is_rooms && done.notes.is_empty());
+        let names: Vec<&str> = done.groups.iter().filter_map(|group| group.name.split([':', ' ']).next()).collect();
+        assert_eq!(names, ["one", "seen", "objects", "obstacles", "said"]);
+        assert!(value(&done, "seen by class", "floor: cells") > 500.0);
+        assert!(value(&done, "obstacles", "sectors with an obstacle") > 10.0);
     }
 }
