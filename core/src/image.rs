@@ -95,12 +95,14 @@ impl defmt::Format for Dims {
 }
 
 /// Reason why a slice is not an image of the given geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ViewError {
     /// A side is outside [`MIN_SIDE`] ..= [`MAX_WIDTH`] / [`MAX_HEIGHT`].
+    #[error("an image of {0} is outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")]
     Dims(Dims),
     /// The distance between rows is smaller than a row.
+    #[error("a stride of {stride} is shorter than a row of {width}")]
     Stride {
         /// Distance given, bytes.
         stride: usize,
@@ -108,6 +110,7 @@ pub enum ViewError {
         width: u16,
     },
     /// The slice ends before the last row does.
+    #[error("the image needs {needed} bytes, {given} were given")]
     TooShort {
         /// Bytes needed.
         needed: usize,
@@ -115,6 +118,7 @@ pub enum ViewError {
         given: usize,
     },
     /// The number of spans of valid pixels is not that of rows.
+    #[error("an image of {rows} rows has {given} spans of valid pixels")]
     Spans {
         /// Rows of the image.
         rows: u16,
@@ -122,6 +126,7 @@ pub enum ViewError {
         given: usize,
     },
     /// The span of this row starts after its end, or ends outside the image.
+    #[error("the valid pixels {} .. {} of row {row} are no part of the image", .span.start, .span.end)]
     Span {
         /// The row.
         row: usize,
@@ -129,24 +134,6 @@ pub enum ViewError {
         span: Span,
     },
 }
-
-impl fmt::Display for ViewError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Dims(dims) => {
-                write!(f, "an image of {dims} is outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")
-            }
-            Self::Stride { stride, width } => write!(f, "a stride of {stride} is shorter than a row of {width}"),
-            Self::TooShort { needed, given } => write!(f, "the image needs {needed} bytes, {given} were given"),
-            Self::Spans { rows, given } => write!(f, "an image of {rows} rows has {given} spans of valid pixels"),
-            Self::Span { row, span: Span { start, end } } => {
-                write!(f, "the valid pixels {start} .. {end} of row {row} are no part of the image")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ViewError {}
 
 /// A read-only 8-bit grey image, row-major, origin top left.
 ///

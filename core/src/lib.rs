@@ -35,8 +35,11 @@
 //! The result depends on the pixels, the parameters and the capacities of the lists alone: not on the machine, the profile, the stride, or the
 //! previous content of the memory.
 //! # Features
-//! `dsp`: the kernels for Cortex-M33 and above. `defmt`: parameters, errors, health, depths and results implement `defmt::Format`. Neither changes
-//! a number.
+//! - `dsp`: the kernels for Cortex-M33 and above.
+//! - `defmt`: parameters, errors, health, depths and results implement `defmt::Format`.
+//! - `serde`: matches, points, numbers of health, margins and parts can be serialized.
+//!
+//! None of them changes a number.
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_debug_implementations)]

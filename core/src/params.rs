@@ -7,11 +7,11 @@ use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
 use crate::rig::Rig;
 use crate::units::{Confidence, Depth, Disparity};
-use core::fmt;
 
 /// Largest difference between the techniques (Eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Margin {
     /// In disparity, px, both ways.
     Pixels(Disparity),
@@ -27,6 +27,7 @@ pub enum Margin {
 /// Parts of the method that match a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parts {
     /// Support points, and segments, whose search range they limit.
     #[default]
@@ -125,10 +126,11 @@ fn in_range(
 }
 
 /// A parameter that cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ParamError {
     /// A number outside its range.
+    #[error("{name} is {value}, allowed are {low} to {high}")]
     OutOfRange {
         /// Name of the field of [`Params`].
         name: &'static str,
@@ -140,18 +142,6 @@ pub enum ParamError {
         high: i64,
     },
     /// A margin in metres needs a rig, and there is none.
+    #[error("a margin in metres needs a rig (focal length and baseline)")]
     MarginNeedsRig,
 }
-
-impl fmt::Display for ParamError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::OutOfRange { name, value, low, high } => {
-                write!(f, "{name} is {value}, allowed are {low} to {high}")
-            }
-            Self::MarginNeedsRig => write!(f, "a margin in metres needs a rig (focal length and baseline)"),
-        }
-    }
-}
-
-impl core::error::Error for ParamError {}

@@ -5,6 +5,7 @@ use crate::units::{Confidence, Depth, Disparity, Position};
 /// A sub-pixel image point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImagePosition {
     /// Pixels right of the first column's centre.
     pub x: Position,
@@ -15,6 +16,7 @@ pub struct ImagePosition {
 /// The side or sides of a segment whose surface the edge belongs to. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Owner {
     /// Side of smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
     Left,
@@ -27,6 +29,7 @@ pub enum Owner {
 /// Disparity by each of the three techniques, px, at the segment's middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Techniques {
     /// Disparity by the edge in the right image with the same properties; `None` when there is none.
     pub feature: Option<Disparity>,
@@ -39,6 +42,7 @@ pub struct Techniques {
 /// A segment of the left image with its disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Match {
     /// Ends: top first; left first on a near-horizontal segment (|dx| > 4 |dy|).
     pub ends: [ImagePosition; 2],
@@ -61,6 +65,7 @@ pub struct Match {
 /// One pixel of the left image with a disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Column, px.
     pub x: u16,
@@ -71,6 +76,7 @@ pub struct Point {
     /// Probability that it is within 1 px.
     pub confidence: Confidence,
     /// Origin of the hypothesis.
+    #[cfg_attr(feature = "serde", serde(with = "SerializedSource"))]
     pub source: Source,
 }
 
@@ -92,6 +98,16 @@ pub enum Source {
     /// A side of a segment that is not in the list of matches.
     Side,
     /// A support point.
+    Support,
+}
+
+/// A [`Source`] in the order of its serialized form.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(remote = "Source")]
+enum SerializedSource {
+    Side,
+    Segment(u16),
     Support,
 }
 

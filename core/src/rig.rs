@@ -11,7 +11,6 @@
 use crate::image::Dims;
 use crate::result::ImagePosition;
 use crate::units::{Depth, Disparity, INFINITE_DEPTH};
-use core::fmt;
 
 /// Focal length, baseline, disparity offset and principal point of a rectified pair: `z = f*B / (d + offset)`.
 ///
@@ -41,31 +40,22 @@ pub struct Rig {
 }
 
 /// Number of a rig that is not valid.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
+    #[error("focal length {0} px is outside 1 to 100000")]
     Focal(f32),
     /// Baseline in metres, outside 0.0001 ..= 100 or not finite.
+    #[error("baseline {0} m is outside 0.0001 to 100")]
     Baseline(f32),
     /// Disparity offset in pixels, outside -4096 ..= 4096 or not finite.
+    #[error("disparity offset {0} px is outside -4096 to 4096")]
     Offset(f32),
     /// Column or row of the principal point in pixels, outside -2048 ..= 2048 or not finite.
+    #[error("principal point: {0} px is outside -2048 to 2048")]
     PrincipalPoint(f32),
 }
-
-impl fmt::Display for RigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Focal(v) => write!(f, "focal length {v} px is outside 1 to 100000"),
-            Self::Baseline(v) => write!(f, "baseline {v} m is outside 0.0001 to 100"),
-            Self::Offset(v) => write!(f, "disparity offset {v} px is outside -4096 to 4096"),
-            Self::PrincipalPoint(v) => write!(f, "principal point: {v} px is outside -2048 to 2048"),
-        }
-    }
-}
-
-impl core::error::Error for RigError {}
 
 impl Rig {
     /// A rig from its focal length in px, baseline in m and the offset in px that is added to every disparity

@@ -14,15 +14,15 @@ use crate::row_memory::{BAND_ROWS, PLANES};
 use crate::support::SupportPoint;
 pub use crate::support::most_support_points;
 pub use carve::{Capacity, Word};
-use core::fmt;
 use heapless::Vec;
 use heapless::vec::VecView;
 
 /// A pair that cannot be matched as planned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RunError {
     /// An image has another size than planned.
+    #[error("planned for {planned}, the frame is {given}")]
     SizeMismatch {
         /// Size planned for.
         planned: Dims,
@@ -30,6 +30,7 @@ pub enum RunError {
         given: Dims,
     },
     /// The working memory was made for smaller images.
+    #[error("{name} of the scratch memory holds {given}, these images need {needed}")]
     ScratchTooSmall {
         /// Capacity of [`Scratch`] that is too small.
         name: &'static str,
@@ -39,19 +40,6 @@ pub enum RunError {
         given: usize,
     },
 }
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::SizeMismatch { planned, given } => write!(f, "planned for {planned}, the frame is {given}"),
-            Self::ScratchTooSmall { name, needed, given } => {
-                write!(f, "{name} of the scratch memory holds {given}, these images need {needed}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for RunError {}
 
 /// Most support points among the hypotheses of an object.
 pub(crate) const OBJECT_POINTS: usize = 24;

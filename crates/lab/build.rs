@@ -1,4 +1,4 @@
-//! `cfg(captured)` where captured frames are: tests that need them are ignored elsewhere.
+//! `cfg(captured)` where captured frames are: tests that need them are ignored elsewhere, and the summary says so.
 
 use std::path::PathBuf;
 

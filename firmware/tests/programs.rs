@@ -1,6 +1,7 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use crate::support::port::{Port, push};
+use linestereo::health::Skewed;
 use linestereo::{Dims, HealthFlags, ObjectDepth};
 use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
@@ -136,11 +137,11 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             Message::Frame(head) => heads.push(head),
             Message::Segments(list) if list.sequence == 0 => {
                 assert_eq!(usize::from(list.first), matches.len());
-                matches.extend(list.list.iter().map(linestereo::Match::from));
+                matches.extend(list.list);
             }
             Message::Points(list) if list.sequence == 0 => {
                 assert_eq!(list.first as usize, points.len());
-                points.extend(list.list.iter().map(linestereo::Point::from));
+                points.extend(list.list);
             }
             Message::Segments(_) | Message::Points(_) => {}
             Message::Objects(list) => panic!("nobody asked for {list:?}"),
@@ -245,7 +246,7 @@ fn raw_pairs_are_rectified_row_by_row() {
             Message::Segments(list) if list.sequence == sequence => Some(&list.list),
             _ => None,
         });
-        lists.flatten().map(linestereo::Match::from).collect::<Vec<_>>()
+        lists.flatten().copied().collect::<Vec<_>>()
     };
     assert_eq!(matches_of(1), expected);
     assert_eq!(matches_of(3), expected, "what came before a pair does not matter");
@@ -519,7 +520,7 @@ fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
             _ => {}
         }
     }
-    assert_eq!(refused, [(2, Refusal::Skewed { skew_us: 1001, limit_us: 1000 })]);
+    assert_eq!(refused, [(2, Refusal::Skewed(Skewed { skew_us: 1001, limit_us: 1000 }))]);
     let (good, skew) = (HealthFlags::GOOD, HealthFlags::SKEW);
     assert_eq!(heads, [(0, None, good), (2, Some(1000), skew), (3, Some(0), skew), (4, Some(7), good)]);
 }

@@ -2,7 +2,7 @@
 
 use crate::support::port::Port;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use linestereo::Dims;
+use linestereo::{Confidence, Dims};
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
@@ -140,7 +140,7 @@ fn every_setting_is_the_one_that_is_set() {
     }
     // All confidences come back as they were.
     for bits in (6554..=u16::MAX).step_by(97) {
-        let update = ParamUpdate { min_confidence_q16: Some(bits), ..ParamUpdate::default() };
+        let update = ParamUpdate { min_confidence: Some(Confidence::from_bits(bits)), ..ParamUpdate::default() };
         let mut memory = Box::new(Workspace::new());
         assert_eq!(outcome(&mut session, &mut memory, Request::SetParams(update)), Outcome::Accepted);
         let before = session.values();

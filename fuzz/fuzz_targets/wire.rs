@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| linestereo_fuzz::wire(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| linestereo_tests::fuzz::wire(bytes));

@@ -99,14 +99,9 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     let before = fs::read(at.join("0001_left.png")).unwrap();
     fs::write(at.join("t.csv"), "frame,dist_m\n1,2\n").unwrap();
     fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#).unwrap();
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 2] = [
         (&["sequence", ".", "--truth", "t.csv", "--plot", "0001_left.png"], "one of the files that are read"),
         (&["report", ".", "-o", "scene.json"], "one of the files that are read"),
-        (
-            &["compare", ".", "--methods", "linestereo", "--no-times", "--picture", "0001_left.png"],
-            "files that are read",
-        ),
-        (&["compare", "0001_left.png", "0001_right.png", "--picture", "0001_left.png"], "are the same"),
     ];
     all_refused(at, &cases);
     fs::create_dir(at.join("raw")).unwrap();
@@ -308,7 +303,6 @@ fn one_set_of_layouts_for_all_commands() {
             assert!(!found[0]["points"].as_array().unwrap().is_empty(), "{}", found[0]["health"]);
         }
         succeed(at, &["report", name, "-o", "page.html"]);
-        succeed(at, &["compare", name, "--methods", "linestereo", "--no-times"]);
     }
 }
 
@@ -507,8 +501,8 @@ fn quiet_verbose_and_what_shells_want() {
     assert!(output.stdout.starts_with(b"{") && output.stderr.is_empty());
     let said = stderr(&linestereo(at, &with(&["-v", "--focal-px", "300", "--baseline-m", "0.1", "--csv", "a.csv"])));
     assert!(said.contains("320x240") && said.contains("depths from 0.469 m") && said.contains("a.csv: "), "{said}");
-    assert!(succeed(at, &["completions", "bash"]).contains("plan-rig"));
-    succeed(at, &["man", "pages"]);
+    assert!(succeed(at, &["--completions", "bash"]).contains("plan-rig"));
+    succeed(at, &["--man", "pages"]);
     assert!(fs::read_to_string(at.join("pages/linestereo-run.1")).unwrap().contains("depth"));
     let version = succeed(at, &["--version"]);
     let commit = version.trim().strip_prefix(concat!("linestereo ", env!("CARGO_PKG_VERSION"))).unwrap().to_owned();

@@ -6,10 +6,8 @@ mod bench_board;
 mod calibrate;
 mod calibration;
 mod command_line;
-mod compare;
 mod documented;
 mod explain;
-mod faults;
 mod first_hour;
 mod flash_image;
 #[cfg(unix)]
@@ -32,7 +30,6 @@ mod report_page;
 mod rig_commands;
 mod room;
 mod run;
-mod scale;
 mod scene;
 mod support;
 mod synthetic;

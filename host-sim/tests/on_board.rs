@@ -1,6 +1,6 @@
-//! `run --on` and `eval --on`, as a user types them.
+//! `run --on`, as a user types it.
 
-use crate::support::{all_refused, json, succeed, with_scene};
+use crate::support::{all_refused, succeed, with_scene};
 use linestereo_sim::board::{Board, qemu, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
 
@@ -63,21 +63,6 @@ fn a_raw_pair_is_rectified_on_a_board_to_the_json_of_the_pc() {
     assert!(summary.contains(" million instructions on mps2-an386 after "), "{summary}");
     let too_large = [&run[..5], &["--size", "200x150", "--on", "mps2-an386"]].concat();
     all_refused(folder.path(), &[(&too_large, "holds pairs of up to 160x120, these are 200x150; give --size 160x120")]);
-}
-
-#[test]
-fn eval_on_a_board_counts_instructions_and_names_what_does_not_fit() {
-    if no_boards() {
-        return;
-    }
-    let folder = with_scene("boxes", "128x96", "out");
-    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "200x96", "out/wide"]);
-    let text = succeed(folder.path(), &["eval", "out", "--on", "mps2-an386"]);
-    assert!(text.lines().next().unwrap().ends_with("Minstr"), "{text}");
-    assert!(text.contains("1 scenes do not fit the board and were left out: wide (200x96)"), "{text}");
-    let json = json(folder.path(), &["eval", "out", "--on", "mps2-an386", "--json", "-"]);
-    assert!(json["pooled"]["instructions"].as_u64() > Some(100_000), "{json}");
-    assert_eq!(json["scenes"].as_array().map(Vec::len), Some(1));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::support::{all_refused, json, succeed};
 use linestereo::{Area, Confidence, Dims, Disparity, Point, Rig, Source};
-use linestereo_sim::evaluate::Wall;
+use linestereo_sim::quality::Wall;
 use linestereo_sim::scene::{self, Pair, Pattern, Scene, Sensor, Surface, Texture};
 use serde_json::Value;
 use std::fs;

@@ -11,12 +11,13 @@ fn check(seeds: &[u64]) {
     let mut worst = 0.0_f32;
     for &seed in seeds {
         let shown = Demonstration::new(seed, 1.0).unwrap();
-        let told: Vec<_> = shown.objects.iter().filter(|object| object.score.refused.is_none()).collect();
-        let unsure: Vec<_> = told.iter().filter(|object| object.is_wrong() || object.score.confidence < 0.9).collect();
+        let told: Vec<_> = shown.objects.iter().filter_map(|object| Some((object, object.answer.ok()?))).collect();
+        let unsure: Vec<_> =
+            told.iter().filter(|(object, (_, probability))| object.is_wrong() || *probability < 0.9).collect();
         assert!(unsure.is_empty(), "seed {seed}: {unsure:?}");
         table_says_what_is_scored(&shown);
         answers += told.len();
-        worst = told.iter().map(|object| (object.score.disparity - object.true_at_centre).abs()).fold(worst, f32::max);
+        worst = told.iter().map(|(object, (at, _))| (at - object.true_at_centre).abs()).fold(worst, f32::max);
     }
     println!("{answers} answers in {rooms} rooms, at most {worst:.2} px off at the centre");
     assert!(answers > LEAST_ANSWERS * rooms, "{answers} answers prove little");
@@ -29,18 +30,18 @@ fn table_says_what_is_scored(shown: &Demonstration) {
     let rows: Vec<&str> = rows.collect();
     assert_eq!(rows.len(), objects.len(), "{text}");
     for (row, object) in rows.iter().zip(objects) {
-        let RoomObject { score, true_at_centre } = object;
-        let numbers = row.strip_prefix(&score.name).unwrap_or_else(|| panic!("{row:?} is of {}", score.name));
-        assert_eq!(score.refused.is_some(), numbers.contains("no depth"), "{row}");
-        if score.refused.is_none() {
+        let RoomObject { name, answer, true_at_centre, .. } = object;
+        let numbers = row.strip_prefix(&**name).unwrap_or_else(|| panic!("{row:?} is of {name}"));
+        assert_eq!(answer.is_err(), numbers.contains("no depth"), "{row}");
+        if let Ok((disparity, _)) = answer {
             let said: Vec<&str> = numbers.split_whitespace().collect();
-            assert_eq!(said[0], format!("{:.2}", score.disparity), "{row}");
+            assert_eq!(said[0], format!("{disparity:.2}"), "{row}");
             assert_eq!(said[2], format!("{true_at_centre:.2}"), "{row}");
             assert_eq!(object.is_wrong(), row.contains("wrong"), "{row}");
         }
     }
     let count = |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
-    let answered = count(&|object| object.score.refused.is_none());
+    let answered = count(&|object| object.answer.is_ok());
     let line =
         format!("Objects:  {answered} of {} have a depth; {} of them", objects.len(), count(&RoomObject::is_wrong));
     assert!(text.contains(&line), "{line:?} is not in\n{text}");

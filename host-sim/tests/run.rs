@@ -95,7 +95,7 @@ fn files_are_written_and_named() {
 #[test]
 fn every_help_is_an_answer() {
     let folder = TempDir::new().unwrap();
-    for command in ["demo", "run", "eval", "fit-confidence", "scene", "flash-image", "rectify"] {
+    for command in ["demo", "run", "scene", "flash-image", "rectify"] {
         assert!(succeed(folder.path(), &[command, "--help"]).lines().count() > 8, "{command}");
     }
 }

@@ -16,14 +16,12 @@ fn without_arguments_it_shows_a_room_and_writes_a_picture() {
 }
 
 #[test]
-fn rendered_scenes_can_be_scored_and_matched() {
+fn rendered_scenes_can_be_matched() {
     let folder = TempDir::new().unwrap();
     let list = succeed(folder.path(), &["scene", "--list"]);
     succeed(folder.path(), &["scene", "--kind", "all", "--size", "160x120", "--noise", "2", "out"]);
-    let scores = succeed(folder.path(), &["eval", "out"]);
     for line in list.lines() {
         let name = line.split_whitespace().next().unwrap();
-        assert!(scores.contains(name), "{name} is not in\n{scores}");
         for file in ["left.png", "right.png", "gt.png", "visible.png", "objects.png", "scene.json"] {
             assert!(folder.path().join("out").join(name).join(file).is_file(), "{name}/{file}");
         }

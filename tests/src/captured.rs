@@ -2,8 +2,8 @@
 
 use linestereo::Params;
 use linestereo_frames::{Scene, find_scenes, load_scene};
+use linestereo_lab::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
 use linestereo_sim::engine::{Engine, FittedModels};
-use linestereo_sim::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -3,4 +3,5 @@
 pub mod board;
 pub mod captured;
 pub mod drawn;
+pub mod fuzz;
 pub mod reference;

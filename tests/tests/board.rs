@@ -409,7 +409,7 @@ fn a_live_board_answers_on_its_port() {
         let mut matches = Vec::new();
         while matches.len() < usize::from(head.segments) {
             let Message::Segments(segments) = running.message() else { panic!("segments were expected") };
-            matches.extend(segments.list.iter().map(linestereo::Match::from));
+            matches.extend(segments.list);
         }
         assert_eq!(matches, expected.matches);
     }

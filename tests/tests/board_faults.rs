@@ -5,8 +5,8 @@
 use linestereo::{Area, Dims, HealthFlags, NoDepth, Params};
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_frames::{Scene, Truth, load_scene};
+use linestereo_lab::faults::{Damage, Source};
 use linestereo_sim::board;
-use linestereo_sim::faults::{Damage, Source};
 use linestereo_sim::results::outline::Mask;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::{Twin, machine};

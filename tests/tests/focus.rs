@@ -5,7 +5,7 @@
 use linestereo::diagnostics::{Candidate, Segment};
 use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
 use linestereo_frames::Scene;
-use linestereo_sim::evaluate::object_cases;
+use linestereo_lab::evaluate::object_cases;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };

@@ -5,8 +5,8 @@
 
 use linestereo::{Confidence, Params, Parts};
 use linestereo_frames::{Perturbation, Scene};
+use linestereo_lab::evaluate::{FrameScore, Summary};
 use linestereo_sim::engine::{Engine, FittedModels};
-use linestereo_sim::evaluate::{FrameScore, Summary};
 use linestereo_tests::captured;
 
 fn score(scene: &Scene, params: Params, models: Option<FittedModels>, perturbation: &Perturbation) -> FrameScore {

@@ -2,13 +2,10 @@
 
 use core::time::Duration;
 use linestereo_tests::drawn::Random;
+use linestereo_tests::fuzz::TARGETS;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
-
-#[path = "../../fuzz/src/lib.rs"]
-#[allow(unreachable_pub, reason = "the library of another package")]
-mod targets;
 
 /// Time for each function; `LINESTEREO_FUZZ_S` gives another.
 const EACH: Duration = Duration::from_secs(2);
@@ -50,7 +47,7 @@ fn mutated(inputs: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
 fn mutated_inputs_are_answered_or_refused() {
     let each =
         std::env::var("LINESTEREO_FUZZ_S").ok().map_or(EACH, |s| Duration::from_secs(s.parse().expect("seconds")));
-    for (name, target) in targets::TARGETS {
+    for (name, target) in TARGETS {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(name);
         let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();

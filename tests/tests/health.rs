@@ -8,10 +8,10 @@ use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Para
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene, Truth, find_scenes, load_gray, load_scene};
+use linestereo_lab::evaluate::{object_cases, score_objects};
+use linestereo_lab::faults::{Damage, Source};
 use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::engine::Engine;
-use linestereo_sim::evaluate::{object_cases, score_objects};
-use linestereo_sim::faults::{Damage, Source};
 use linestereo_sim::results::outline::Mask;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;
@@ -303,11 +303,10 @@ fn comes_and_goes(what: &str, expected: HealthFlags, fault: impl Fn(&mut GrayIma
         if health.flags.contains(expected) {
             last = Some(n);
         }
-        let held = HealthFlags::from_bits(health.flags.bits() & !expected.bits());
+        let held = health.flags.difference(expected);
         // Of a pair that is washed out few matches are left to tell of rows.
         let tolerated = HealthFlags::FEW_MATCHES | HealthFlags::EXPOSURES_DIFFER | HealthFlags::ROWS_UNEVEN;
-        let tolerated = tolerated.bits();
-        assert_eq!(held.bits() & !tolerated, 0, "{what}, pair {n}: {held}");
+        assert!(tolerated.contains(held), "{what}, pair {n}: {held}");
     }
     assert_eq!((first, last), (Some(4), Some(10)), "{what}");
 }
@@ -552,7 +551,7 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
             offsets.len(),
             offsets.get(offsets.len() / 2)
         );
-        assert!(HealthFlags::from_bits(all.bits() & !rows.bits()) == HealthFlags::GOOD, "{name}: {all}");
+        assert!(rows.contains(all), "{name}: {all}");
         assert!(all.contains(expected), "{name}: {all}");
     }
 }

@@ -3,8 +3,8 @@
 use linestereo::objects::{LabelRows, Run};
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
 use linestereo_frames::Scene;
+use linestereo_lab::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use linestereo_sim::engine::{Engine, FittedModels};
-use linestereo_sim::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use linestereo_sim::results::outline::{Mask, RefinedOutline, refine};
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
 use linestereo_tests::captured;

@@ -5,7 +5,7 @@
 use linestereo::Dims;
 use linestereo_baselines::{Search, StereoBm};
 use linestereo_frames::GrayImage;
-use linestereo_sim::rivals::OpenCv;
+use linestereo_lab::rivals::OpenCv;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::rendered;

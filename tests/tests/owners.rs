@@ -2,8 +2,8 @@
 
 use linestereo::{Dims, Match, Params};
 use linestereo_frames::Truth;
+use linestereo_lab::evaluate::OwnedMiddle;
 use linestereo_sim::engine::Engine;
-use linestereo_sim::evaluate::OwnedMiddle;
 use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

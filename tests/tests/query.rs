@@ -6,9 +6,9 @@ use linestereo::{
 };
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene};
+use linestereo_lab::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
+use linestereo_lab::fitting::{fit_pixels, pixel_source_text};
 use linestereo_sim::engine::Engine;
-use linestereo_sim::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
-use linestereo_sim::fitting::{fit_pixels, pixel_source_text};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
 use std::path::PathBuf;

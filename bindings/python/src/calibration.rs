@@ -1,10 +1,10 @@
 //! Rigs: numbers of a rectified pair, and calibrations of raw ones.
 
 use crate::image::{grey, view};
-use crate::rectify::PairRectifier;
 use crate::refused;
-use crate::rig_file::RigFile;
 use linestereo::{Dims, Span};
+use linestereo_calibration::PairRectifier;
+use linestereo_calibration::rig_file::RigFile;
 use linestereo_frames::GrayImage;
 use linestereo_rig::{CameraSide, RigImage, View};
 use numpy::ndarray::Array2;

@@ -6,17 +6,6 @@ mod matcher;
 mod memory;
 mod records;
 
-/// The simulator's own files: rigs are read, and images rectified, by the same code.
-#[allow(dead_code, reason = "files are written elsewhere")]
-#[path = "../../../host-sim/src/input/rectify.rs"]
-mod rectify;
-#[allow(dead_code, reason = "files are written elsewhere")]
-#[path = "../../../host-sim/src/input/rig_file.rs"]
-mod rig_file;
-#[allow(dead_code, reason = "files are opened by their path alone")]
-#[path = "../../../host-sim/src/untrusted.rs"]
-mod untrusted;
-
 use core::fmt::Display;
 use linestereo::HealthFlags;
 use pyo3::exceptions::PyValueError;

@@ -1,6 +1,6 @@
 //! Matching, and what is asked of a matched pair.
 
-use linestereo_calibration::boards::{Calibration, Rig};
+use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
 use crate::memory::Memory;
 use crate::records::{self, Answer};

@@ -1,6 +1,6 @@
 //! PNG of every kind, and binary PGM and PPM of 8 bits, to grey as the simulator reads them.
 
-use crate::grey::{StoredGray, Values, luma};
+use linestereo_frames::grey::{StoredGray, Values, luma};
 use crate::{IMAGE_BYTES, dims_of};
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use std::io::Cursor;

@@ -10,24 +10,9 @@
 
 mod file;
 
-/// The simulator's own files: grey, halves and reduced images are made by the same code.
-#[path = "../../../host-sim/src/input/grey.rs"]
-mod grey;
-#[path = "../../../host-sim/src/input/resample.rs"]
-mod resample;
-
-/// Errors of the simulator's files.
-mod error {
-    #[derive(Debug)]
-    pub enum FrameError {
-        Width { have: u16, asked: u16 },
-    }
-}
-
-use error::FrameError;
-use grey::{StoredGray, Values, luma};
 use linestereo::Dims;
-use linestereo_frames::GrayImage;
+use linestereo_frames::grey::{StoredGray, Values, luma};
+use linestereo_frames::{GrayImage, WidthError, area_average, halves};
 use std::cell::RefCell;
 
 /// Most bytes of an image, as stored and as decoded, and most pixels: those of `docs/security.md`.
@@ -103,7 +88,7 @@ pub extern "C" fn pair(width: u32) -> bool {
         let mut grey = added.into_iter().map(|image| image.into_8_bit(bits));
         let [left, right] = match [grey.next(), grey.next()] {
             [Some(left), Some(right)] => [left, right],
-            [Some(both), _] => resample::halves(&both),
+            [Some(both), _] => halves(&both),
             _ => return Err("give two images, or one with both side by side".to_owned()),
         };
         if left.dims != right.dims {
@@ -111,7 +96,7 @@ pub extern "C" fn pair(width: u32) -> bool {
             return Err(format!("the left image is {left} but the right one is {right}; give two images of one size"));
         }
         let width = if width == 0 { left.dims.width } else { u16::try_from(width).unwrap_or(u16::MAX) };
-        let reduced = |image| resample::area_average(image, width).map_err(|FrameError::Width { have, asked }| {
+        let reduced = |image| area_average(image, width).map_err(|WidthError { have, asked }| {
             format!("a width of {asked} px is not between 1 and the image's {have}; images are only ever reduced")
         });
         state.pair = Some([reduced(&left)?, reduced(&right)?]);

@@ -15,7 +15,7 @@
 //!
 //! # Source
 //! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve instead of a second sigmoid.
-//! The constants are written by `linestereo fit-confidence`.
+//! The constants are written by `linestereo-lab fit-confidence`.
 
 mod fitted;
 

@@ -22,6 +22,7 @@ const WHITE: u32 = 253;
 /// Statistics of one camera's image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CameraHealth {
     /// Mean grey level, 0 ..= 255.
     pub level: u8,

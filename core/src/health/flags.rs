@@ -1,96 +1,90 @@
 //! Faults of a pair as a set of flags.
 
 use core::fmt;
-use core::ops::{BitOr, BitOrAssign};
 
-/// Set of flags; empty without a fault. Bits from 24 on stay unused.
-///
-/// ```
-/// use linestereo::HealthFlags;
-/// let flags = HealthFlags::LEFT_FROZEN | HealthFlags::ROWS_OFF;
-/// assert!(flags.contains(HealthFlags::ROWS_OFF) && !flags.contains(HealthFlags::SKEW));
-/// assert!(flags.names().eq(["left_frozen", "rows_off"]));
-/// ```
-#[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub struct HealthFlags(u32);
+bitflags::bitflags! {
+    /// Set of flags; empty without a fault. Bits from 24 on stay unused.
+    ///
+    /// ```
+    /// use linestereo::HealthFlags;
+    /// let flags = HealthFlags::LEFT_FROZEN | HealthFlags::ROWS_OFF;
+    /// assert!(flags.contains(HealthFlags::ROWS_OFF) && !flags.contains(HealthFlags::SKEW));
+    /// assert!(flags.names().eq(["left_frozen", "rows_off"]));
+    /// ```
+    #[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
+    pub struct HealthFlags: u32 {
+        /// The left image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
+        const LEFT_EXPOSURE = 1;
+        /// The right image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
+        const RIGHT_EXPOSURE = 1 << 1;
+        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the left image are black or white.
+        const LEFT_SATURATED = 1 << 2;
+        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the right image are black or white.
+        const RIGHT_SATURATED = 1 << 3;
+        /// All of the left image is one grey level, without a sensor's noise.
+        const LEFT_DEAD = 1 << 4;
+        /// All of the right image is one grey level, without a sensor's noise.
+        const RIGHT_DEAD = 1 << 5;
+        /// The left image is black, or has almost no detail compared with the right one.
+        const LEFT_COVERED = 1 << 6;
+        /// The right image is black, or has almost no detail compared with the left one.
+        const RIGHT_COVERED = 1 << 7;
+        /// The left image repeats the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or
+        /// fewer), are the same bit for bit.
+        const LEFT_FROZEN = 1 << 8;
+        /// The right image repeats the one before, as for the left one.
+        const RIGHT_FROZEN = 1 << 9;
+        /// Too few pixels of the left image are valid.
+        const LEFT_VIEW = 1 << 10;
+        /// Too few pixels of the right image are valid.
+        const RIGHT_VIEW = 1 << 11;
+        /// One image is much brighter than the other.
+        const EXPOSURES_DIFFER = 1 << 12;
+        /// The images were captured too far apart in time: the pair is refused.
+        const SKEW = 1 << 13;
+        /// Rows do not match: the rig is not the calibrated one any more. The matcher corrects it, up to [`HealthFlags::ROWS_FAR`].
+        const ROWS_OFF = 1 << 14;
+        /// The difference of rows has changed against its long mean: the rig moves.
+        const ROWS_DRIFT = 1 << 15;
+        /// The difference of rows varies over the image: a camera is turned about its axis, or the calibration is wrong.
+        const ROWS_UNEVEN = 1 << 16;
+        /// Few of the left segments are matched.
+        const FEW_MATCHES = 1 << 17;
+        /// Several credible matches lie beyond infinity.
+        const BEYOND_INFINITY = 1 << 18;
+        /// Something is nearer than the disparity range allows: it is matched wrongly.
+        const RANGE_SMALL = 1 << 19;
+        /// Most of what is matched has no parallax: one camera is delivered twice, or a pattern covers both images, or all of the scene is far.
+        const NO_PARALLAX = 1 << 20;
+        /// Both images show something at the same pixels: noise of columns, a fixed pattern, dirt on a common window, overlaid text.
+        const SAME_PIXEL = 1 << 21;
+        /// The lower part of one image is moved sideways.
+        const TORN = 1 << 22;
+        /// Rows are further apart than the matcher corrects.
+        const ROWS_FAR = 1 << 23;
+        /// Flags with which matches may be wrong or outdated. The others (exposure, rows that are corrected, their drift, a smaller view) reduce the
+        /// number of matches, or warn.
+        const UNFIT = Self::LEFT_DEAD.bits()
+            | Self::RIGHT_DEAD.bits()
+            | Self::LEFT_COVERED.bits()
+            | Self::RIGHT_COVERED.bits()
+            | Self::LEFT_FROZEN.bits()
+            | Self::RIGHT_FROZEN.bits()
+            | Self::SKEW.bits()
+            | Self::ROWS_UNEVEN.bits()
+            | Self::FEW_MATCHES.bits()
+            | Self::BEYOND_INFINITY.bits()
+            | Self::RANGE_SMALL.bits()
+            | Self::NO_PARALLAX.bits()
+            | Self::SAME_PIXEL.bits()
+            | Self::TORN.bits()
+            | Self::ROWS_FAR.bits();
+    }
+}
 
 impl HealthFlags {
     /// No fault.
-    pub const GOOD: Self = Self(0);
-    /// The left image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
-    pub const LEFT_EXPOSURE: Self = Self(1);
-    /// The right image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
-    pub const RIGHT_EXPOSURE: Self = Self(1 << 1);
-    /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the left image are black or white.
-    pub const LEFT_SATURATED: Self = Self(1 << 2);
-    /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the right image are black or white.
-    pub const RIGHT_SATURATED: Self = Self(1 << 3);
-    /// All of the left image is one grey level, without a sensor's noise.
-    pub const LEFT_DEAD: Self = Self(1 << 4);
-    /// All of the right image is one grey level, without a sensor's noise.
-    pub const RIGHT_DEAD: Self = Self(1 << 5);
-    /// The left image is black, or has almost no detail compared with the right one.
-    pub const LEFT_COVERED: Self = Self(1 << 6);
-    /// The right image is black, or has almost no detail compared with the left one.
-    pub const RIGHT_COVERED: Self = Self(1 << 7);
-    /// The left image repeats the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or
-    /// fewer), are the same bit for bit.
-    pub const LEFT_FROZEN: Self = Self(1 << 8);
-    /// The right image repeats the one before, as for the left one.
-    pub const RIGHT_FROZEN: Self = Self(1 << 9);
-    /// Too few pixels of the left image are valid.
-    pub const LEFT_VIEW: Self = Self(1 << 10);
-    /// Too few pixels of the right image are valid.
-    pub const RIGHT_VIEW: Self = Self(1 << 11);
-    /// One image is much brighter than the other.
-    pub const EXPOSURES_DIFFER: Self = Self(1 << 12);
-    /// The images were captured too far apart in time: the pair is refused.
-    pub const SKEW: Self = Self(1 << 13);
-    /// Rows do not match: the rig is not the calibrated one any more. The matcher corrects it, up to [`HealthFlags::ROWS_FAR`].
-    pub const ROWS_OFF: Self = Self(1 << 14);
-    /// The difference of rows has changed against its long mean: the rig moves.
-    pub const ROWS_DRIFT: Self = Self(1 << 15);
-    /// The difference of rows varies over the image: a camera is turned about its axis, or the calibration is wrong.
-    pub const ROWS_UNEVEN: Self = Self(1 << 16);
-    /// Few of the left segments are matched.
-    pub const FEW_MATCHES: Self = Self(1 << 17);
-    /// Several credible matches lie beyond infinity.
-    pub const BEYOND_INFINITY: Self = Self(1 << 18);
-
-    /// Something is nearer than the disparity range allows: it is matched wrongly.
-    pub const RANGE_SMALL: Self = Self(1 << 19);
-
-    /// Most of what is matched has no parallax: one camera is delivered twice, or a pattern covers both images, or all of the scene is far.
-    pub const NO_PARALLAX: Self = Self(1 << 20);
-
-    /// Both images show something at the same pixels: noise of columns, a fixed pattern, dirt on a common window, overlaid text.
-    pub const SAME_PIXEL: Self = Self(1 << 21);
-
-    /// The lower part of one image is moved sideways.
-    pub const TORN: Self = Self(1 << 22);
-
-    /// Rows are further apart than the matcher corrects.
-    pub const ROWS_FAR: Self = Self(1 << 23);
-
-    /// Flags with which matches may be wrong or outdated. The others (exposure, rows that are corrected, their drift, a smaller view) reduce the
-    /// number of matches, or warn.
-    pub const UNFIT: Self = Self(
-        Self::LEFT_DEAD.0
-            | Self::RIGHT_DEAD.0
-            | Self::LEFT_COVERED.0
-            | Self::RIGHT_COVERED.0
-            | Self::LEFT_FROZEN.0
-            | Self::RIGHT_FROZEN.0
-            | Self::SKEW.0
-            | Self::ROWS_UNEVEN.0
-            | Self::FEW_MATCHES.0
-            | Self::BEYOND_INFINITY.0
-            | Self::RANGE_SMALL.0
-            | Self::NO_PARALLAX.0
-            | Self::SAME_PIXEL.0
-            | Self::TORN.0
-            | Self::ROWS_FAR.0,
-    );
+    pub const GOOD: Self = Self::empty();
 
     /// Every flag with its name.
     pub const NAMES: [(Self, &'static str); 24] = [
@@ -120,24 +114,6 @@ impl HealthFlags {
         (Self::ROWS_FAR, "rows_far"),
     ];
 
-    /// The set as bits.
-    #[must_use]
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// A set from bits; unnamed ones are kept.
-    #[must_use]
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits)
-    }
-
-    /// True when all flags of `other` are set.
-    #[must_use]
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
     /// The names of the flags that are set, in the order of [`HealthFlags::NAMES`].
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         Self::NAMES.into_iter().filter(move |&(flag, _)| self.contains(flag)).map(|(_, name)| name)
@@ -146,31 +122,12 @@ impl HealthFlags {
     /// True when matches may be used: no flag of [`HealthFlags::UNFIT`] is set.
     #[must_use]
     pub const fn is_fit(self) -> bool {
-        self.0 & Self::UNFIT.0 == 0
-    }
-
-    /// The flags that are in both sets.
-    pub(crate) const fn and(self, other: Self) -> Self {
-        Self(self.0 & other.0)
+        !self.intersects(Self::UNFIT)
     }
 
     /// This set if `is_set`, else none.
     pub(crate) const fn when(self, is_set: bool) -> Self {
         if is_set { self } else { Self::GOOD }
-    }
-}
-
-impl BitOr for HealthFlags {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl BitOrAssign for HealthFlags {
-    fn bitor_assign(&mut self, other: Self) {
-        self.0 |= other.0;
     }
 }
 

@@ -1,7 +1,5 @@
 //! Limits at which flags are raised.
 
-use core::fmt;
-
 /// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14 captured pairs, 6 of a robot's camera
 /// and three sequences of a robot (see `tests/tests/health.rs`), without false flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,20 +107,13 @@ impl Default for HealthLimits {
 }
 
 /// Two images that were captured too far apart to be a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the images were captured {skew_us} us apart, allowed are {limit_us}: trigger both cameras together")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Skewed {
     /// Time between the captures, us.
     pub skew_us: u32,
     /// Largest allowed time, us.
     pub limit_us: u32,
 }
-
-impl fmt::Display for Skewed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { skew_us, limit_us } = self;
-        write!(f, "the images were captured {skew_us} us apart, allowed are {limit_us}: trigger both cameras together")
-    }
-}
-
-impl core::error::Error for Skewed {}

@@ -195,7 +195,7 @@ impl HealthMonitor {
 
         health.range = Some(found.range);
         // A fault of a camera leaves windows without a match as well.
-        if health.now.and(CAMERA_FLAGS) == HealthFlags::GOOD {
+        if !health.now.intersects(CAMERA_FLAGS) {
             tested |= HealthFlags::RANGE_SMALL;
             now |= HealthFlags::RANGE_SMALL.when(is_small(&found.range, limits));
         }
@@ -235,13 +235,15 @@ impl HealthMonitor {
             let offset_q8 = (self.short_q16 + 128) >> 8;
             health.row_offset_q8 = i16::try_from(offset_q8).ok();
             let is_beyond = |limit_q8: u16| offset_q8.unsigned_abs() > u32::from(limit_q8);
-            now |= tested.and(HealthFlags::ROWS_OFF).when(is_beyond(limits.row_offset_q8));
-            now |= tested.and(HealthFlags::ROWS_FAR).when(is_beyond(limits.row_limit_q8));
+            now |= tested.intersection(HealthFlags::ROWS_OFF).when(is_beyond(limits.row_offset_q8));
+            now |= tested.intersection(HealthFlags::ROWS_FAR).when(is_beyond(limits.row_limit_q8));
         }
         if self.pairs >= SETTLED {
             let drift_q8 = (self.short_q16 - self.long_q16 + 128) >> 8;
             health.row_drift_q8 = i16::try_from(drift_q8).ok();
-            now |= tested.and(HealthFlags::ROWS_DRIFT).when(drift_q8.unsigned_abs() > u32::from(limits.row_drift_q8));
+            now |= tested
+                .intersection(HealthFlags::ROWS_DRIFT)
+                .when(drift_q8.unsigned_abs() > u32::from(limits.row_drift_q8));
         }
         (now, tested)
     }
@@ -270,7 +272,7 @@ impl HealthMonitor {
             | HealthFlags::LEFT_COVERED.when((is_black || is_plain) && !own.is_flat)
             | HealthFlags::LEFT_FROZEN.when(is_same && !own.is_flat)
             | HealthFlags::LEFT_VIEW.when(health.view_permille < limits.view_permille);
-        HealthFlags::from_bits(left.bits() << camera)
+        HealthFlags::from_bits_retain(left.bits() << camera)
     }
 
     /// True when this camera's image has been the same for more than [`HealthLimits::frozen_pairs`] pairs.
@@ -313,7 +315,7 @@ impl Default for HealthMonitor {
 }
 
 /// Flags that are tested before matching, without [`HealthFlags::SKEW`].
-const CAMERA_FLAGS: HealthFlags = HealthFlags::from_bits((HealthFlags::EXPOSURES_DIFFER.bits() << 1) - 1);
+const CAMERA_FLAGS: HealthFlags = HealthFlags::from_bits_retain((HealthFlags::EXPOSURES_DIFFER.bits() << 1) - 1);
 
 /// True when few of the segments compared are matched.
 fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool {

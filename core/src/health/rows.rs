@@ -75,6 +75,7 @@ const NEAR_Q8: i16 = 32;
 /// Difference of rows of one pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rows {
     /// Row in the right image minus row in the left image, 1/256 px: positive when the right image is too low.
     pub offset_q8: i16,

@@ -43,6 +43,7 @@ const RIGHT_FIRST: i32 = FIRST - LAGS[0] as i32;
 /// Likeness of both images at the same pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Still {
     /// Share of the credible support points without parallax, per thousand.
     pub still_permille: u16,

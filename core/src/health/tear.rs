@@ -40,6 +40,7 @@ const MIN_DIFFERENCE: u32 = 3;
 /// A row at which an image is torn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tear {
     /// The last row above it, px.
     pub row: u16,

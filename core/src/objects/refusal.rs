@@ -17,7 +17,7 @@
 //! parallax:    at least 0.75 px
 //! ```
 //! Constants are round numbers at which no right answer of 14 undamaged QVGA scenes is lost; tried on the same at 224 px, on eight scenes at a third of
-//! Middlebury's size and three at 480 px (`linestereo faults`).
+//! Middlebury's size and three at 480 px (`linestereo-lab faults`).
 //!
 //! # Cost
 //! Some 30 instructions a support point in or within 24 px of the region.

@@ -7,7 +7,6 @@
 
 use crate::area::Area;
 use crate::image::{Dims, Span};
-use core::fmt;
 
 /// Adjacent pixels of one row with the same label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,30 +47,19 @@ pub struct Region<'a> {
 }
 
 /// Reason why a box or mask is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RegionError {
     /// It has no pixel.
+    #[error("a region without pixels")]
     Empty,
     /// None of its pixels lies in the image.
+    #[error("a region outside of the image")]
     Outside,
     /// The run at this position of the mask starts after its end, does not lie behind the one before, or ends outside of the image.
+    #[error("run {0} of the mask is empty, outside of the image, or not behind the run before it")]
     Run(u32),
 }
-
-impl fmt::Display for RegionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => f.write_str("a region without pixels"),
-            Self::Outside => f.write_str("a region outside of the image"),
-            Self::Run(index) => {
-                write!(f, "run {index} of the mask is empty, outside of the image, or not behind the run before it")
-            }
-        }
-    }
-}
-
-impl core::error::Error for RegionError {}
 
 impl<'a> Region<'a> {
     /// A box, cut to the image.

@@ -148,7 +148,7 @@ impl Obstacles {
         time_us: u64,
     ) {
         let now_ms = milliseconds(time_us);
-        self.is_fit = (health.bits() & plan.unfit.bits()) == 0;
+        self.is_fit = !health.intersects(plan.unfit);
         let mut found = [Hypotheses::NONE; MAX_IN_VIEW];
         if self.is_fit {
             for one in matches {

@@ -14,7 +14,6 @@ use crate::image::Dims;
 use crate::params::Params;
 use crate::rig::{Rig, nearest};
 use core::f32::consts::PI;
-use core::fmt;
 use micromath::F32;
 
 /// Largest number of sectors in view of a camera: half of 72, and one more where both borders cut one.
@@ -245,12 +244,14 @@ impl ObstaclePlan {
 }
 
 /// Reason why parameters of sectors are refused.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ObstacleError {
     /// Distances need a rig, and there is none.
+    #[error("distances need a rig (focal length and baseline)")]
     NoRig,
     /// A number outside its range.
+    #[error("{name} is {value}, allowed are {low} to {high}")]
     OutOfRange {
         /// Name of the parameter, with its unit.
         name: &'static str,
@@ -262,17 +263,6 @@ pub enum ObstacleError {
         high: f32,
     },
 }
-
-impl fmt::Display for ObstacleError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NoRig => f.write_str("distances need a rig (focal length and baseline)"),
-            Self::OutOfRange { name, value, low, high } => write!(f, "{name} is {value}, allowed are {low} to {high}"),
-        }
-    }
-}
-
-impl core::error::Error for ObstacleError {}
 
 #[cfg(test)]
 #[allow(clippy::float_arithmetic, clippy::unwrap_used, reason = "compared with double precision")]

@@ -35,7 +35,6 @@ use crate::row_memory::row_bytes;
 use crate::support::Support;
 use crate::units::narrow;
 use crate::units::{Confidence, Depth, Disparity};
-use core::fmt;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
 pub use fitted::FITTED_PIXEL;
 use patch::{COLUMNS_REACH, Patch};
@@ -67,26 +66,35 @@ pub struct PixelDepth {
 }
 
 /// Reason why a pixel has no depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PixelRejection {
     /// The images or the memory do not have the planned size.
+    #[error("the pair or the memory is not of the planned size")]
     OtherSize,
     /// The pixel lies outside of the image, or of its valid part.
+    #[error("the pixel lies outside of the valid image")]
     Outside,
     /// The pixel does not belong to the region given.
+    #[error("the pixel does not belong to the region")]
     OutsideRegion,
     /// Too close to the border to compare enough disparities.
+    #[error("too close to the border to compare disparities")]
     NearBorder,
     /// There is nothing to match around the pixel.
+    #[error("nothing to match around the pixel")]
     NoTexture,
     /// The left-right check fails: most likely the surface is occluded in the right image.
+    #[error("hidden in the right image, most likely")]
     LeftRight,
     /// Another disparity matches nearly as well.
+    #[error("another disparity matches nearly as well")]
     NotUnique,
     /// The probability by all evidence is below [`Params::min_confidence`].
+    #[error("not credible enough")]
     LowConfidence,
     /// The pair was refused.
+    #[error("the pair is not fit to be used")]
     UnhealthyPair,
 }
 
@@ -120,24 +128,6 @@ impl PixelRejection {
         }
     }
 }
-
-impl fmt::Display for PixelRejection {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OtherSize => "the pair or the memory is not of the planned size",
-            Self::Outside => "the pixel lies outside of the valid image",
-            Self::OutsideRegion => "the pixel does not belong to the region",
-            Self::NearBorder => "too close to the border to compare disparities",
-            Self::NoTexture => "nothing to match around the pixel",
-            Self::LeftRight => "hidden in the right image, most likely",
-            Self::NotUnique => "another disparity matches nearly as well",
-            Self::LowConfidence => "not credible enough",
-            Self::UnhealthyPair => "the pair is not fit to be used",
-        })
-    }
-}
-
-impl core::error::Error for PixelRejection {}
 
 /// Inputs and working memory for the depth of one pixel.
 pub(crate) struct Query<'a> {

@@ -1,38 +1,45 @@
-//! `linestereo-lab`: what judges the method. Users need none of it; the program for them is
-//! `linestereo`.
+//! `linestereo-lab`: what judges the method. Users need none of it; the program for them is `linestereo`.
 
-mod bench;
-
-use clap::{Parser, Subcommand};
-use linestereo_sim::output::ClosedPipe;
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use linestereo_lab::bench;
+use linestereo_lab::commands::{compare, eval, eval_pixels, faults, fit_confidence};
+use linestereo_sim::commands::program;
 use std::process::ExitCode;
 
-/// Exit code of every failure.
-const FAILURE: u8 = 2;
+/// Name of the program in messages.
+const NAME: &str = "linestereo-lab";
 
 /// Scores of the method on data sets, beside other matchers.
 #[derive(Debug, Parser)]
-#[command(name = "linestereo-lab", version, max_term_width = 100)]
+#[command(name = NAME, version, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    verbosity: program::Verbosity,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Bench(bench::Args),
+    Eval(Box<eval::Args>),
+    EvalPixels(eval_pixels::Args),
+    Compare(Box<compare::Args>),
+    Faults(faults::Args),
+    FitConfidence(fit_confidence::Args),
 }
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
-        Command::Bench(args) => bench::run(&args),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is::<ClosedPipe>() => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("linestereo-lab: {error:#}");
-            ExitCode::from(FAILURE)
+    program::run(NAME, Cli::command(), |matches| {
+        let cli = Cli::from_arg_matches(matches)?;
+        cli.verbosity.set();
+        match &cli.command {
+            Command::Bench(args) => bench::run(args),
+            Command::Eval(args) => eval::run(args),
+            Command::EvalPixels(args) => eval_pixels::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Faults(args) => faults::run(args),
+            Command::FitConfidence(args) => fit_confidence::run(args),
         }
-    }
+    })
 }

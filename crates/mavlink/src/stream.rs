@@ -12,7 +12,6 @@
 use crate::frame::{Mavlink, Sender};
 use crate::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
 use crate::pace::Pace;
-use core::fmt;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 
 /// Content of the messages while the pair is not fit to be used.
@@ -93,29 +92,18 @@ impl Default for AutopilotParams {
 }
 
 /// Number of [`AutopilotParams`] outside its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StreamError {
     /// Not 10 to 20 messages a second.
+    #[error("{0} messages a second, allowed are 10 to 20")]
     Rate(u8),
     /// The shortest distance is 0, or not below the range.
+    #[error("the shortest distance is {0} cm, allowed are 1 to below the range")]
     MinDistance(u16),
     /// The blocking distance is below the shortest, or not below the range.
+    #[error("the blocking distance is {0} cm, allowed are the shortest distance to below the range")]
     Block(u16),
 }
-
-impl fmt::Display for StreamError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Rate(hz) => write!(f, "{hz} messages a second, allowed are 10 to 20"),
-            Self::MinDistance(cm) => write!(f, "the shortest distance is {cm} cm, allowed are 1 to below the range"),
-            Self::Block(cm) => {
-                write!(f, "the blocking distance is {cm} cm, allowed are the shortest distance to below the range")
-            }
-        }
-    }
-}
-
-impl core::error::Error for StreamError {}
 
 /// Messages to one autopilot.
 #[derive(Clone, Debug)]

@@ -20,6 +20,15 @@ impl CameraSide {
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 }
 
+impl fmt::Display for CameraSide {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        })
+    }
+}
+
 /// A calibrated pair: a point at `X` in the left camera's coordinates is at `R X + t` in the right one's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
@@ -30,36 +39,27 @@ pub struct Calibration {
 }
 
 /// Reason why two cameras are no stereo pair.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// The images of the two cameras differ in size.
+    #[error("the images of the two cameras differ in size")]
     SizesDiffer,
     /// The quaternion's length is not 1 (within 1 %), or it is not finite.
+    #[error("the rotation between the cameras is no unit quaternion")]
     Rotation,
     /// The cameras are turned against each other by more than 60 degrees.
+    #[error("the cameras are turned against each other by more than 60 degrees")]
     Turned,
     /// The baseline is outside 0.0001 ..= 100 m, or not finite.
+    #[error("baseline {0} m is outside 0.0001 to 100")]
     Baseline(f64),
     /// The right camera lies to the left of the left one.
+    #[error("the right camera lies to the left of the left one: exchange their images")]
     Swapped,
     /// The cameras lie above each other, or one behind the other, more than side by side.
+    #[error("the cameras do not lie side by side")]
     NotSideBySide,
 }
-
-impl fmt::Display for CalibrationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::SizesDiffer => write!(f, "the images of the two cameras differ in size"),
-            Self::Rotation => write!(f, "the rotation between the cameras is no unit quaternion"),
-            Self::Turned => write!(f, "the cameras are turned against each other by more than 60 degrees"),
-            Self::Baseline(v) => write!(f, "baseline {v} m is outside 0.0001 to 100"),
-            Self::Swapped => write!(f, "the right camera lies to the left of the left one: exchange their images"),
-            Self::NotSideBySide => write!(f, "the cameras do not lie side by side"),
-        }
-    }
-}
-
-impl core::error::Error for CalibrationError {}
 
 impl Calibration {
     /// A pair from its cameras, the rotation as a unit quaternion `[w, x, y, z]` and the translation in metres.

@@ -14,7 +14,6 @@
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::real::Real;
-use core::fmt;
 use linestereo::image::Dims;
 
 /// Tangent of the largest angle of rays off the axis, 76 degrees; a flat rectified image cannot show more.
@@ -139,38 +138,27 @@ impl<T: Real> Lens<T> {
 }
 
 /// Number of a camera that is not usable.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
     /// A side of the raw image is outside 16 ..= 4096 px.
+    #[error("a raw image of {0} is outside 16x16 to 4096x4096")]
     Dims(Dims),
     /// A focal length is outside 1 ..= 100 000 px or not finite.
+    #[error("focal length {0} px is outside 1 to 100000")]
     Focal(f64),
     /// The centre is further than one image size outside the image, or not finite.
+    #[error("the optical centre ({x}, {y}) px lies far outside the image", x = .0[0], y = .0[1])]
     Centre([f64; 2]),
     /// The skew is outside -1000 ..= 1000 px or not finite.
+    #[error("skew {0} px is outside -1000 to 1000")]
     Skew(f64),
     /// A lens coefficient is outside -1000 ..= 1000 or not finite.
+    #[error("lens coefficient {0} is outside -1000 to 1000")]
     Lens(f64),
     /// The lens folds the image over at this tangent of the viewing angle, inside the image.
+    #[error("the lens coefficients fold the image over at a tangent of {0:.2}, inside the image")]
     Folds(f64),
 }
-
-impl fmt::Display for CameraError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Dims(dims) => write!(f, "a raw image of {dims} is outside 16x16 to 4096x4096"),
-            Self::Focal(v) => write!(f, "focal length {v} px is outside 1 to 100000"),
-            Self::Centre([x, y]) => write!(f, "the optical centre ({x}, {y}) px lies far outside the image"),
-            Self::Skew(v) => write!(f, "skew {v} px is outside -1000 to 1000"),
-            Self::Lens(v) => write!(f, "lens coefficient {v} is outside -1000 to 1000"),
-            Self::Folds(v) => {
-                write!(f, "the lens coefficients fold the image over at a tangent of {v:.2}, inside the image")
-            }
-        }
-    }
-}
-
-impl core::error::Error for CameraError {}
 
 /// Checks the size of raw images, px, and what a camera's numbers can be.
 pub(crate) fn check_numbers<T: Real>(

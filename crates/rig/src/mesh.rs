@@ -20,7 +20,6 @@ use crate::calibration::CameraSide;
 use crate::grid::Grid;
 use crate::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
 use crate::remap::Remap;
-use core::fmt;
 use linestereo::diagnostics::kernel::X_ROUNDING;
 use linestereo::image::{Dims, Span, shrink_to_valid};
 
@@ -63,9 +62,10 @@ pub struct Mesh<const NODES: usize, const ROWS: usize> {
 }
 
 /// Reason why a mesh cannot be built.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
     /// The memory holds too few nodes.
+    #[error("the mesh needs {needed} nodes, there is memory for {given}")]
     Nodes {
         /// Nodes needed: see [`mesh_nodes`].
         needed: usize,
@@ -73,6 +73,7 @@ pub enum MeshError {
         given: usize,
     },
     /// The memory holds too few rows.
+    #[error("the rectified images have {needed} rows, there is memory for {given}")]
     Rows {
         /// Rows of the rectified image.
         needed: usize,
@@ -80,22 +81,9 @@ pub enum MeshError {
         given: usize,
     },
     /// No rectified pixel has a source in the raw image.
+    #[error("no rectified pixel lies inside the raw image")]
     NothingSeen,
 }
-
-impl fmt::Display for MeshError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Nodes { needed, given } => write!(f, "the mesh needs {needed} nodes, there is memory for {given}"),
-            Self::Rows { needed, given } => {
-                write!(f, "the rectified images have {needed} rows, there is memory for {given}")
-            }
-            Self::NothingSeen => write!(f, "no rectified pixel lies inside the raw image"),
-        }
-    }
-}
-
-impl core::error::Error for MeshError {}
 
 impl<const NODES: usize, const ROWS: usize> Default for Mesh<NODES, ROWS> {
     fn default() -> Self {

@@ -9,7 +9,6 @@
 
 use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{Camera, MAX_TANGENT};
-use core::fmt;
 use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::{Rig, RigError};
 use nalgebra::{Matrix3, Vector3};
@@ -41,36 +40,24 @@ impl Default for View {
 }
 
 /// Reason why a pair cannot be rectified.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RectifyError {
     /// The rectified size is outside the core's limits.
+    #[error("rectified images of {0} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")]
     Dims(Dims),
     /// Alpha is outside 0 ..= 1.
+    #[error("alpha is {0}, allowed are 0 to 1")]
     Alpha(f64),
     /// The two cameras have no common view.
+    #[error("the two cameras share no view: are they turned apart?")]
     NoCommonView,
     /// Focal length or baseline are outside the limits of [`Rig`].
+    #[error("{0}")]
     Rig(RigError),
     /// A rotation is no rotation (rows not perpendicular unit vectors within 1 %).
+    #[error("the {0} rectifying matrix is no rotation")]
     Rotation(CameraSide),
 }
-
-impl fmt::Display for RectifyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Dims(dims) => {
-                write!(f, "rectified images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")
-            }
-            Self::Alpha(v) => write!(f, "alpha is {v}, allowed are 0 to 1"),
-            Self::NoCommonView => write!(f, "the two cameras share no view: are they turned apart?"),
-            Self::Rig(error) => error.fmt(f),
-            Self::Rotation(CameraSide::Left) => write!(f, "the left rectifying matrix is no rotation"),
-            Self::Rotation(CameraSide::Right) => write!(f, "the right rectifying matrix is no rotation"),
-        }
-    }
-}
-
-impl core::error::Error for RectifyError {}
 
 /// The common virtual camera, and the mapping to both raw images.
 #[derive(Clone, Copy, Debug, PartialEq)]

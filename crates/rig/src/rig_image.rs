@@ -35,7 +35,6 @@ use crate::camera::{CameraError, Lens};
 use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::rectification::{RectifyError, View};
 use crate::remap::{Remap, RemapCamera, RemapError};
-use core::fmt;
 use linestereo::{Dims, ParamError, Params};
 use serde::{Deserialize, Serialize};
 
@@ -68,13 +67,16 @@ pub struct RigImageHead {
 }
 
 /// Reason why bytes are no rig that a board can use.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RigImageError {
     /// Erased memory.
+    #[error("empty: nothing was written here")]
     Empty,
     /// The first bytes are not those of an image.
+    #[error("foreign: this does not start as a rig image does")]
     Foreign,
     /// The image ends too early.
+    #[error("truncated: the image has {needed} bytes, {given} are here")]
     Truncated {
         /// Bytes of the image.
         needed: usize,
@@ -82,6 +84,7 @@ pub enum RigImageError {
         given: usize,
     },
     /// Bytes follow the image.
+    #[error("surplus: the image has {needed} bytes, {given} are here")]
     Surplus {
         /// Bytes of the image.
         needed: usize,
@@ -89,49 +92,33 @@ pub enum RigImageError {
         given: usize,
     },
     /// The checksum is not that of the bytes.
+    #[error("damaged: the checksum is not that of the bytes")]
     Damaged,
     /// A whole image of another version.
+    #[error("other version: it is {found}, this program knows {VERSION}")]
     OtherVersion {
         /// Its version.
         found: u16,
     },
     /// The length field is not that of this version: a damaged image, or one of a later version.
+    #[error("damaged or of another version: it says it has {found} bytes, not {}", RigImage::BYTES)]
     Length {
         /// Its length.
         found: u16,
     },
     /// A kind of lens that this version does not have.
+    #[error("{0} camera: lens {1} is not known, only 0 and 1 are")]
     LensKind(CameraSide, u32),
     /// A camera is not usable.
+    #[error("{0} camera: {1}")]
     Camera(CameraSide, CameraError),
     /// The pair cannot be rectified to this size and view.
+    #[error("rectified view: {0}")]
     View(RectifyError),
     /// The disparity range does not fit.
+    #[error("disparity range: {0}")]
     Range(ParamError),
 }
-
-impl fmt::Display for RigImageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |eye| if eye == CameraSide::Left { "left" } else { "right" };
-        match *self {
-            Self::Empty => write!(f, "empty: nothing was written here"),
-            Self::Foreign => write!(f, "foreign: this does not start as a rig image does"),
-            Self::Truncated { needed, given } => write!(f, "truncated: the image has {needed} bytes, {given} are here"),
-            Self::Surplus { needed, given } => write!(f, "surplus: the image has {needed} bytes, {given} are here"),
-            Self::Damaged => write!(f, "damaged: the checksum is not that of the bytes"),
-            Self::OtherVersion { found } => write!(f, "other version: it is {found}, this program knows {VERSION}"),
-            Self::Length { found } => {
-                write!(f, "damaged or of another version: it says it has {found} bytes, not {}", RigImage::BYTES)
-            }
-            Self::LensKind(eye, kind) => write!(f, "{} camera: lens {kind} is not known, only 0 and 1 are", name(eye)),
-            Self::Camera(eye, error) => write!(f, "{} camera: {error}", name(eye)),
-            Self::View(error) => write!(f, "rectified view: {error}"),
-            Self::Range(error) => write!(f, "disparity range: {error}"),
-        }
-    }
-}
-
-impl core::error::Error for RigImageError {}
 
 impl RigImageHead {
     /// Reads the start of an image. Only the magic is checked.

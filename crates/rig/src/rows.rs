@@ -16,7 +16,6 @@
 
 use crate::mesh::{Mesh, MeshPlan};
 use crate::nodes::{Knots, NO_NODE, Node, Piece};
-use core::fmt;
 use core::ops::Range;
 use linestereo::diagnostics::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 
@@ -55,11 +54,13 @@ struct Progress {
 }
 
 /// Reason why a raw row is refused. The progress in the frame does not change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RowError {
     /// The mesh is empty: build it first.
+    #[error("no mesh has been built")]
     NoMesh,
     /// The band's memory is too small for this mesh.
+    #[error("the band needs {needed} bytes, there are {given}")]
     Band {
         /// Bytes needed: [`Mesh::band_bytes`].
         needed: usize,
@@ -67,6 +68,7 @@ pub enum RowError {
         given: usize,
     },
     /// The raw row does not have the width of the mesh's raw images.
+    #[error("a raw row has {needed} px, {given} were given")]
     Width {
         /// Pixels of a raw row.
         needed: u16,
@@ -74,8 +76,10 @@ pub enum RowError {
         given: usize,
     },
     /// All raw rows of this frame have been given: restart for the next one.
+    #[error("the frame is complete: restart before the next one")]
     TooMany,
     /// The memory for the rectified frame is too small.
+    #[error("the rectified frame needs {needed} bytes, there are {given}")]
     Frame {
         /// Bytes needed: width times height.
         needed: usize,
@@ -83,20 +87,6 @@ pub enum RowError {
         given: usize,
     },
 }
-
-impl fmt::Display for RowError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::NoMesh => write!(f, "no mesh has been built"),
-            Self::Band { needed, given } => write!(f, "the band needs {needed} bytes, there are {given}"),
-            Self::Width { needed, given } => write!(f, "a raw row has {needed} px, {given} were given"),
-            Self::TooMany => write!(f, "the frame is complete: restart before the next one"),
-            Self::Frame { needed, given } => write!(f, "the rectified frame needs {needed} bytes, there are {given}"),
-        }
-    }
-}
-
-impl core::error::Error for RowError {}
 
 impl<const BYTES: usize> Default for Band<BYTES> {
     fn default() -> Self {

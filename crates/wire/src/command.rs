@@ -7,10 +7,9 @@ use crate::object::{MAX_REGIONS, Regions};
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
 use crate::settings::{Setting, SettingValue};
-use core::fmt;
 use heapless::String;
 use linestereo::health::Skewed;
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
+use linestereo::{Confidence, Dims, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
 use linestereo_rig::RigImage;
 use serde::{Deserialize, Serialize};
 
@@ -118,58 +117,15 @@ pub struct ParamUpdate {
     /// [`Params::cell`], px.
     pub cell: Option<u16>,
     /// [`Params::margin`].
-    pub margin: Option<MarginUpdate>,
-    /// [`Params::min_confidence`], 1/65536.
-    pub min_confidence_q16: Option<u16>,
+    pub margin: Option<Margin>,
+    /// [`Params::min_confidence`].
+    pub min_confidence: Option<Confidence>,
     /// [`Params::reach`], px.
     pub reach: Option<u16>,
     /// [`Params::rig`].
     pub rig: Option<RigUpdate>,
     /// [`Params::parts`].
-    pub parts: Option<PartsUpdate>,
-}
-
-/// A [`Parts`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum PartsUpdate {
-    /// [`Parts::Both`].
-    Both,
-    /// [`Parts::Support`].
-    Support,
-}
-
-impl From<Parts> for PartsUpdate {
-    fn from(parts: Parts) -> Self {
-        match parts {
-            Parts::Both => Self::Both,
-            Parts::Support => Self::Support,
-        }
-    }
-}
-
-impl From<PartsUpdate> for Parts {
-    fn from(parts: PartsUpdate) -> Self {
-        match parts {
-            PartsUpdate::Both => Self::Both,
-            PartsUpdate::Support => Self::Support,
-        }
-    }
-}
-
-/// A [`Margin`] in plain numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MarginUpdate {
-    /// [`Margin::Pixels`], 1/64 px.
-    PixelsQ6(i16),
-    /// [`Margin::Metres`], 1/65536 m.
-    MetresQ16 {
-        /// Towards the cameras.
-        nearer: i32,
-        /// Away from them.
-        farther: i32,
-    },
+    pub parts: Option<Parts>,
 }
 
 /// Numbers of a [`Rig`].
@@ -198,13 +154,6 @@ impl ParamUpdate {
             Some(rig) => Some(rig.rig()?),
             None => params.rig,
         };
-        let margin = match self.margin {
-            Some(MarginUpdate::PixelsQ6(bits)) => Margin::Pixels(Disparity::from_bits(bits)),
-            Some(MarginUpdate::MetresQ16 { nearer, farther }) => {
-                Margin::Metres { nearer: Depth::from_bits(nearer), farther: Depth::from_bits(farther) }
-            }
-            None => params.margin,
-        };
         Ok(Params {
             min_disparity: self.min_disparity.unwrap_or(params.min_disparity),
             max_disparity: self.max_disparity.unwrap_or(params.max_disparity),
@@ -213,10 +162,10 @@ impl ParamUpdate {
             edge_gradient: self.edge_gradient.unwrap_or(params.edge_gradient),
             min_extent: self.min_extent.unwrap_or(params.min_extent),
             cell: self.cell.unwrap_or(params.cell),
-            margin,
-            min_confidence: self.min_confidence_q16.map_or(params.min_confidence, Confidence::from_bits),
+            margin: self.margin.unwrap_or(params.margin),
+            min_confidence: self.min_confidence.unwrap_or(params.min_confidence),
             reach: self.reach.unwrap_or(params.reach),
-            parts: self.parts.map_or(params.parts, Parts::from),
+            parts: self.parts.unwrap_or(params.parts),
         })
     }
 
@@ -237,11 +186,12 @@ impl ParamUpdate {
     }
 }
 
-/// Why a command was not done.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Why a command was not done, in the core's own words where it has them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// [`ParamError::OutOfRange`].
+    #[error("{name} is {value}, allowed are {low} to {high}")]
     OutOfRange {
         /// Name of the parameter.
         name: Name,
@@ -253,8 +203,10 @@ pub enum Refusal {
         high: i64,
     },
     /// [`ParamError::MarginNeedsRig`].
+    #[error("{}", ParamError::MarginNeedsRig)]
     MarginNeedsRig,
     /// The board's memory was made for smaller images.
+    #[error("{name} of the board's memory holds {given}, these images need {needed}")]
     MemoryTooSmall {
         /// Name of the memory that is too small.
         name: Name,
@@ -264,14 +216,19 @@ pub enum Refusal {
         given: u32,
     },
     /// [`RigError::Focal`].
+    #[error("{}", RigError::Focal(*.0 as f32))]
     Focal(f64),
     /// [`RigError::Baseline`].
+    #[error("{}", RigError::Baseline(*.0 as f32))]
     Baseline(f64),
     /// [`RigError::Offset`].
+    #[error("{}", RigError::Offset(*.0 as f32))]
     Offset(f64),
     /// This board cannot do that.
+    #[error("this board cannot do that")]
     Unsupported,
     /// The pixels end too early.
+    #[error("the pair has {needed} bytes, {given} were given")]
     Truncated {
         /// Bytes of both images.
         needed: u32,
@@ -279,10 +236,13 @@ pub enum Refusal {
         given: u32,
     },
     /// The board has no rig: nothing can be rectified, and nothing has a depth.
+    #[error("the board has no rig")]
     NoRig,
     /// The image is no rig that this board can use.
+    #[error("the rig image is refused: {0}")]
     Rig(RigFault),
     /// The raw images are not of the size of the rig's.
+    #[error("the rig is one of raw images of {}x{}, these are {}x{}", .needed[0], .needed[1], .given[0], .given[1])]
     RawSize {
         /// Width and height of the rig's raw images.
         needed: [u16; 2],
@@ -290,19 +250,19 @@ pub enum Refusal {
         given: [u16; 2],
     },
     /// There is no flash, or it does not keep what is written.
+    #[error("the board's flash does not keep it")]
     NotKept,
     /// The box with this index of the list has no pixel in the board's largest image.
+    #[error("box {0} has no pixel in the image")]
     Region(u8),
     /// The cameras delivered no whole pair.
+    #[error("the cameras delivered no whole pair: look at what they lost")]
     NoPair,
-    /// [`Skewed`]: the images of the pair were captured too far apart.
-    Skewed {
-        /// Microseconds between the captures.
-        skew_us: u32,
-        /// Allowed ones.
-        limit_us: u32,
-    },
+    /// The images of the pair were captured too far apart.
+    #[error("{0}")]
+    Skewed(Skewed),
     /// A [`Setting`] outside of its range.
+    #[error("{} is {value}, allowed are {}{least} to {largest}", Setting::words(*.number).0, Setting::words(*.number).1)]
     Setting {
         /// Its number.
         number: u8,
@@ -316,8 +276,8 @@ pub enum Refusal {
 }
 
 impl From<Skewed> for Refusal {
-    fn from(Skewed { skew_us, limit_us }: Skewed) -> Self {
-        Self::Skewed { skew_us, limit_us }
+    fn from(skewed: Skewed) -> Self {
+        Self::Skewed(skewed)
     }
 }
 
@@ -356,6 +316,11 @@ pub fn name(text: &str) -> Name {
 }
 
 impl Setting {
+    /// Name and kind of the setting of this number in a refusal.
+    fn words(number: u8) -> (&'static str, &'static str) {
+        Self::get(number).map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }))
+    }
+
     /// Refuses what is no value of the setting of this number.
     pub fn check(number: u8, value: f32) -> Result<(), Refusal> {
         match Self::get(number) {
@@ -365,39 +330,3 @@ impl Setting {
         }
     }
 }
-
-/// The core's own words where it has them.
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::OutOfRange { ref name, value, low, high } => {
-                write!(f, "{name} is {value}, allowed are {low} to {high}")
-            }
-            Self::MarginNeedsRig => ParamError::MarginNeedsRig.fmt(f),
-            Self::MemoryTooSmall { ref name, needed, given } => {
-                write!(f, "{name} of the board's memory holds {given}, these images need {needed}")
-            }
-            Self::Focal(value) => RigError::Focal(value as f32).fmt(f),
-            Self::Baseline(value) => RigError::Baseline(value as f32).fmt(f),
-            Self::Offset(value) => RigError::Offset(value as f32).fmt(f),
-            Self::Unsupported => write!(f, "this board cannot do that"),
-            Self::Skewed { skew_us, limit_us } => Skewed { skew_us, limit_us }.fmt(f),
-            Self::Truncated { needed, given } => write!(f, "the pair has {needed} bytes, {given} were given"),
-            Self::NoRig => write!(f, "the board has no rig"),
-            Self::Rig(fault) => write!(f, "the rig image is refused: {fault}"),
-            Self::RawSize { needed: [w, h], given: [width, height] } => {
-                write!(f, "the rig is one of raw images of {w}x{h}, these are {width}x{height}")
-            }
-            Self::NotKept => write!(f, "the board's flash does not keep it"),
-            Self::NoPair => write!(f, "the cameras delivered no whole pair: look at what they lost"),
-            Self::Setting { number, value, least, largest } => {
-                let (name, kind) = Setting::get(number)
-                    .map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }));
-                write!(f, "{name} is {value}, allowed are {kind}{least} to {largest}")
-            }
-            Self::Region(index) => write!(f, "box {index} has no pixel in the image"),
-        }
-    }
-}
-
-impl core::error::Error for Refusal {}

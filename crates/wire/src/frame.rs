@@ -1,15 +1,11 @@
 //! One frame's result: a head, and its segments in pieces.
 //!
-//! In: the core's counts and matches. Out: records of the same bits (a [`Match`] that went over the wire comes back equal), in the core's
-//! fixed-point formats; `q5` is 1/32 px, `q6` 1/64 px, `q16` 1/65536.
+//! In: the core's counts, matches and points. Out: records with these in pieces of a packet each.
 
 use crate::board_state::TimeSource;
 use crate::health::{Health, PairReport};
 use heapless::Vec;
-use linestereo::diagnostics::Techniques;
-use linestereo::{
-    Confidence, Depth, Dims, Disparity, ImagePosition, Match, Owner, PairHealth, Point, Position, Rejection, Source,
-};
+use linestereo::{Dims, Match, PairHealth, Point, Rejection};
 use serde::{Deserialize, Serialize};
 
 /// Most segments in one packet: what keeps `MAX_PACKET` below 600 bytes whatever the values are.
@@ -74,7 +70,7 @@ pub struct FrameTimes {
     pub port_us: u32,
 }
 
-/// The core's [`Counts`](linestereo::Counts), number for number.
+/// The core's [`Counts`](linestereo::Counts), and the number of points: a record of its own, since that stands before the rejections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
@@ -133,7 +129,7 @@ pub struct Segments {
     /// Position of the first of them in the frame's list.
     pub first: u16,
     /// The segments.
-    pub list: Vec<Segment, SEGMENTS_PER_PACKET>,
+    pub list: Vec<Match, SEGMENTS_PER_PACKET>,
 }
 
 /// Some of a frame's points.
@@ -144,121 +140,5 @@ pub struct Points {
     /// Position of the first of them in the frame's list.
     pub first: u32,
     /// The points.
-    pub list: Vec<PointRecord, POINTS_PER_PACKET>,
-}
-
-/// A [`Point`] in plain numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PointRecord {
-    /// Column.
-    pub x: u16,
-    /// Row.
-    pub y: u16,
-    /// Disparity, 1/64 px.
-    pub disparity_q6: i16,
-    /// Probability that the disparity is within 1 px, 1/65536.
-    pub confidence_q16: u16,
-    /// Kind and position of the hypothesis that it comes from.
-    #[serde(with = "SourceOrder")]
-    pub source: Source,
-}
-
-/// Order of a [`Source`] on the wire; the first two are encoded as the `Option` of a position that stood here before there were support points.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Source")]
-enum SourceOrder {
-    Side,
-    Segment(u16),
-    Support,
-}
-
-impl From<&Point> for PointRecord {
-    fn from(point: &Point) -> Self {
-        let Point { x, y, disparity, confidence, source } = *point;
-        Self { x, y, disparity_q6: disparity.to_bits(), confidence_q16: confidence.to_bits(), source }
-    }
-}
-
-impl From<&PointRecord> for Point {
-    fn from(record: &PointRecord) -> Self {
-        Self {
-            x: record.x,
-            y: record.y,
-            disparity: Disparity::from_bits(record.disparity_q6),
-            confidence: Confidence::from_bits(record.confidence_q16),
-            source: record.source,
-        }
-    }
-}
-
-/// A [`Match`] in plain numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Segment {
-    /// x and y of both ends, 1/32 px.
-    pub ends_q5: [[u16; 2]; 2],
-    /// Disparity at each end, 1/64 px.
-    pub disparity_q6: [i16; 2],
-    /// Standard deviation of the disparity, 1/64 px.
-    pub sigma_q6: i16,
-    /// Probability that the disparity is within 1 px, 1/65536.
-    pub confidence_q16: u16,
-    /// Which sides carry the disparity.
-    #[serde(with = "OwnerOrder")]
-    pub owner: Owner,
-    /// Depth at each end, 1/65536 m; `i32::MAX` is infinite.
-    pub depth_q16: Option<[i32; 2]>,
-    /// Standard deviation of depth at each end, 1/65536 m.
-    pub depth_sigma_q16: Option<[i32; 2]>,
-    /// Disparity by feature matching, 1/64 px.
-    pub feature_q6: Option<i16>,
-    /// Disparity of the window, 1/64 px.
-    pub window_q6: i16,
-    /// Disparity by census, 1/64 px.
-    pub census_q6: i16,
-}
-
-/// Order of an [`Owner`] on the wire.
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Owner")]
-enum OwnerOrder {
-    Left,
-    Right,
-    Both,
-}
-
-impl From<&Match> for Segment {
-    fn from(found: &Match) -> Self {
-        Self {
-            ends_q5: found.ends.map(|end| [end.x.to_bits(), end.y.to_bits()]),
-            disparity_q6: found.disparity.map(Disparity::to_bits),
-            sigma_q6: found.sigma.to_bits(),
-            confidence_q16: found.confidence.to_bits(),
-            owner: found.owner,
-            depth_q16: found.depth.map(|ends| ends.map(Depth::to_bits)),
-            depth_sigma_q16: found.depth_sigma.map(|ends| ends.map(Depth::to_bits)),
-            feature_q6: found.techniques.feature.map(Disparity::to_bits),
-            window_q6: found.techniques.window.to_bits(),
-            census_q6: found.techniques.census.to_bits(),
-        }
-    }
-}
-
-impl From<&Segment> for Match {
-    fn from(segment: &Segment) -> Self {
-        let point = |[x, y]: [u16; 2]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) };
-        Self {
-            ends: segment.ends_q5.map(point),
-            disparity: segment.disparity_q6.map(Disparity::from_bits),
-            sigma: Disparity::from_bits(segment.sigma_q6),
-            confidence: Confidence::from_bits(segment.confidence_q16),
-            owner: segment.owner,
-            depth: segment.depth_q16.map(|ends| ends.map(Depth::from_bits)),
-            depth_sigma: segment.depth_sigma_q16.map(|ends| ends.map(Depth::from_bits)),
-            techniques: Techniques {
-                feature: segment.feature_q6.map(Disparity::from_bits),
-                window: Disparity::from_bits(segment.window_q6),
-                census: Disparity::from_bits(segment.census_q6),
-            },
-        }
-    }
+    pub list: Vec<Point, POINTS_PER_PACKET>,
 }

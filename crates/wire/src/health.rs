@@ -9,7 +9,6 @@
 //! ```
 
 use core::fmt;
-use core::ops::{BitOr, BitOrAssign};
 use linestereo::health::{CameraHealth, RangeCheck, Rows, Still, Tear};
 use linestereo::{Counts, HealthFlags, PairHealth};
 use serde::{Deserialize, Serialize};
@@ -25,32 +24,37 @@ const BOARD: [(Health, &str); 5] = [
     (Health::FREE_RUNNING, "free_running"),
 ];
 
-/// A set of flags; empty for a pair without a defect.
-///
-/// ```
-/// use linestereo::HealthFlags;
-/// use linestereo_wire::Health;
-/// let health = Health::SEGMENTS_DROPPED | Health::from(HealthFlags::ROWS_OFF);
-/// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::RESULTS_SKIPPED));
-/// assert!(health.names().eq(["segments_dropped", "rows_off"]));
-/// assert_eq!(health.of_pair(), HealthFlags::ROWS_OFF);
-/// ```
-#[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Health(u32);
+bitflags::bitflags! {
+    /// A set of flags; empty for a pair without a defect.
+    ///
+    /// ```
+    /// use linestereo::HealthFlags;
+    /// use linestereo_wire::Health;
+    /// let health = Health::SEGMENTS_DROPPED | Health::from(HealthFlags::ROWS_OFF);
+    /// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::RESULTS_SKIPPED));
+    /// assert!(health.names().eq(["segments_dropped", "rows_off"]));
+    /// assert_eq!(health.of_pair(), HealthFlags::ROWS_OFF);
+    /// ```
+    #[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+    pub struct Health: u32 {
+        /// The pair was refused: its size is not the planned one.
+        const SIZE_MISMATCH = 1;
+        /// A list of detected segments was full, or a budget of work for edges or comparisons was spent.
+        const SEGMENTS_DROPPED = 1 << 1;
+        /// Results between the last record and this one were not sent: the port is slower than the board.
+        const RESULTS_SKIPPED = 1 << 4;
+        /// The camera delivered no whole pair for this frame.
+        const PAIR_MISSING = 1 << 5;
+        /// The cameras are not triggered together: how far apart a pair's images are is chance, and differs from pair to pair.
+        const FREE_RUNNING = 1 << 6;
+        // The core's flags, and those of later versions.
+        const _ = !0;
+    }
+}
 
 impl Health {
     /// No flag.
-    pub const GOOD: Self = Self(0);
-    /// The pair was refused: its size is not the planned one.
-    pub const SIZE_MISMATCH: Self = Self(1);
-    /// A list of detected segments was full, or a budget of work for edges or comparisons was spent.
-    pub const SEGMENTS_DROPPED: Self = Self(1 << 1);
-    /// Results between the last record and this one were not sent: the port is slower than the board.
-    pub const RESULTS_SKIPPED: Self = Self(1 << 4);
-    /// The camera delivered no whole pair for this frame.
-    pub const PAIR_MISSING: Self = Self(1 << 5);
-    /// The cameras are not triggered together: how far apart a pair's images are is chance, and differs from pair to pair.
-    pub const FREE_RUNNING: Self = Self(1 << 6);
+    pub const GOOD: Self = Self::empty();
 
     /// Every flag with its name: the board's, then the core's.
     pub const NAMES: [(Self, &'static str); BOARD.len() + HealthFlags::NAMES.len()] = {
@@ -59,7 +63,7 @@ impl Health {
         boards.copy_from_slice(&BOARD);
         let mut flags = HealthFlags::NAMES.as_slice();
         while let ([name, after @ ..], [(flag, text), flags_after @ ..]) = (cores, flags) {
-            *name = (Self(flag.bits() << CORE), text);
+            *name = (Self::of_core(*flag), text);
             (cores, flags) = (after, flags_after);
         }
         names
@@ -74,31 +78,7 @@ impl Health {
     /// The core's flags among them.
     #[must_use]
     pub const fn of_pair(self) -> HealthFlags {
-        HealthFlags::from_bits(self.0 >> CORE)
-    }
-
-    /// The set as bits.
-    #[must_use]
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// A set from bits; unnamed ones are kept.
-    #[must_use]
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits)
-    }
-
-    /// True when all flags of `other` are set.
-    #[must_use]
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// The flags that are not in `other`.
-    #[must_use]
-    pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
+        HealthFlags::from_bits_retain(self.bits() >> CORE)
     }
 
     /// The names of the flags that are set, in the order of [`Health::NAMES`].
@@ -109,27 +89,17 @@ impl Health {
     /// The flags that have no name in this version.
     #[must_use]
     pub fn unnamed(self) -> Self {
-        Self(Self::NAMES.iter().fold(self.0, |bits, (flag, _)| bits & !flag.0))
+        Self::NAMES.into_iter().fold(self, |rest, (flag, _)| rest.difference(flag))
+    }
+
+    const fn of_core(flags: HealthFlags) -> Self {
+        Self::from_bits_retain(flags.bits() << CORE)
     }
 }
 
 impl From<HealthFlags> for Health {
     fn from(flags: HealthFlags) -> Self {
-        Self(flags.bits() << CORE)
-    }
-}
-
-impl BitOr for Health {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl BitOrAssign for Health {
-    fn bitor_assign(&mut self, other: Self) {
-        self.0 |= other.0;
+        Self::of_core(flags)
     }
 }
 
@@ -146,7 +116,7 @@ impl fmt::Display for Health {
         }
         match self.unnamed() {
             Self::GOOD => Ok(()),
-            Self(bits) => write!(f, "{separator}{bits:#010x}"),
+            unnamed => write!(f, "{separator}{:#010x}", unnamed.bits()),
         }
     }
 }
@@ -170,11 +140,11 @@ impl fmt::Debug for Health {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairReport {
     /// Left and right camera.
-    pub cameras: [CameraReport; 2],
+    pub cameras: [CameraHealth; 2],
     /// [`PairHealth::skew_us`].
     pub skew_us: Option<u32>,
     /// [`PairHealth::rows`].
-    pub rows: Option<RowsReport>,
+    pub rows: Option<Rows>,
     /// [`PairHealth::row_offset_q8`], 1/256 px.
     pub row_offset_q8: Option<i16>,
     /// [`PairHealth::row_drift_q8`], 1/256 px.
@@ -184,32 +154,12 @@ pub struct PairReport {
     /// [`PairHealth::range`].
     pub range: Option<RangeReport>,
     /// [`PairHealth::still`].
-    pub still: Option<StillReport>,
+    pub still: Option<Still>,
     /// [`PairHealth::tear`].
-    pub tear: Option<TearReport>,
+    pub tear: Option<Tear>,
 }
 
-/// The core's [`Still`], number for number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StillReport {
-    /// Credible support points without parallax, per thousand.
-    pub still_permille: u16,
-    /// Likeness of both images at the same pixels, per thousand.
-    pub pattern_permille: i16,
-}
-
-/// The core's [`Tear`], number for number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TearReport {
-    /// The last row above it, px.
-    pub row: u16,
-    /// Change of the disparities below it, px.
-    pub shift: i16,
-}
-
-/// The core's [`RangeCheck`], number for number.
+/// The core's [`RangeCheck`], without what only its search needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeReport {
@@ -221,53 +171,19 @@ pub struct RangeReport {
     pub disparity: u16,
 }
 
-/// The core's [`CameraHealth`], number for number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CameraReport {
-    /// Mean grey level.
-    pub level: u8,
-    /// Mean grey step between neighbouring samples, 1/16.
-    pub detail_q4: u16,
-    /// Black samples per thousand.
-    pub black_permille: u16,
-    /// White samples per thousand.
-    pub white_permille: u16,
-    /// Usable pixels per thousand.
-    pub view_permille: u16,
-}
-
-/// The core's [`Rows`], number for number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct RowsReport {
-    /// Row in the right image minus row in the left one, 1/256 px.
-    pub offset_q8: i16,
-    /// Spread, 1/256 px.
-    pub spread_q8: u16,
-    /// Matches behind it.
-    pub samples: u8,
-}
-
 impl From<&PairHealth> for PairReport {
     fn from(health: &PairHealth) -> Self {
-        let camera = |&CameraHealth { level, detail_q4, black_permille, white_permille, view_permille }: &_| {
-            CameraReport { level, detail_q4, black_permille, white_permille, view_permille }
-        };
         let range = |RangeCheck { windows, beyond, disparity, .. }| RangeReport { windows, beyond, disparity };
-        let rows = |Rows { offset_q8, spread_q8, samples }| RowsReport { offset_q8, spread_q8, samples };
         Self {
-            cameras: health.cameras.each_ref().map(camera),
+            cameras: health.cameras,
             skew_us: health.skew_us,
-            rows: health.rows.map(rows),
+            rows: health.rows,
             row_offset_q8: health.row_offset_q8,
             row_drift_q8: health.row_drift_q8,
             least_disparity_q6: health.least_disparity_q6,
             range: health.range.map(range),
-            still: health
-                .still
-                .map(|Still { still_permille, pattern_permille }| StillReport { still_permille, pattern_permille }),
-            tear: health.tear.map(|Tear { row, shift }| TearReport { row, shift }),
+            still: health.still,
+            tear: health.tear,
         }
     }
 }

@@ -31,8 +31,8 @@
 //! ```
 //!
 //! # Versions
-//! Postcard's bytes carry no names: any change of a record, of the order of its fields or of [`linestereo::Rejection::ALL`] is another
-//! [`VERSION`]. A test holds the bytes of this one.
+//! Postcard's bytes carry no names: any change of a record, of a type of the core in one, of the order of its fields or of
+//! [`linestereo::Rejection::ALL`] is another [`VERSION`]. A test holds the bytes of this one.
 //!
 //! # Bounds
 //! Decoding costs a bounded number of steps per byte and one pass per packet. No allocation, no panic path.
@@ -58,14 +58,9 @@ mod settings;
 
 pub use board_state::{CaptureReport, Reset, ResetCause, TimeSource};
 pub use case::{CaseReport, DIGESTS, MachineReport, Silicon};
-pub use command::{
-    Command, MAX_COMMAND, MarginUpdate, Name, PairHead, ParamUpdate, PartsUpdate, Refusal, Request, RigBytes,
-    RigUpdate, name,
-};
-pub use frame::{
-    Counts, FrameHead, FrameTimes, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments,
-};
-pub use health::{CameraReport, Health, PairReport, RangeReport, RowsReport, StillReport, TearReport};
+pub use command::{Command, MAX_COMMAND, Name, PairHead, ParamUpdate, Refusal, Request, RigBytes, RigUpdate, name};
+pub use frame::{Counts, FrameHead, FrameTimes, POINTS_PER_PACKET, Points, SEGMENTS_PER_PACKET, Segments};
+pub use health::{Health, PairReport, RangeReport};
 pub use message::{Answer, BoardName, Hello, MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, Pixels};
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
 pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};

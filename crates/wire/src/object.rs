@@ -69,7 +69,7 @@ pub struct Objects {
     pub list: Vec<ObjectRecord, OBJECTS_PER_PACKET>,
 }
 
-/// An [`ObjectDepth`] in plain numbers.
+/// An [`ObjectDepth`] in plain numbers: its three depths are there together or not at all, and a reason of a later version can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectRecord {

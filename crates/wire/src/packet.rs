@@ -11,7 +11,6 @@
 //! A payload is counted in a `usize` up to the decoder's `N`; counters saturate.
 
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
-use core::fmt;
 use core::marker::PhantomData;
 use crc::Digest;
 use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
@@ -40,20 +39,13 @@ pub trait Record: Serialize + DeserializeOwned + Sealed {
 pub trait Sealed {}
 
 /// Why a record is not a packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EncodeError {
     /// The buffer is smaller than the packet; `MAX_PACKET` and `MAX_COMMAND` always suffice.
+    #[error("the buffer is too small for the packet")]
     BufferTooSmall,
 }
-
-impl fmt::Display for EncodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the buffer is too small for the packet")
-    }
-}
-
-impl core::error::Error for EncodeError {}
 
 /// One record as a packet, delimiter included, at the start of `buffer`.
 pub fn encode<'a, T: Record>(record: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
@@ -93,40 +85,32 @@ impl Flavor for Payload<'_> {
 }
 
 /// Why the bytes between two delimiters are not a record.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
     /// Longer than any packet.
+    #[error("the packet is too long")]
     TooLong,
     /// The byte stuffing ends in the middle of a run: bytes are missing or changed.
+    #[error("the packet's framing is damaged")]
     Cobs,
     /// The checksum is another.
+    #[error("the packet's checksum is wrong")]
     Checksum,
     /// A whole packet of another version, or one that goes the other way.
+    #[error(
+        "the packet goes {way} and has version {}, this program has version {VERSION}",
+        .found & 0x7f,
+        way = if .found & 0x80 == 0 { "from a board" } else { "to a board" }
+    )]
     Version {
         /// Its first byte; [`Record::TAG`] is the expected one.
         found: u8,
     },
     /// A whole packet of this version that holds no record.
+    #[error("the packet holds no record of this version")]
     Malformed,
 }
-
-impl fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLong => write!(f, "the packet is too long"),
-            Self::Cobs => write!(f, "the packet's framing is damaged"),
-            Self::Checksum => write!(f, "the packet's checksum is wrong"),
-            Self::Version { found } => {
-                let way = if found & 0x80 == 0 { "from a board" } else { "to a board" };
-                write!(f, "the packet goes {way} and has version {}, this program has version {VERSION}", found & 0x7f)
-            }
-            Self::Malformed => write!(f, "the packet holds no record of this version"),
-        }
-    }
-}
-
-impl core::error::Error for DecodeError {}
 
 /// Packets received, by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

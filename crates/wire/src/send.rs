@@ -5,32 +5,22 @@
 //! # Cost
 //! [`MAX_PACKET`] bytes and one list of segments on the stack.
 
-use crate::frame::{FrameHead, POINTS_PER_PACKET, PointRecord, Points, SEGMENTS_PER_PACKET, Segment, Segments};
+use crate::frame::{FrameHead, POINTS_PER_PACKET, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::message::{MAX_PACKET, Message};
 use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, Record, encode};
-use core::fmt;
 use linestereo::{Match, ObjectDepth, Point};
 
 /// Why something was not sent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SendError<E> {
     /// It is no packet; cannot happen with the records of this crate.
+    #[error("{0}")]
     Encode(EncodeError),
     /// The port failed.
+    #[error("{0}")]
     Port(E),
 }
-
-impl<E: fmt::Display> fmt::Display for SendError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Encode(error) => error.fmt(f),
-            Self::Port(error) => error.fmt(f),
-        }
-    }
-}
-
-impl<E: core::error::Error> core::error::Error for SendError<E> {}
 
 /// Sends one record.
 #[inline(never)] // its packet is on the stack only while it sends
@@ -65,7 +55,7 @@ pub fn send_frame<E>(
     for piece in matches.get(..segments.into()).unwrap_or(matches).chunks(SEGMENTS_PER_PACKET) {
         let mut list = heapless::Vec::new();
         for found in piece {
-            let _ = list.push(Segment::from(found)); // a piece fits; collecting could panic
+            let _ = list.push(*found); // a piece fits; collecting could panic
         }
         send(&Message::Segments(Segments { sequence: head.sequence, first, list }), write)?;
         first = first.saturating_add(SEGMENTS_PER_PACKET as u16);
@@ -92,7 +82,7 @@ impl PointStream {
         point: &Point,
         write: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), SendError<E>> {
-        let _ = self.points.list.push(PointRecord::from(point)); // never full here
+        let _ = self.points.list.push(*point); // never full here
         if self.points.list.is_full() { self.flush(write) } else { Ok(()) }
     }
 

@@ -78,7 +78,7 @@ fn points_of_any_bits_come_back_in_order() {
         for message in messages {
             let Message::Points(Points { sequence: 9, first, list }) = message else { panic!("{message:?}") };
             assert_eq!(first as usize, back.len());
-            back.extend(list.iter().map(Point::from));
+            back.extend(list);
         }
         assert_eq!(back, points);
     }
@@ -104,17 +104,16 @@ fn the_health_of_a_pair_is_in_its_head() {
     assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
     assert_eq!(head.health.of_pair(), HealthFlags::TORN);
     assert_eq!(format!("{:?}", head.health), "Health(free_running+torn)");
-    let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
     let expected = PairReport {
-        cameras: [camera(1), camera(6)],
+        cameras: pair.cameras,
         skew_us: Some(7),
-        rows: Some(RowsReport { offset_q8: -8, spread_q8: 9, samples: 10 }),
+        rows: pair.rows,
         row_offset_q8: Some(-11),
         row_drift_q8: Some(12),
         least_disparity_q6: Some(-13),
         range: None,
-        still: Some(StillReport { still_permille: 14, pattern_permille: -15 }),
-        tear: Some(TearReport { row: 16, shift: -17 }),
+        still: pair.still,
+        tear: pair.tear,
     };
     assert_eq!(head.pair, Some(expected));
 }

@@ -6,7 +6,7 @@ use linestereo_wire::*;
 /// A packet of three segments, another, and what the decoder must not take them for.
 fn example() -> (Message, Message, Vec<u8>, Vec<u8>) {
     let mut random = Random(11);
-    let list = (0..3).map(|_| Segment::from(&any_match(&mut random))).collect();
+    let list = (0..3).map(|_| any_match(&mut random)).collect();
     let first = Message::Segments(Segments { sequence: 77, first: 16, list });
     let second = Message::Frame(head(78, 3));
     let (first_packet, second_packet) = (packet(&first), packet(&second));
@@ -17,7 +17,7 @@ fn example() -> (Message, Message, Vec<u8>, Vec<u8>) {
 fn a_flipped_bit_costs_its_packet_and_no_other() {
     let mut random = Random(12);
     let full: heapless::Vec<_, SEGMENTS_PER_PACKET> =
-        (0..SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random))).collect();
+        (0..SEGMENTS_PER_PACKET).map(|_| any_match(&mut random)).collect();
     let mut messages = messages();
     messages.push(Message::Segments(Segments { sequence: 1, first: 0, list: full }));
     let next = Message::Frame(head(1, 0));
@@ -106,7 +106,7 @@ fn garbage_eats_only_what_shares_its_delimiter() {
     while garbage_bytes < 100_000 {
         let clean_end = stream.last().is_none_or(|&byte| byte == DELIMITER);
         for place in 0..1 + random.below(3) {
-            let list = (0..random.below(SEGMENTS_PER_PACKET + 1)).map(|_| Segment::from(&any_match(&mut random)));
+            let list = (0..random.below(SEGMENTS_PER_PACKET + 1)).map(|_| any_match(&mut random));
             let list = list.collect();
             let message = Message::Segments(Segments { sequence: sent.len() as u32, first: 0, list });
             if clean_end || place > 0 {

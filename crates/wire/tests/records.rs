@@ -1,7 +1,12 @@
 //! Undamaged records: what is sent is what arrives, in packets of the promised size and these very bytes.
 
 use crate::support::*;
-use linestereo::{Dims, HealthFlags, Margin, Params, Rejection, Rig};
+use linestereo::diagnostics::Techniques;
+use linestereo::health::{CameraHealth, Rows, Still, Tear};
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner, Params, Parts, Point,
+    Position, Rejection, Rig, Source,
+};
 use linestereo_wire::*;
 
 #[test]
@@ -37,7 +42,7 @@ fn matches_of_any_bits_come_back_equal() {
         for result in results {
             let Ok(Message::Segments(segments)) = result else { panic!("no segments: {result:?}") };
             assert_eq!((segments.sequence, usize::from(segments.first)), (8, received.len()));
-            received.extend(segments.list.iter().map(linestereo::Match::from));
+            received.extend(segments.list);
         }
         assert_eq!(received, matches);
     }
@@ -123,7 +128,7 @@ fn health_follows_full_lists() {
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
     assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
     assert_eq!(Health::GOOD.to_string(), "good");
-    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits(1 << 7)).to_string(), "size_mismatch+0x00000080");
+    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits_retain(1 << 7)).to_string(), "size_mismatch+0x00000080");
 }
 
 #[test]
@@ -179,38 +184,49 @@ fn the_layout_of_this_version_is_exactly_this() {
         11, 12, 13, 14, 15, 16, 3, 0,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
-    let camera = |level| CameraReport { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let camera = |level| CameraHealth { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
     let pair = PairReport {
         cameras: [camera(1), camera(6)],
         skew_us: Some(7),
-        rows: Some(RowsReport { offset_q8: -1, spread_q8: 9, samples: 10 }),
+        rows: Some(Rows { offset_q8: -1, spread_q8: 9, samples: 10 }),
         row_offset_q8: Some(-6),
         row_drift_q8: None,
         least_disparity_q6: Some(6),
         range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
-        still: Some(StillReport { still_permille: 16, pattern_permille: -17 }),
-        tear: Some(TearReport { row: 18, shift: -19 }),
+        still: Some(Still { still_permille: 16, pattern_permille: -17 }),
+        tear: Some(Tear { row: 18, shift: -19 }),
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
     let report =
         [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16, 33, 1, 18, 37];
     assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
-    let segment = Segment {
-        ends_q5: [[1, 2], [3, 4]],
-        disparity_q6: [5, -6],
-        sigma_q6: 7,
-        confidence_q16: 8,
-        owner: linestereo::Owner::Right,
-        depth_q16: Some([9, 10]),
-        depth_sigma_q16: None,
-        feature_q6: Some(11),
-        window_q6: 12,
-        census_q6: 13,
+    let px = Disparity::from_bits;
+    let segment = Match {
+        ends: [[1, 2], [3, 4]].map(|[x, y]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
+        disparity: [5, -6].map(px),
+        sigma: px(7),
+        confidence: Confidence::from_bits(8),
+        owner: Owner::Right,
+        depth: Some([9, 10].map(Depth::from_bits)),
+        depth_sigma: None,
+        techniques: Techniques { feature: Some(px(11)), window: px(12), census: px(13) },
     };
     let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
     let expected = [6, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
     assert_eq!(payload(&Message::Segments(segments)), expected);
+    let point = |source| Point { x: 1, y: 2, disparity: px(-3), confidence: Confidence::from_bits(4), source };
+    let list = [Source::Side, Source::Segment(300), Source::Support].map(point).into_iter().collect();
+    let expected = [6, 4, 5, 9, 3, 1, 2, 5, 4, 0, 1, 2, 5, 4, 1, 0xac, 2, 1, 2, 5, 4, 2];
+    assert_eq!(payload(&Message::Points(Points { sequence: 5, first: 9, list })), expected);
+    let margins =
+        [Margin::Pixels(px(1)), Margin::Metres { nearer: Depth::from_bits(-1), farther: Depth::from_bits(1) }];
+    for (margin, expected) in margins.into_iter().zip([&[0, 2][..], &[1, 1, 2]]) {
+        let (min_confidence, parts) = (Some(Confidence::from_bits(300)), Some(Parts::Support));
+        let update = ParamUpdate { margin: Some(margin), min_confidence, parts, ..ParamUpdate::default() };
+        let bytes = payload(&Command { id: 5, request: Request::SetParams(update) });
+        assert_eq!(bytes, [&[0x86, 5, 3, 0, 0, 0, 0, 0, 0, 1], expected, &[1, 0xac, 2, 0, 0, 1, 1]].concat());
+    }
     let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
     let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
     let expected = [6, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
@@ -291,12 +307,12 @@ fn an_update_changes_what_it_names_and_nothing_else() {
         (ParamUpdate { cell: Some(32), ..none }, Params { cell: 32, ..before }),
         (ParamUpdate { reach: Some(5), ..none }, Params { reach: 5, ..before }),
         (
-            ParamUpdate { min_confidence_q16: Some(0x8000), ..none },
-            Params { min_confidence: linestereo::Confidence::from_num(0.5), ..before },
+            ParamUpdate { min_confidence: Some(Confidence::from_num(0.5)), ..none },
+            Params { min_confidence: Confidence::from_num(0.5), ..before },
         ),
         (
-            ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(128)), ..none },
-            Params { margin: Margin::Pixels(linestereo::Disparity::from_num(2)), ..before },
+            ParamUpdate { margin: Some(Margin::Pixels(Disparity::from_num(2))), ..none },
+            Params { margin: Margin::Pixels(Disparity::from_num(2)), ..before },
         ),
         (ParamUpdate { rig: Some(rig), ..none }, Params { rig: Some(Rig::new(400.0, 0.1, -0.5).unwrap()), ..before }),
     ];
@@ -304,12 +320,8 @@ fn an_update_changes_what_it_names_and_nothing_else() {
         assert_eq!(update.apply(before), Ok(expected));
         assert_eq!(update.plan(before, DIMS).map(|(params, _)| params), Ok(expected));
     }
-    let metres = ParamUpdate {
-        margin: Some(MarginUpdate::MetresQ16 { nearer: 1 << 15, farther: 1 << 16 }),
-        rig: Some(rig),
-        ..none
-    };
-    let margin = Margin::Metres { nearer: linestereo::Depth::from_num(0.5), farther: linestereo::Depth::ONE };
+    let margin = Margin::Metres { nearer: Depth::from_num(0.5), farther: Depth::ONE };
+    let metres = ParamUpdate { margin: Some(margin), rig: Some(rig), ..none };
     assert_eq!(metres.plan(before, DIMS).unwrap().0.margin, margin);
 }
 
@@ -324,9 +336,12 @@ fn what_the_core_refuses_is_refused_by_name() {
         (ParamUpdate { max_disparity: Some(320), ..none }, "max_disparity is 320, allowed are 8 to 256"),
         (ParamUpdate { min_disparity: Some(1), ..none }, "min_disparity is 1, allowed are -32 to 0"),
         (ParamUpdate { edge_gradient: Some(49), ..none }, "edge_gradient is 49, allowed are 4 to 48"),
-        (ParamUpdate { min_confidence_q16: Some(0), ..none }, "min_confidence (percent) is 0, allowed are 10 to 99"),
         (
-            ParamUpdate { margin: Some(MarginUpdate::MetresQ16 { nearer: 1, farther: 1 }), ..none },
+            ParamUpdate { min_confidence: Some(Confidence::ZERO), ..none },
+            "min_confidence (percent) is 0, allowed are 10 to 99",
+        ),
+        (
+            ParamUpdate { margin: Some(Margin::Metres { nearer: Depth::DELTA, farther: Depth::DELTA }), ..none },
             "a margin in metres needs a rig (focal length and baseline)",
         ),
         (rig(0.5, 0.1, 0.0), "focal length 0.5 px is outside 1 to 100000"),

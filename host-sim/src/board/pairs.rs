@@ -7,13 +7,13 @@ use crate::engine::FrameResult;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo::diagnostics::Stage;
-use linestereo::{Dims, Margin, ObjectDepth, Params};
+use linestereo::{Dims, ObjectDepth, Params};
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, MarginUpdate, Message, Outcome, PairHead,
-    ParamUpdate, Refusal, Regions, Request, RigReport, RigUpdate, encode,
+    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, ParamUpdate, Refusal,
+    Regions, Request, RigReport, RigUpdate, encode,
 };
 use std::path::PathBuf;
 
@@ -68,15 +68,10 @@ pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
         edge_gradient: Some(params.edge_gradient),
         min_extent: Some(params.min_extent),
         cell: Some(params.cell),
-        margin: Some(match params.margin {
-            Margin::Pixels(pixels) => MarginUpdate::PixelsQ6(pixels.to_bits()),
-            Margin::Metres { nearer, farther } => {
-                MarginUpdate::MetresQ16 { nearer: nearer.to_bits(), farther: farther.to_bits() }
-            }
-        }),
-        min_confidence_q16: Some(params.min_confidence.to_bits()),
+        margin: Some(params.margin),
+        min_confidence: Some(params.min_confidence),
         reach: Some(params.reach),
-        parts: Some(params.parts.into()),
+        parts: Some(params.parts),
         rig,
     }
 }
@@ -267,11 +262,11 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Segments(segments) => {
                 let frame = frame.as_mut().context("segments without a frame")?;
-                frame.result.matches.extend(segments.list.iter().map(linestereo::Match::from));
+                frame.result.matches.extend(segments.list);
             }
             Message::Points(points) => {
                 let frame = frame.as_mut().context("points without a frame")?;
-                frame.result.points.extend(points.list.iter().map(linestereo::Point::from));
+                frame.result.points.extend(points.list);
             }
             Message::Objects(objects) => {
                 let frame = frame.as_mut().context("objects without a frame")?;

@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
     for doubt in numbers.doubts() {
         text += &format!("doubtful: {doubt}\n");
     }
-    super::print(&format!("{text}\n{} written\n", path.display()))?;
+    crate::output::print(&format!("{text}\n{} written\n", path.display()))?;
     verdict(&numbers, &machine)
 }
 
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn verdict(numbers: &BoardNumbers, machine: &MachineReport) -> Result<()> {
     let wrong: Vec<String> = numbers.wrong().map(|(name, stage)| format!("{name} from {stage} on")).collect();
     if wrong.is_empty() {
-        return super::print(&format!("equal: all {} pairs have the PC's digests\n", numbers.pairs.len()));
+        return crate::output::print(&format!("equal: all {} pairs have the PC's digests\n", numbers.pairs.len()));
     }
     let mut expected = Fnv::EMPTY;
     if let Some(board) = Board::named(&numbers.board) {

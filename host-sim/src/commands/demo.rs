@@ -3,15 +3,16 @@
 use super::engine_for;
 use super::scene::parse_noise;
 use crate::draw;
-use crate::engine::FrameResult;
-use crate::evaluate::{FrameScore, ObjectCase, ObjectScore, OwnedMiddle, Summary, score_objects};
+use crate::engine::{Engine, FrameResult};
 use crate::output::{OutputFiles, OutputPath};
+use crate::results::outline::Mask;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
-use linestereo::{Dims, Match, Rejection, Rig};
+use linestereo::{Dims, NoDepth, Region, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::Truth;
+use linestereo_frames::statistics::{interpolated_quantile, median};
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -54,20 +55,27 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
-/// The answer about an object, and what is true where it is said to hold.
+/// An object of the room: the answer about it, and the truth.
 #[derive(Clone, Debug)]
 pub struct RoomObject {
-    /// The answer, scored by the range of the object's disparities.
-    pub score: ObjectScore,
-    /// True disparity at the object's centre, px.
+    /// Its name.
+    pub name: String,
+    /// Its disparity, px, and the probability that this is right; or why there is none.
+    pub answer: Result<(f32, f32), NoDepth>,
+    /// True disparity of the pixel with truth that is nearest to its centre, px.
     pub true_at_centre: f32,
+    /// 5 % and 95 % of its true disparities, px.
+    pub range: [f32; 2],
 }
 
 impl RoomObject {
-    /// True for an answer more than 1 px off at the object's centre, or outside of its range.
+    /// True for an answer more than 1 px off at the object's centre, or outside of its range by as much.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
-        self.score.wrong || (self.score.disparity - self.true_at_centre).abs() > 1.0
+        let [low, high] = self.range;
+        self.answer.is_ok_and(|(disparity, _)| {
+            (disparity - self.true_at_centre).abs() > 1.0 || low - disparity > 1.0 || disparity - high > 1.0
+        })
     }
 }
 
@@ -96,10 +104,7 @@ impl Demonstration {
         let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;
 
         let truth = Truth::new(DIMS, rendering.disparity.clone(), rendering.visible.clone());
-        let cases = object_cases(&room, &rendering, &truth);
-        let scored = score_objects(&mut engine, &cases).into_iter().zip(&cases);
-        let objects: Vec<RoomObject> =
-            scored.map(|(score, case)| RoomObject { score, true_at_centre: case.true_at_centre() }).collect();
+        let objects = objects(&room, &rendering, &truth, &mut engine);
         let mut text = format!(
             "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
              The depth of each object, told its pixels as by a detector:\n\n",
@@ -119,12 +124,30 @@ impl Demonstration {
 }
 
 /// Every object in view, told the core by its pixels.
-fn object_cases(room: &Scene, rendering: &Rendering, truth: &Truth) -> Vec<ObjectCase> {
-    let of_label = |(name, label): (&&str, u8)| {
-        let pixels = rendering.labels.iter().map(|&at| at == label).collect();
-        ObjectCase::of_mask(name, label.into(), pixels, DIMS, truth)
-    };
-    room.objects.iter().zip(1_u8..).filter_map(of_label).collect()
+fn objects(room: &Scene, rendering: &Rendering, truth: &Truth, engine: &mut Engine) -> Vec<RoomObject> {
+    let width = usize::from(DIMS.width);
+    let mut found = Vec::new();
+    for (name, label) in room.objects.iter().zip(1_u8..) {
+        let mask = Mask::new(DIMS, rendering.labels.iter().map(|&at| at == label).collect());
+        let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
+        let own: Vec<[i32; 2]> = own.map(|(i, _)| [i % width, i / width].map(|at| at as i32)).collect();
+        let known = || own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x, y)?)));
+        let [x0, y0] = [0, 1].map(|axis| own.iter().map(|at| at[axis]).sum::<i32>() / own.len().max(1) as i32);
+        let Some((_, true_at_centre)) = known().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2)) else {
+            continue;
+        };
+        let mut values: Vec<f32> = known().map(|(_, disparity)| disparity).collect();
+        values.sort_by(f32::total_cmp);
+        let range = [0.05, 0.95].map(|share| interpolated_quantile(&values, share).unwrap_or(true_at_centre));
+        let runs = mask.runs(label.into());
+        let region = Region::masked(label.into(), &runs, DIMS).ok();
+        let depth = region.and_then(|region| engine.objects(&[region], true).pop());
+        let answer = depth.map_or(Err(NoDepth::LittleSupport), |depth| {
+            depth.disparity.map(|disparity| (disparity.to_num(), depth.confidence.to_num()))
+        });
+        found.push(RoomObject { name: (*name).to_owned(), answer, true_at_centre, range });
+    }
+    found
 }
 
 /// A line an object: its depth at its centre, and the truth there; beside it the range of its pixels without the 5 % at either end.
@@ -133,61 +156,57 @@ fn object_table(room: &Scene, objects: &[RoomObject]) -> String {
         "object         disparity   true at centre        5 to 95 %              depth     true   probability\n"
             .to_owned();
     for object in objects {
-        let RoomObject { score, true_at_centre } = object;
-        let _ = write!(text, "{:<14}", score.name);
-        if let Some(reason) = score.refused {
-            let _ = writeln!(text, "   no depth: {reason}");
-            continue;
-        }
-        let (low, high) = score.range;
-        let [depth, truth] = [score.disparity, *true_at_centre].map(|disparity| room.pair.depth(disparity.into()));
+        let RoomObject { name, answer, true_at_centre, range: [low, high] } = object;
+        let _ = write!(text, "{name:<14}");
+        let (disparity, probability) = match answer {
+            Ok(answer) => *answer,
+            Err(reason) => {
+                let _ = writeln!(text, "   no depth: {reason}");
+                continue;
+            }
+        };
+        let [depth, truth] = [disparity, *true_at_centre].map(|disparity| room.pair.depth(disparity.into()));
         let _ = writeln!(
             text,
-            " {:6.2} px   {true_at_centre:6.2} px{}   {low:6.2} to {high:5.2} px {depth:12.2} m {truth:6.2} m {:13.3}",
-            score.disparity,
+            " {disparity:6.2} px   {true_at_centre:6.2} px{}   {low:6.2} to {high:5.2} px {depth:12.2} m {truth:6.2} m {probability:13.3}",
             if object.is_wrong() { ", wrong" } else { "       " },
-            score.confidence,
         );
     }
     text
 }
 
-/// Share of the segments with truth whose owner's surface is at most this far from their disparity, percent.
-fn share_within(limit: f64, truth: &Truth, segments: &[Match]) -> Option<f64> {
-    let errors: Vec<f64> = segments.iter().filter_map(|segment| OwnedMiddle::new(segment).error(truth)).collect();
-    let within = errors.iter().filter(|error| error.abs() <= limit).count();
-    (!errors.is_empty()).then(|| 100.0 * within as f64 / errors.len() as f64)
-}
-
 fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> String {
     let count = |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
-    let summary = Summary::pool([&FrameScore::new("demo", truth, result)]);
     let number = |value: Option<f64>, unit: &str| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"));
+    let errors = |only_visible: bool| -> Vec<f32> {
+        let pixels = result.points.iter().map(|point| (i32::from(point.x), i32::from(point.y), point));
+        let pixels = pixels.filter(|&(x, y, _)| !only_visible || truth.is_visible(x, y));
+        pixels
+            .filter_map(|(x, y, point)| Some((point.disparity.to_num::<f32>() - truth.disparity(x, y)?).abs()))
+            .collect()
+    };
+    let off = |errors: &[f32]| {
+        let count = errors.iter().filter(|&&error| error > 1.0).count();
+        (!errors.is_empty()).then(|| 100.0 * count as f64 / errors.len() as f64)
+    };
+    let (visible, all) = (errors(true), errors(false));
     let counts = &result.counts;
     let mut text = String::from("\n");
     let _ = writeln!(
         text,
         "Objects:  {} of {} have a depth; {} of them more than 1 px off at the object's centre, or outside of its range",
-        count(&|object| object.score.refused.is_none()),
+        count(&|object| object.answer.is_ok()),
         objects.len(),
         count(&RoomObject::is_wrong),
     );
+    let _ = writeln!(text, "Segments: {} matched of {}", counts.matched, counts.segments_left);
     let _ = writeln!(
         text,
-        "Segments: {} matched of {}; {} within 1 px of the surface that they are of, {} within 2 px",
-        counts.matched,
-        counts.segments_left,
-        number(share_within(1.0, truth, &result.matches), " %"),
-        number(share_within(2.0, truth, &result.matches), " %"),
-    );
-    let _ = writeln!(
-        text,
-        "Points:   {}; median error {}, RMS {}; more than 1 px off: {} of those visible in both images, {} of all",
+        "Points:   {}; median error {}; more than 1 px off: {} of those visible in both images, {} of all",
         counts.points,
-        number(summary.median_error_px, " px"),
-        number(summary.rms_error_px, " px"),
-        number(summary.all.errors.vis_bad1, " %"),
-        number(summary.all.errors.all_gt_bad1, " %"),
+        number(median(visible.clone()).map(f64::from), " px"),
+        number(off(&visible), " %"),
+        number(off(&all), " %"),
     );
     let reasons: Vec<String> = Rejection::ALL
         .into_iter()

@@ -6,7 +6,7 @@ use linestereo::{Confidence, Depth, Disparity, Margin, Params, Parts, Rig};
 /// Parameters that a user may want to change; what is not given keeps the core's default.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Parameters of the method")]
-pub(super) struct MethodArgs {
+pub struct MethodArgs {
     /// Report only what is at least this probable to be within 1 px, 0.1 to 0.99 [default: 0.9].
     #[arg(long, value_name = "P")]
     min_confidence: Option<f64>,
@@ -41,7 +41,7 @@ enum PartsArg {
 
 impl MethodArgs {
     /// The same, with this least probability where none was asked for.
-    pub(super) fn down_to(&self, probability: f64) -> Self {
+    pub fn down_to(&self, probability: f64) -> Self {
         Self { min_confidence: self.min_confidence.or(Some(probability)), ..self.clone() }
     }
 
@@ -51,7 +51,7 @@ impl MethodArgs {
     }
 
     /// The core's parameters; ranges are the core's to check.
-    pub(super) fn params(&self, max_disparity: u16, rig: Option<Rig>) -> Result<Params> {
+    pub fn params(&self, max_disparity: u16, rig: Option<Rig>) -> Result<Params> {
         let mut params = Params { max_disparity, rig, ..Params::default() };
         if let Some(probability) = self.min_confidence {
             if !(0.1..=0.99).contains(&probability) {

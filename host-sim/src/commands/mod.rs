@@ -5,30 +5,24 @@
 //! [`crate::output`] as files do, so that a failed command leaves no partial file, and a closed pipe ends it without failure.
 
 mod arguments;
-mod batch;
 pub mod bench_board;
 mod board_options;
 pub mod calibrate;
-pub mod compare;
 pub mod convert_rig;
 pub mod demo;
-pub mod eval;
-mod eval_objects;
-pub mod eval_pixels;
 pub mod explain;
-pub mod faults;
-pub mod fit_confidence;
 pub mod flash_image;
 pub mod frames;
 mod input;
-mod method;
+pub mod method;
 pub mod monitor;
 mod objects;
-mod pairs;
+pub mod pairs;
 pub mod photograph;
 pub mod plan_rig;
 mod player;
 pub mod print_board;
+pub mod program;
 pub mod quality;
 mod recording;
 mod rectified_view;
@@ -44,20 +38,19 @@ pub mod view;
 
 use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
-use crate::interruption::{self, Interrupted};
-use crate::output::{self, ClosedPipe, OutputPath, print};
+use crate::output::OutputPath;
 use anyhow::{Result, bail};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
 use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
 use linestereo_frames::resampled_height;
-use linestereo_frames::untrusted::printable;
-use std::io::{self, Write};
-use std::path::Path;
+use program::Verbosity;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Exit code of every failure.
-const FAILURE: u8 = 2;
+/// Name of the program in messages.
+const NAME: &str = "linestereo";
 
 const AFTER_HELP: &str = "\
 Exit codes:
@@ -68,30 +61,38 @@ Exit codes:
 
 Files: \"-\" is stdout for every output; what is printed for people is then left out. No output may be an input.";
 
+/// Commands by what somebody wants to do, in the order of the help.
+const TASKS: [(&str, &[&str]); 5] = [
+    ("See what it does", &["demo", "scene", "frames"]),
+    ("Match pairs", &["run", "sequence", "view", "report"]),
+    ("Understand a result", &["explain", "quality"]),
+    ("Build and calibrate a rig", &["plan-rig", "print-board", "calibrate", "rectify", "convert-rig"]),
+    ("Use a board", &["flash-image", "monitor", "photograph", "bench-board"]),
+];
+
 /// Sparse stereo depth from line segments: credible depths, each with a probability, from a rectified stereo pair.
+///
+/// Without a command it shows the demo.
 #[derive(Debug, Parser)]
-#[command(name = "linestereo", version = env!("LINESTEREO_VERSION"), max_term_width = 104, after_help = AFTER_HELP)]
+#[command(name = NAME, version = env!("LINESTEREO_VERSION"), max_term_width = 104, after_help = AFTER_HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Print what was asked for alone: no summary, no notes, no progress.
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Tell on stderr what is taken: sizes, rig and range and where they are from, files.
-    #[arg(long, short, global = true)]
-    verbose: bool,
+    #[command(flatten)]
+    verbosity: Verbosity,
+    /// Print a script that completes commands and options in a shell.
+    #[arg(long, value_name = "SHELL", exclusive = true)]
+    completions: Option<Shell>,
+    /// Write manual pages to this folder, to be read by `man -l FOLDER/linestereo-run.1`.
+    #[arg(long, value_name = "FOLDER", exclusive = true)]
+    man: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Args),
     Run(Box<run::Args>),
-    Eval(Box<eval::Args>),
-    EvalPixels(eval_pixels::Args),
     Explain(Box<explain::Args>),
-    Faults(faults::Args),
-    Compare(Box<compare::Args>),
-    FitConfidence(fit_confidence::Args),
     FlashImage(flash_image::Args),
     Frames(frames::Args),
     Rectify(rectify::Args),
@@ -107,40 +108,44 @@ enum Command {
     PlanRig(plan_rig::Args),
     PrintBoard(print_board::Args),
     Quality(Box<quality::Args>),
-    Completions(shell::CompletionsArgs),
-    Man(shell::ManArgs),
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
 #[must_use]
 pub fn main() -> ExitCode {
-    let command = arguments::prepared(Cli::command());
-    let parsed = command.clone().try_get_matches().and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
-    let (cli, matches) = match parsed {
-        Ok(parsed) => parsed,
-        Err(error) => return report_usage(&error),
-    };
-    output::set_verbosity(cli.quiet, cli.verbose);
-    match arguments::check(&command, &matches).and_then(|()| run_command(&cli)) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is::<ClosedPipe>() => ExitCode::SUCCESS,
-        Err(error) => {
-            report(&format!("{error:#}"));
-            ExitCode::from(if error.is::<Interrupted>() { interruption::EXIT_CODE } else { FAILURE })
+    program::run(NAME, command(), |matches| {
+        let cli = Cli::from_arg_matches(matches)?;
+        cli.verbosity.set();
+        run_command(&cli)
+    })
+}
+
+/// The command line, whose help lists commands by [`TASKS`].
+fn command() -> clap::Command {
+    let command = Cli::command();
+    let mut help = String::from("{about-with-newline}\n{usage-heading} {usage}\n\n");
+    for (task, names) in TASKS {
+        help.push_str(&format!("{task}:\n"));
+        for name in names {
+            let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+            help.push_str(&format!("  {name:12}  {}\n", about.map(ToString::to_string).unwrap_or_default()));
         }
+        help.push('\n');
     }
+    command.help_template(help + "Options:\n{options}{after-help}")
 }
 
 fn run_command(cli: &Cli) -> Result<()> {
+    if let Some(shell) = cli.completions {
+        return shell::completions(shell, program::prepared(command()));
+    }
+    if let Some(folder) = &cli.man {
+        return shell::man(folder, program::prepared(command()));
+    }
     match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
         Some(Command::Run(args)) => run::run(args),
-        Some(Command::Eval(args)) => eval::run(args),
-        Some(Command::EvalPixels(args)) => eval_pixels::run(args),
         Some(Command::Explain(args)) => explain::run(args),
-        Some(Command::Faults(args)) => faults::run(args),
-        Some(Command::Compare(args)) => compare::run(args),
-        Some(Command::FitConfidence(args)) => fit_confidence::run(args),
         Some(Command::FlashImage(args)) => flash_image::run(args),
         Some(Command::Frames(args)) => frames::run(args),
         Some(Command::Rectify(args)) => rectify::run(args),
@@ -156,37 +161,8 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::PlanRig(args)) => plan_rig::run(args),
         Some(Command::PrintBoard(args)) => print_board::run(args),
         Some(Command::Quality(args)) => quality::run(args),
-        Some(Command::Completions(args)) => shell::completions(args, arguments::prepared(Cli::command())),
-        Some(Command::Man(args)) => shell::man(args, arguments::prepared(Cli::command())),
         None => demo::run(&demo::Args::default()),
     }
-}
-
-/// Help and version are answers, not failures; of a usage error its first line says what is wrong.
-fn report_usage(error: &clap::Error) -> ExitCode {
-    // A closed pipe is no failure.
-    match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let _ = error.print();
-            return ExitCode::SUCCESS;
-        }
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            let _ = print(&error.to_string());
-            return ExitCode::SUCCESS;
-        }
-        _ => {}
-    }
-    let text = error.to_string();
-    let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    // No argument here is of the kind that "--" is for.
-    let what: Vec<&str> = lines.filter(|line| !line.trim_start().starts_with("tip: to pass")).collect();
-    report(&format!("{}; see --help", what.join(" ").trim_start_matches("error: ").trim()));
-    ExitCode::from(FAILURE)
-}
-
-fn report(message: &str) {
-    let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let _ = writeln!(io::stderr(), "linestereo: {}", printable(&line)); // nowhere else to say it
 }
 
 /// The core with default parameters for one disparity range, rig and image size.
@@ -195,7 +171,7 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
 }
 
 /// The core with these parameters.
-fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
+pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;
         bail!("a disparity range of {range} does not fit an image of {dims}; give a smaller --max-disparity");
@@ -218,7 +194,7 @@ fn machine_for(name: &str, dims: Dims) -> Result<Machine> {
 }
 
 /// Error text for a size that the board has no memory for, with the widest reduction that fits.
-fn does_not_fit(board: &Board, dims: Dims) -> String {
+pub fn does_not_fit(board: &Board, dims: Dims) -> String {
     let Board { name, largest, .. } = board;
     let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
     let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
@@ -226,11 +202,31 @@ fn does_not_fit(board: &Board, dims: Dims) -> String {
 }
 
 /// The outputs that are asked for.
-fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
+pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
     paths.into_iter().flatten().map(|path| &**path)
 }
 
 /// A line for each file that was written.
-fn written<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> String {
+pub fn written<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> String {
     paths.into_iter().flatten().map(|path| format!("wrote {}\n", path.display())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_command_stands_in_the_help_once() {
+        let mut listed: Vec<&str> = TASKS.iter().flat_map(|(_, names)| *names).copied().collect();
+        let cli = Cli::command();
+        let mut known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        listed.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(listed, known);
+        let help = program::prepared(command()).render_help().to_string();
+        assert!(
+            help.contains("Match pairs:\n  run ") && help.contains("--quiet") && help.contains("Exit codes:"),
+            "{help}"
+        );
+    }
 }

@@ -246,7 +246,7 @@ impl Monitor {
         }
         self.screen.frame(frame, self.last_capture)?;
         self.last_capture = Some(frame.head.capture_time_us);
-        let news = frame.head.health.without(self.health);
+        let news = frame.head.health.difference(self.health);
         self.health = frame.head.health;
         for (name, what) in health::advice(news) {
             self.screen.explain(&format!("health: {name}: {what}"))?;

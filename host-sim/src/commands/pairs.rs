@@ -58,7 +58,7 @@ pub(super) fn video_note(found: &Footage) -> String {
 
 /// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error
 /// to appear ends it.
-pub(super) fn for_each_pair<I: Sync, T: Send>(
+pub fn for_each_pair<I: Sync, T: Send>(
     items: &[I],
     threads: Option<usize>,
     name: impl Fn(&I) -> String + Sync,
@@ -83,17 +83,17 @@ pub(super) fn for_each_pair<I: Sync, T: Send>(
 }
 
 /// The bar of a long evaluation, with the time it takes.
-pub(super) fn timed_bar(length: usize) -> ProgressBar {
+pub fn timed_bar(length: usize) -> ProgressBar {
     bar(length, "{bar:30} {pos}/{len} {elapsed} of about {duration} {msg}")
 }
 
 /// The bar of one pair after the other, with the name of the one at hand.
-pub(super) fn named_bar(length: usize) -> ProgressBar {
+pub fn named_bar(length: usize) -> ProgressBar {
     bar(length, "{bar:30} {pos}/{len} {msg}")
 }
 
 /// On stderr, and only when that is a terminal.
-pub(super) fn bar(length: usize, template: &str) -> ProgressBar {
+pub fn bar(length: usize, template: &str) -> ProgressBar {
     if is_quiet() {
         return ProgressBar::hidden();
     }

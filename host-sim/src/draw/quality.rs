@@ -2,7 +2,7 @@
 
 use super::sheet::{FAINT, INK, Sheet};
 use super::text::Align;
-use crate::evaluate::{OFF_PLANE, Quality, WallAnswer};
+use crate::quality::{OFF_PLANE, Quality, WallAnswer};
 use image::RgbImage;
 use linestereo::diagnostics::SUPPORT_PITCH;
 use linestereo_frames::GrayImage;

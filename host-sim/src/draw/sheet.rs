@@ -5,14 +5,19 @@ use super::text::{Align, write};
 use image::RgbImage;
 use tiny_skia::{Color, ColorU8, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
 
-pub(super) const BACKGROUND: [u8; 3] = [16, 16, 18];
-pub(super) const INK: [u8; 3] = [225, 225, 225];
-pub(super) const FAINT: [u8; 3] = [120, 120, 128];
-pub(super) const GRID: [u8; 3] = [60, 60, 66];
-pub(super) const TEXT: f32 = 15.0;
+/// Colour behind everything.
+pub const BACKGROUND: [u8; 3] = [16, 16, 18];
+/// Colour of what is to be read.
+pub const INK: [u8; 3] = [225, 225, 225];
+/// Colour of what stands back.
+pub const FAINT: [u8; 3] = [120, 120, 128];
+/// Colour of lines of a grid.
+pub const GRID: [u8; 3] = [60, 60, 66];
+/// Height of a text, px.
+pub const TEXT: f32 = 15.0;
 
 /// A picture in the making.
-pub(super) struct Sheet {
+pub struct Sheet {
     pixmap: Pixmap,
     labels: Vec<Label>,
 }
@@ -25,18 +30,21 @@ struct Label {
 }
 
 impl Sheet {
-    pub(super) fn new([width, height]: [u32; 2]) -> Self {
+    /// An empty sheet of this size, px.
+    pub fn new([width, height]: [u32; 2]) -> Self {
         let mut pixmap = Pixmap::new(width.max(1), height.max(1)).expect("sides are above 0");
         let [red, green, blue] = BACKGROUND;
         pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
         Self { pixmap, labels: Vec::new() }
     }
 
-    pub(super) fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
+    /// Writes a text at this place, above all shapes.
+    pub fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
         self.labels.push(Label { at, align, rgb, text });
     }
 
-    pub(super) fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
+    /// Draws a straight line of this width, px.
+    pub fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
         let mut path = PathBuilder::new();
         path.move_to(from.0, from.1);
         path.line_to(to.0, to.1);
@@ -46,7 +54,8 @@ impl Sheet {
         }
     }
 
-    pub(super) fn fill(&mut self, corners: &[(f32, f32)], rgb: [u8; 3], alpha: f32) {
+    /// Fills a polygon.
+    pub fn fill(&mut self, corners: &[(f32, f32)], rgb: [u8; 3], alpha: f32) {
         let mut path = PathBuilder::new();
         for (index, &(x, y)) in corners.iter().enumerate() {
             if index == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
@@ -57,7 +66,8 @@ impl Sheet {
         }
     }
 
-    pub(super) fn pixel(&mut self, [x, y]: [u32; 2], [red, green, blue]: [u8; 3]) {
+    /// Sets a pixel.
+    pub fn pixel(&mut self, [x, y]: [u32; 2], [red, green, blue]: [u8; 3]) {
         let width = self.pixmap.width();
         if x < width && y < self.pixmap.height() {
             let place = y as usize * width as usize + x as usize;
@@ -65,7 +75,8 @@ impl Sheet {
         }
     }
 
-    pub(super) fn into_picture(self) -> RgbImage {
+    /// The picture.
+    pub fn into_picture(self) -> RgbImage {
         let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
         let mut picture =
             RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), bytes).expect("three bytes for each pixel");

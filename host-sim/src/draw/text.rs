@@ -6,14 +6,17 @@ use image::RgbImage;
 
 /// Where a text stands relative to its x.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Align {
+pub enum Align {
+    /// It begins at x.
     Left,
+    /// Its middle is at x.
     Centre,
+    /// It ends at x.
     Right,
 }
 
 /// Writes one line of text with its upper border at `y`.
-pub(super) fn write(picture: &mut RgbImage, (x, y): (f32, f32), align: Align, height: f32, rgb: [u8; 3], text: &str) {
+pub fn write(picture: &mut RgbImage, (x, y): (f32, f32), align: Align, height: f32, rgb: [u8; 3], text: &str) {
     let font = FontRef::try_from_slice(HACK_REGULAR).expect("the built-in font is valid");
     let scaled = font.as_scaled(PxScale::from(height));
     let start = match align {
@@ -30,7 +33,7 @@ pub(super) fn write(picture: &mut RgbImage, (x, y): (f32, f32), align: Align, he
 }
 
 /// Width of a line of text in px.
-pub(super) fn width(height: f32, text: &str) -> f32 {
+pub fn width(height: f32, text: &str) -> f32 {
     let font = FontRef::try_from_slice(HACK_REGULAR).expect("the built-in font is valid");
     let scaled = font.as_scaled(PxScale::from(height));
     text.chars().map(|letter| scaled.h_advance(font.glyph_id(letter))).sum()

@@ -91,7 +91,7 @@ impl Assembler {
         if segments.first < frame.next || end > usize::from(frame.head.segments) {
             return None; // twice, or more than promised
         }
-        frame.matches.extend(segments.list.iter().map(Match::from));
+        frame.matches.extend(segments.list.iter().copied());
         frame.next = end as u16; // at most head.segments
         self.finish_if_ended()
     }
@@ -116,8 +116,9 @@ impl Assembler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::Owner;
-    use linestereo_wire::{Counts, FrameTimes, Health, Segment};
+    use linestereo::diagnostics::Techniques;
+    use linestereo::{Confidence, Disparity, ImagePosition, Owner};
+    use linestereo_wire::{Counts, FrameTimes, Health};
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let (health, counts) = (Health::GOOD, Counts::default());
@@ -139,17 +140,16 @@ mod tests {
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {
-        let segment = Segment {
-            ends_q5: [[0; 2]; 2],
-            disparity_q6: [0; 2],
-            sigma_q6: 0,
-            confidence_q16: 0,
+        let none = Disparity::ZERO;
+        let segment = Match {
+            ends: [ImagePosition::default(); 2],
+            disparity: [none; 2],
+            sigma: none,
+            confidence: Confidence::ZERO,
             owner: Owner::Both,
-            depth_q16: None,
-            depth_sigma_q16: None,
-            feature_q6: None,
-            window_q6: 0,
-            census_q6: 0,
+            depth: None,
+            depth_sigma: None,
+            techniques: Techniques { feature: None, window: none, census: none },
         };
         Segments { sequence, first, list: core::iter::repeat_n(segment, length).collect() }
     }

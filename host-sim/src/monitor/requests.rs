@@ -6,12 +6,11 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
-use linestereo::{Confidence, Depth, Disparity};
+use linestereo::{Confidence, Depth, Disparity, Margin, Parts};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    KeptReport, MAX_REGIONS, MarginUpdate, ParamUpdate, PartsUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate,
-    Setting, SettingValue,
+    KeptReport, MAX_REGIONS, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate, Setting, SettingValue,
 };
 
 /// Every name of a parameter that can stand before `=`; those of the vehicle are [`Setting`]s.
@@ -151,11 +150,11 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
             "reach" => update.reach = Some(value.whole()?),
             "min_confidence" => {
                 let probability = value.checked("0 to 0.9999", Confidence::checked_from_num)?;
-                update.min_confidence_q16 = Some(probability.to_bits());
+                update.min_confidence = Some(probability);
             }
             "margin_px" => {
                 let margin = value.checked("-512 to 511", Disparity::checked_from_num)?;
-                update.margin = Some(MarginUpdate::PixelsQ6(margin.to_bits()));
+                update.margin = Some(Margin::Pixels(margin));
             }
             "margin_nearer_m" => nearer = Some(value.metres()?),
             "margin_farther_m" => farther = Some(value.metres()?),
@@ -164,8 +163,8 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
             "offset_px" => offset = Some(value.number()?),
             "parts" => {
                 update.parts = Some(match text {
-                    "both" => PartsUpdate::Both,
-                    "support" => PartsUpdate::Support,
+                    "both" => Parts::Both,
+                    "support" => Parts::Support,
                     _ => bail!("--send {word}: parts are both or support"),
                 });
             }
@@ -187,8 +186,8 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
             )
         }
         (Some(nearer), Some(farther)) => {
-            let [nearer, farther] = [nearer, farther].map(|metres| Depth::from_num(metres).to_bits());
-            update.margin = Some(MarginUpdate::MetresQ16 { nearer, farther });
+            let [nearer, farther] = [nearer, farther].map(Depth::from_num);
+            update.margin = Some(Margin::Metres { nearer, farther });
         }
         _ => bail!("--send sets half of a margin; give margin_nearer_m and margin_farther_m one after the other"),
     }
@@ -335,15 +334,15 @@ mod tests {
             min_extent: Some(4),
             cell: Some(5),
             reach: Some(6),
-            min_confidence_q16: Some(1 << 14),
-            margin: Some(MarginUpdate::MetresQ16 { nearer: 1 << 14, farther: 1 << 14 }),
+            min_confidence: Some(Confidence::from_num(0.25)),
+            margin: Some(Margin::Metres { nearer: Depth::from_num(0.25), farther: Depth::from_num(0.25) }),
             rig: Some(RigUpdate { focal_px: 0.25, baseline_m: 0.25, offset_px: 0.25 }),
             parts: None,
         };
         assert_eq!(update(&[&whole[..], fractions].concat()).unwrap(), expected);
-        let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(16)), ..ParamUpdate::default() };
+        let pixels = ParamUpdate { margin: Some(Margin::Pixels(Disparity::from_num(0.25))), ..ParamUpdate::default() };
         assert_eq!(update(&["margin_px=0.25".to_owned()]).unwrap(), pixels);
-        let parts = ParamUpdate { parts: Some(PartsUpdate::Support), ..ParamUpdate::default() };
+        let parts = ParamUpdate { parts: Some(Parts::Support), ..ParamUpdate::default() };
         assert_eq!(update(&["parts=support".to_owned()]).unwrap(), parts);
     }
 
@@ -373,8 +372,8 @@ mod tests {
             min_extent: Some(6),
             cell: Some(16),
             reach: Some(4),
-            min_confidence_q16: Some(0x8000),
-            parts: Some(PartsUpdate::Support),
+            min_confidence: Some(Confidence::from_num(0.5)),
+            parts: Some(Parts::Support),
             ..ParamUpdate::default()
         };
         assert_eq!(all[0], Request::SetParams(params));

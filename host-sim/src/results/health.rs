@@ -1,7 +1,8 @@
 //! The health of a pair, for people and for JSON.
 
 use linestereo::HealthFlags;
-use linestereo_wire::{CameraReport, Health, PairReport, RangeReport, RowsReport, TearReport};
+use linestereo::health::CameraHealth;
+use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
 
 /// Remedy for each flag, in the order of [`Health::NAMES`].
@@ -147,16 +148,15 @@ impl From<&PairReport> for Numbers {
     fn from(pair: &PairReport) -> Self {
         let [left, right] = pair.cameras.each_ref().map(Camera::from);
         let px = |q8: i16| f64::from(q8) / 256.0;
-        let rows = |RowsReport { offset_q8, spread_q8, samples }| Rows {
-            offset_px: px(offset_q8),
-            spread_px: f64::from(spread_q8) / 256.0,
-            samples,
-        };
         Self {
             left,
             right,
             skew_us: pair.skew_us,
-            rows: pair.rows.map(rows),
+            rows: pair.rows.map(|rows| Rows {
+                offset_px: px(rows.offset_q8),
+                spread_px: f64::from(rows.spread_q8) / 256.0,
+                samples: rows.samples,
+            }),
             row_offset_px: pair.row_offset_q8.map(px),
             row_drift_px: pair.row_drift_q8.map(px),
             least_disparity_px: pair.least_disparity_q6.map(|d| f64::from(d) / 64.0),
@@ -169,13 +169,13 @@ impl From<&PairReport> for Numbers {
                 share: f64::from(still.still_permille) / 1000.0,
                 pattern: f64::from(still.pattern_permille) / 1000.0,
             }),
-            tear: pair.tear.map(|TearReport { row, shift }| Tear { row, shift_px: shift }),
+            tear: pair.tear.map(|tear| Tear { row: tear.row, shift_px: tear.shift }),
         }
     }
 }
 
-impl From<&CameraReport> for Camera {
-    fn from(camera: &CameraReport) -> Self {
+impl From<&CameraHealth> for Camera {
+    fn from(camera: &CameraHealth) -> Self {
         let share = |permille: u16| f64::from(permille) / 1000.0;
         Self {
             level: camera.level,

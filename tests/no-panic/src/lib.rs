@@ -21,7 +21,7 @@ use linestereo_rig::{
 };
 use linestereo_wire::{
     Command, DecodeError, Decoder, EncodeError, FrameHead, MAX_COMMAND, MAX_PACKET, Message, ObjectRecord, ParamUpdate,
-    PointRecord, PointStream, Refusal, SendError, Setting, encode, send_frame, send_objects,
+    PointStream, Refusal, SendError, Setting, encode, send_frame, send_objects,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -357,6 +357,6 @@ pub fn proof_send(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_records(point: &PointRecord, segment: &linestereo_wire::Segment, object: &ObjectRecord) -> (Point, Match, ObjectDepth) {
-    (point.into(), segment.into(), object.into())
+pub fn proof_record(object: &ObjectRecord) -> ObjectDepth {
+    object.into()
 }

@@ -8,16 +8,15 @@ mod scenes;
 mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
-use linestereo::HealthFlags;
+use linestereo::{Confidence, Depth, HealthFlags, Margin, Match, Parts};
 use linestereo_firmware::programs::expected::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
 use linestereo_sim::board::{firmware, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
 use linestereo_wire::{
-    FrameHead, Health, MachineReport, MarginUpdate, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, PartsUpdate,
-    RegionBox, Regions, Request, ResetCause, RigFault, RigUpdate, SETTINGS, Segment, Setting, SettingValue,
-    SettingValues, Silicon, TimeSource,
+    FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, RegionBox, Regions,
+    Request, ResetCause, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -39,7 +38,7 @@ fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
 /// A frame and what came with it.
 struct Frame<'a> {
     head: &'a FrameHead,
-    segments: Vec<Segment>,
+    segments: Vec<Match>,
     objects: Vec<ObjectRecord>,
 }
 
@@ -72,7 +71,7 @@ const FAULTS_AGAIN: [(CameraSide, u64, &str, usize); 5] = [
 static TEN_SECONDS: LazyLock<Option<Run>> = LazyLock::new(|| {
     let mut regions = Regions::default();
     let _ = regions.boxes.push(RegionBox { label: 7, left: 80, top: 60, right: 240, bottom: 180 });
-    let update = ParamUpdate { min_confidence_q16: Some(0x8000), ..ParamUpdate::default() };
+    let update = ParamUpdate { min_confidence: Some(Confidence::from_num(0.5)), ..ParamUpdate::default() };
     let requests = [
         (100_000, Request::Start),
         (1_500_000, Request::SetParams(update)),
@@ -195,11 +194,11 @@ fn wishes() -> Vec<(Request, bool)> {
         edge_gradient: Some(32),
         min_extent: Some(8),
         cell: Some(16),
-        margin: Some(MarginUpdate::MetresQ16 { nearer: 0x2000, farther: 0x4000 }),
-        min_confidence_q16: Some(0x8000),
+        margin: Some(Margin::Metres { nearer: Depth::from_num(0.125), farther: Depth::from_num(0.25) }),
+        min_confidence: Some(Confidence::from_num(0.5)),
         reach: Some(3),
         rig: Some(rig),
-        parts: Some(PartsUpdate::Both),
+        parts: Some(Parts::Both),
     };
     let pair = PairHead { width: 320, height: 240, capture_time_us: 0, right_capture_time_us: None };
     let person = RegionBox { label: 1, left: 40, top: 30, right: 120, bottom: 200 };

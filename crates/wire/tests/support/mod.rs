@@ -1,7 +1,10 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
 
 use linestereo::diagnostics::Techniques;
-use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Position};
+use linestereo::health::{CameraHealth, Rows, Skewed, Still, Tear};
+use linestereo::{
+    Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Margin, Match, Owner, Parts, Point, Position, Source,
+};
 use linestereo_rig::RigImage;
 use linestereo_wire::*;
 
@@ -49,19 +52,17 @@ pub(crate) fn any_match(random: &mut Random) -> Match {
     }
 }
 
-/// A segment whose numbers all take their longest form.
-pub(crate) fn longest_segment() -> Segment {
-    Segment {
-        ends_q5: [[u16::MAX; 2]; 2],
-        disparity_q6: [i16::MIN; 2],
-        sigma_q6: i16::MIN,
-        confidence_q16: u16::MAX,
+/// A match whose numbers all take their longest form.
+pub(crate) fn longest_match() -> Match {
+    Match {
+        ends: [ImagePosition { x: Position::MAX, y: Position::MAX }; 2],
+        disparity: [Disparity::MIN; 2],
+        sigma: Disparity::MIN,
+        confidence: Confidence::MAX,
         owner: Owner::Both,
-        depth_q16: Some([i32::MIN; 2]),
-        depth_sigma_q16: Some([i32::MIN; 2]),
-        feature_q6: Some(i16::MIN),
-        window_q6: i16::MIN,
-        census_q6: i16::MIN,
+        depth: Some([Depth::MIN; 2]),
+        depth_sigma: Some([Depth::MIN; 2]),
+        techniques: Techniques { feature: Some(Disparity::MIN), window: Disparity::MIN, census: Disparity::MIN },
     }
 }
 
@@ -96,7 +97,7 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
 }
 
 fn longest_report() -> PairReport {
-    let camera = CameraReport {
+    let camera = CameraHealth {
         level: u8::MAX,
         detail_q4: u16::MAX,
         black_permille: u16::MAX,
@@ -106,13 +107,13 @@ fn longest_report() -> PairReport {
     PairReport {
         cameras: [camera; 2],
         skew_us: Some(u32::MAX),
-        rows: Some(RowsReport { offset_q8: i16::MIN, spread_q8: u16::MAX, samples: u8::MAX }),
+        rows: Some(Rows { offset_q8: i16::MIN, spread_q8: u16::MAX, samples: u8::MAX }),
         row_offset_q8: Some(i16::MIN),
         row_drift_q8: Some(i16::MIN),
         least_disparity_q6: Some(i16::MIN),
         range: Some(RangeReport { windows: u16::MAX, beyond: u16::MAX, disparity: u16::MAX }),
-        still: Some(StillReport { still_permille: u16::MAX, pattern_permille: i16::MIN }),
-        tear: Some(TearReport { row: u16::MAX, shift: i16::MIN }),
+        still: Some(Still { still_permille: u16::MAX, pattern_permille: i16::MIN }),
+        tear: Some(Tear { row: u16::MAX, shift: i16::MIN }),
     }
 }
 
@@ -124,10 +125,10 @@ pub(crate) fn full_update() -> ParamUpdate {
         edge_gradient: Some(u16::MAX),
         min_extent: Some(u16::MAX),
         cell: Some(u16::MAX),
-        margin: Some(MarginUpdate::MetresQ16 { nearer: i32::MIN, farther: i32::MIN }),
-        min_confidence_q16: Some(u16::MAX),
+        margin: Some(Margin::Metres { nearer: Depth::MIN, farther: Depth::MIN }),
+        min_confidence: Some(Confidence::MAX),
         reach: Some(u16::MAX),
-        parts: Some(linestereo_wire::PartsUpdate::Support),
+        parts: Some(Parts::Support),
         rig: Some(RigUpdate { focal_px: f64::MAX, baseline_m: -1e-300, offset_px: f64::INFINITY }),
     }
 }
@@ -147,7 +148,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::Offset(-4096.5),
         Refusal::Unsupported,
         Refusal::Truncated { needed: u32::MAX, given: 153_599 },
-        Refusal::Skewed { skew_us: u32::MAX, limit_us: 1000 },
+        Refusal::Skewed(Skewed { skew_us: u32::MAX, limit_us: 1000 }),
         Refusal::NoRig,
         Refusal::Rig(RigFault::Damaged),
         Refusal::RawSize { needed: [u16::MAX; 2], given: [640, 480] },
@@ -180,7 +181,7 @@ pub(crate) fn messages() -> Vec<Message> {
             capture_time_us: u64::MAX,
             width: u16::MAX,
             height: u16::MAX,
-            health: Health::from_bits(u32::MAX),
+            health: Health::all(),
             pair: Some(longest_report()),
             times: FrameTimes { waiting_us: u32::MAX, matching_us: u32::MAX, port_us: u32::MAX },
             counts: counts(u16::MAX - 20),
@@ -191,17 +192,17 @@ pub(crate) fn messages() -> Vec<Message> {
         Message::Segments(Segments {
             sequence: u32::MAX,
             first: u16::MAX,
-            list: [longest_segment(); SEGMENTS_PER_PACKET].into(),
+            list: [longest_match(); SEGMENTS_PER_PACKET].into(),
         }),
         Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
     ];
     list.extend(refusals.map(|why| Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })));
-    let longest_point = PointRecord {
+    let longest_point = Point {
         x: u16::MAX,
         y: u16::MAX,
-        disparity_q6: i16::MIN,
-        confidence_q16: u16::MAX,
-        source: linestereo::Source::Segment(u16::MAX),
+        disparity: Disparity::MIN,
+        confidence: Confidence::MAX,
+        source: Source::Segment(u16::MAX),
     };
     list.extend([
         Message::Points(Points { sequence: 1, first: 0, list: heapless::Vec::new() }),
@@ -279,7 +280,7 @@ pub(crate) fn messages() -> Vec<Message> {
         Message::Kept(KeptReport { is_kept: true, slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)] }),
     ]);
     list.extend((0..20_u16).map(|first| {
-        let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| Segment::from(&any_match(&mut random)));
+        let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| any_match(&mut random));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
     }));
     list
@@ -287,7 +288,7 @@ pub(crate) fn messages() -> Vec<Message> {
 
 /// Every kind of command.
 pub(crate) fn commands() -> Vec<Command> {
-    let pixels = ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(-64)), ..ParamUpdate::default() };
+    let pixels = ParamUpdate { margin: Some(Margin::Pixels(-Disparity::ONE)), ..ParamUpdate::default() };
     let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
     let pair =
         PairHead { width: u16::MAX, height: 240, capture_time_us: u64::MAX, right_capture_time_us: Some(u64::MAX) };

@@ -2,21 +2,21 @@
 
 use super::super::{Run, hex, host, rig};
 use super::{execute, frames};
-use linestereo::{Dims, Match};
+use linestereo::{Confidence, Depth, Dims, Disparity, Margin, Match, Parts};
 use linestereo_boards::Board;
 use linestereo_firmware::boards::stm32h743::Workspace;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_frames::Truth;
+use linestereo_lab::evaluate::FrameScore;
 use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, Rectification, RigImage, View};
 use linestereo_sim::engine::FrameResult;
-use linestereo_sim::evaluate::FrameScore;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 use linestereo_wire::{
-    Command, Counts, Health, MAX_REGIONS, MarginUpdate, ObjectRecord, Outcome, ParamUpdate, PartsUpdate, Refusal,
-    RegionBox, Regions, Request, RigBytes, RigFault, RigUpdate, Segment, name,
+    Command, Counts, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions, Request,
+    RigBytes, RigFault, RigUpdate, name,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -187,10 +187,12 @@ fn regions(kind: Kind, shown: &Shown) -> Request {
 /// Parameters that change when a scene is shown: how far the techniques may be apart, and which parts are asked for.
 fn parameters(kind: Kind) -> Option<Request> {
     let (margin, parts) = match kind {
-        Kind::Repetition => (Some(MarginUpdate::MetresQ16 { nearer: 0x2000, farther: 0x6000 }), None),
-        Kind::Corridor => (Some(MarginUpdate::PixelsQ6(96)), None),
-        Kind::Blank => (None, Some(PartsUpdate::Support)),
-        Kind::Boxes => (None, Some(PartsUpdate::Both)),
+        Kind::Repetition => {
+            (Some(Margin::Metres { nearer: Depth::from_bits(0x2000), farther: Depth::from_bits(0x6000) }), None)
+        }
+        Kind::Corridor => (Some(Margin::Pixels(Disparity::from_bits(96))), None),
+        Kind::Blank => (None, Some(Parts::Support)),
+        Kind::Boxes => (None, Some(Parts::Both)),
         _ => return None,
     };
     Some(Request::SetParams(ParamUpdate { margin, parts, ..ParamUpdate::default() }))
@@ -240,7 +242,7 @@ fn out_of_range() -> Vec<(ParamUpdate, Refusal)> {
     let numbers = RigUpdate { focal_px: 250.0, baseline_m: 0.1, offset_px: 0.0 };
     let margin = |nearer, farther| ParamUpdate {
         rig: Some(numbers),
-        margin: Some(MarginUpdate::MetresQ16 { nearer, farther }),
+        margin: Some(Margin::Metres { nearer: Depth::from_bits(nearer), farther: Depth::from_bits(farther) }),
         ..none()
     };
     let rig = |rig| ParamUpdate { rig: Some(rig), ..none() };
@@ -254,8 +256,14 @@ fn out_of_range() -> Vec<(ParamUpdate, Refusal)> {
         (ParamUpdate { min_extent: Some(33), ..none() }, refusal("min_extent", 33, 6, 32)),
         (ParamUpdate { cell: Some(257), ..none() }, refusal("cell", 257, 8, 256)),
         (ParamUpdate { reach: Some(0), ..none() }, refusal("reach", 0, 1, 6)),
-        (ParamUpdate { min_confidence_q16: Some(0), ..none() }, refusal("min_confidence (percent)", 0, 10, 99)),
-        (ParamUpdate { margin: Some(MarginUpdate::PixelsQ6(15)), ..none() }, refusal("margin (1/64 px)", 15, 16, 1024)),
+        (
+            ParamUpdate { min_confidence: Some(Confidence::ZERO), ..none() },
+            refusal("min_confidence (percent)", 0, 10, 99),
+        ),
+        (
+            ParamUpdate { margin: Some(Margin::Pixels(Disparity::from_bits(15))), ..none() },
+            refusal("margin (1/64 px)", 15, 16, 1024),
+        ),
         (margin(0, 0x2000), refusal("margin nearer (mm)", 0, 1, 1_000_000)),
         (margin(0x2000, -0x2000), refusal("margin farther (mm)", -125, 1, 1_000_000)),
         (rig(RigUpdate { focal_px: 1e300, ..numbers }), Refusal::Focal(f64::INFINITY)),
@@ -349,7 +357,7 @@ impl Twin {
         assert_eq!(answer.outcome, Outcome::Accepted);
     }
 
-    fn pair(&mut self, dims: Dims, raw: &[Vec<u8>; 2]) -> (Vec<Segment>, Vec<ObjectRecord>) {
+    fn pair(&mut self, dims: Dims, raw: &[Vec<u8>; 2]) -> (Vec<Match>, Vec<ObjectRecord>) {
         self.memory.restart();
         self.pairs += 1;
         let lighter = self.pairs % 4; // as in the model: a camera whose pixels stay is frozen
@@ -364,7 +372,7 @@ impl Twin {
         let matcher = self.session.matcher(dims).unwrap();
         let mut matched = self.memory.run(matcher, areas.as_deref(), None, &mut ()).unwrap();
         let objects = self.session.objects(&mut matched);
-        (matched.segments().iter().map(Segment::from).collect(), objects.iter().map(ObjectRecord::from).collect())
+        (matched.segments().to_vec(), objects.iter().map(ObjectRecord::from).collect())
     }
 }
 
@@ -397,10 +405,10 @@ fn depths_of_scenes_are_those_of_the_pc_and_true() {
 
 /// Segments and objects of a scene as they are promised: nine of ten segments within a pixel of what is there; a box's depth is one of something in it.
 /// Stripes and fences have look-alikes by construction, and are not held to that.
-fn assert_true(kind: Kind, shown: &Shown, segments: &[Segment], objects: &[ObjectRecord]) {
+fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectRecord]) {
     let dims = shown.truth.left.dims;
     let truth = Truth::new(dims, shown.truth.disparity.clone(), shown.truth.visible.clone());
-    let (matches, points) = (segments.iter().map(Match::from).collect(), Vec::new());
+    let (matches, points) = (segments.to_vec(), Vec::new());
     let result = FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None };
     let score = FrameScore::new(kind.name(), &truth, &result);
     let right = score.scored_segments.iter().filter(|of| of.median_error <= 1.0).count();

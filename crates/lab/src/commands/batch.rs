@@ -1,0 +1,59 @@
+//! Evaluations over many pairs, the same for every command that scores: which pairs, on how many threads.
+
+use anyhow::{Result, bail};
+use core::num::NonZeroUsize;
+use linestereo_frames::{Dataset, StoredPair, layouts};
+use std::path::PathBuf;
+
+/// On how many threads.
+#[derive(Debug, Default, clap::Args)]
+#[command(next_help_heading = "Many pairs")]
+pub(crate) struct BatchArgs {
+    /// Use so many threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+}
+
+/// The pairs with ground truth, and what a report says of the others.
+pub(crate) struct Collected {
+    pub(crate) pairs: Vec<StoredPair>,
+    /// Which layouts were taken, what was left out: a sentence each.
+    pub(crate) notes: Vec<String>,
+}
+
+impl BatchArgs {
+    pub(crate) fn threads(&self) -> Option<usize> {
+        self.threads.map(NonZeroUsize::get)
+    }
+}
+
+/// Finds the pairs with ground truth. Where there is none at all, it is an error if truth is needed, and every pair is taken if not.
+pub(crate) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collected> {
+    let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for folder in folders {
+        let found = Dataset::find(folder)?;
+        for (layout, count) in layouts(&found.pairs) {
+            let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
+            notes.push(format!("{name}{count} pairs, layout: {layout}"));
+        }
+        let (scored, rest): (Vec<_>, Vec<_>) = found.pairs.into_iter().partition(StoredPair::has_truth);
+        pairs.extend(scored);
+        without.extend(rest);
+        alone += found.alone;
+    }
+    if pairs.is_empty() && !needs_truth {
+        core::mem::swap(&mut pairs, &mut without);
+    }
+    if pairs.is_empty() {
+        let list: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+        bail!("no pair with ground truth below {}; see --help", list.join(", "));
+    }
+    if !without.is_empty() {
+        let without = without.len();
+        notes.push(format!("{without} pairs without ground truth were left out"));
+    }
+    if alone > 0 {
+        notes.push(format!("{alone} images have no partner"));
+    }
+    Ok(Collected { pairs, notes })
+}

@@ -1,0 +1,160 @@
+//! `linestereo-lab fit-confidence`: the confidence model's constants from frames with truth.
+
+use super::batch::collect;
+use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
+use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
+use anyhow::{Context, Result, bail};
+use linestereo_calibration::rectify_raw;
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_frames::{Perturbation, Scene};
+use linestereo_sim::commands::engine_with;
+use linestereo_sim::commands::method::MethodArgs;
+use linestereo_sim::commands::pairs::for_each_pair;
+use linestereo_sim::engine::FittedModels;
+use linestereo_sim::output::{OutputFiles, print, say};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  linestereo-lab fit-confidence frames/qvga --also frames/third --out core/src     write the constants that the core uses
+  linestereo-lab fit-confidence frames/qvga --also frames/third --check core/src   fail if they are not what the frames give
+  linestereo-lab fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
+  linestereo-lab fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
+
+/// Files of constants below core/src.
+const SEGMENTS: &str = "confidence/fitted.rs";
+const SUPPORT: &str = "support/fitted.rs";
+
+/// Fit the confidence models on frames with truth, and score them on scenes that they have not seen.
+///
+/// Every scene is scored by models fitted on the other scenes ("leave one out"): the tables say what to expect of new scenes. Models see
+/// every pair as it is and damaged: with noise, blurred, darker on the right, with its rows off. The constants written are fitted on all
+/// scenes, and depend on the frames alone.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Folders to search for scenes with truth, at any depth.
+    #[arg(required = true, value_name = "FOLDER")]
+    folders: Vec<PathBuf>,
+    /// More folders to fit on; what is in them is not scored, and not used where the same scene is scored at another size.
+    #[arg(long, value_name = "FOLDER", num_args = 1..)]
+    also: Vec<PathBuf>,
+    /// Fit on pairs as they are, and score these alone.
+    #[arg(long)]
+    undamaged: bool,
+    /// Write the constants as Rust source, below the folder core/src.
+    #[arg(long, value_name = "CORE")]
+    out: Option<PathBuf>,
+    /// Compare the constants with those below this folder and fail when they differ.
+    #[arg(long, value_name = "CORE", conflicts_with = "out")]
+    check: Option<PathBuf>,
+    /// Do not score: only fit.
+    #[arg(long)]
+    no_scores: bool,
+    #[command(flatten)]
+    method: MethodArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let scenes = load(&args.folders)?;
+    let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
+    let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
+    let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
+    let name = |scene: &&Scene| scene.name.clone();
+    let samples = for_each_pair(&all, None, name, |scene| {
+        damages.iter().map(|(_, damage)| sample(scene, damage, &args.method)).collect::<Result<Vec<_>>>()
+    })?;
+    let samples: Vec<SceneSamples> = samples.into_iter().flatten().collect();
+    if !args.no_scores {
+        leave_one_out(&scenes, damages, &samples, &args.method)?;
+    }
+    write_constants(args, &all, damages.len(), &samples)
+}
+
+fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[SceneSamples]) -> Result<()> {
+    let Some(folder) = args.check.as_ref().or(args.out.as_ref()) else { return Ok(()) };
+    let fitted = fit(&samples.iter().collect::<Vec<_>>());
+    let names: BTreeSet<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let names: Vec<&str> = names.into_iter().collect();
+    let origin = format!("{} pairs under {damages} damages ({})", scenes.len(), names.join(", "));
+    let texts = [
+        (folder.join(SEGMENTS), source_text(&fitted.segments, &origin)),
+        (folder.join(SUPPORT), support_source_text(&fitted.support, &origin)),
+    ];
+    if args.check.is_some() {
+        for (path, text) in &texts {
+            let there = untrusted::read_text(path, SETTINGS_BYTES)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            if there != *text {
+                bail!("{} is not what these frames give; write it again with --out", path.display());
+            }
+            print(&format!("{} is what these frames give\n", path.display()))?;
+        }
+        return Ok(());
+    }
+    let mut files = OutputFiles::default();
+    for (path, text) in &texts {
+        files.add(path, text.as_bytes())?;
+    }
+    files.commit()?;
+    texts.iter().try_for_each(|(path, _)| say(&format!("wrote {}\n", path.display())))
+}
+
+fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
+    let pairs = collect(folders, true)?.pairs;
+    if pairs.len() < 2 {
+        bail!("one scene with truth alone: none can be left out; give more");
+    }
+    Ok(pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?)
+}
+
+/// The answers of one scene, whatever their confidence.
+fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<SceneSamples> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
+    let mut log = EvidenceLog::default();
+    let (left, right) = damage.apply(&scene.left, &scene.right);
+    engine.run_observed(left.view()?, right.view()?, &mut log)?;
+    Ok(scene_samples(&scene.name, &mut engine, &log, truth))
+}
+
+/// Scores every scene by models that were fitted without it.
+fn leave_one_out(
+    scenes: &[Scene],
+    damages: &[(&str, Perturbation)],
+    samples: &[SceneSamples],
+    method: &MethodArgs,
+) -> Result<()> {
+    let name = |scene: &Scene| format!("leaving out {}", scene.name);
+    let scores = for_each_pair(scenes, None, name, |scene| {
+        let others: Vec<&SceneSamples> = samples.iter().filter(|samples| !samples.shows(&scene.name)).collect();
+        let models = fit(&others);
+        damages.iter().map(|(_, damage)| score(scene, damage, models, method)).collect::<Result<Vec<_>>>()
+    })?;
+    let of_damage = |i: usize| scores.iter().map(move |scene| &scene[i]);
+    let clean: Vec<FrameScore> = of_damage(0).cloned().collect();
+    let pooled: Vec<Summary> = (0..damages.len()).map(|i| Summary::pool(of_damage(i))).collect();
+    let excess = pooled.iter().zip(damages).map(|(summary, (name, _))| {
+        let excess = summary.overconfidence.map_or("-".to_owned(), |excess| format!("{excess:.1}"));
+        format!("{name:16} {excess:>8}\n")
+    });
+    print(&format!(
+        "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\nUnder damages\n\n{}\n{}{}\n",
+        scene_table(&clean),
+        report(&pooled[0]),
+        cell_table(damages.iter().map(|&(name, _)| name).zip(&pooled)),
+        "largest excess of stated over observed probability, bins of 1000 answers and more, percent\n",
+        excess.collect::<String>(),
+    ))
+}
+
+fn score(scene: &Scene, damage: &Perturbation, models: FittedModels, method: &MethodArgs) -> Result<FrameScore> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let params = method.params(scene.max_disparity, scene.rig)?;
+    let mut engine = engine_with(&params, scene.left.dims)?.with_models(models);
+    let (left, right) = damage.apply(&scene.left, &scene.right);
+    let result = engine.run(left.view()?, right.view()?)?;
+    Ok(FrameScore::new(&scene.name, truth, &result))
+}

@@ -1,0 +1,9 @@
+//! One thin file per command: a `pub struct Args` and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
+
+mod batch;
+pub mod compare;
+pub mod eval;
+mod eval_objects;
+pub mod eval_pixels;
+pub mod faults;
+pub mod fit_confidence;

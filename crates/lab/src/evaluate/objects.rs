@@ -1,0 +1,436 @@
+//! Depth per object against ground truth: which answers are wrong, which objects have one, and whether what is reported of them is true.
+//!
+//! In: scenes with `objects.png` (a label per surface) or `objects.json` (boxes drawn by hand, with `mask_objects.png` as their truth). Out: a
+//! table. A wrong answer is more than 1 px outside of the object's own 5-95 % range of true disparities; a covered object has an answer.
+//! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
+
+use core::fmt::Write;
+use linestereo::diagnostics::Candidate;
+use linestereo::objects::Run;
+use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
+use linestereo_frames::statistics::{interpolated_quantile, median};
+use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
+use linestereo_frames::{FrameError, Scene, Truth, load_values};
+use linestereo_sim::engine::Engine;
+use linestereo_sim::results::outline::{Mask, RefinedOutline, refine};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Pixels by which masks are made too large or too small.
+const SLOPPY_PX: usize = 2;
+/// An answer further than this from the object's own range is wrong.
+const WRONG_PX: f32 = 1.0;
+
+/// Form in which an object is given to the core.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outline {
+    /// Its mask.
+    Given,
+    /// Its mask, 2 px too large.
+    TooLarge,
+    /// Its mask, eroded by 2 px.
+    Eroded,
+    /// A box drawn by hand.
+    Box,
+}
+
+impl Outline {
+    /// Every kind, in the order of the table.
+    pub const ALL: [Self; 4] = [Self::Given, Self::TooLarge, Self::Eroded, Self::Box];
+
+    /// In words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Given => "as given",
+            Self::TooLarge => "2 px too large",
+            Self::Eroded => "eroded 2 px",
+            Self::Box => "drawn boxes",
+        }
+    }
+}
+
+/// One object with its truth and what the core is given of it.
+#[derive(Clone, Debug)]
+pub struct ObjectCase {
+    /// Scene and object.
+    pub name: String,
+    /// Form given to the core.
+    pub outline: Outline,
+    dims: Dims,
+    label: u16,
+    given: Given,
+    /// 5 % and 95 % of its true disparities, px.
+    range: (f32, f32),
+    /// Their median.
+    median: f32,
+    /// True disparity at its centre: of the own pixel with truth that is nearest to the mean of its pixels, px.
+    centre: f32,
+    /// Its true pixels.
+    mask: Arc<Mask>,
+}
+
+#[derive(Clone, Debug)]
+enum Given {
+    Runs(Vec<Run>),
+    Area(Area),
+}
+
+impl ObjectCase {
+    /// An object of these pixels, given to the core as they are; `None` where none of them has truth.
+    #[must_use]
+    pub fn of_mask(name: &str, label: u16, pixels: Vec<bool>, dims: Dims, truth: &Truth) -> Option<Self> {
+        let mask = Arc::new(Mask::new(dims, pixels));
+        let given = (Outline::Given, Given::Runs(mask.runs(label)));
+        Self::new(name.to_owned(), truth, given, label, &mask, dims)
+    }
+
+    fn new(
+        name: String,
+        truth: &Truth,
+        (outline, given): (Outline, Given),
+        label: u16,
+        mask: &Arc<Mask>,
+        dims: Dims,
+    ) -> Option<Self> {
+        let width = usize::from(dims.width);
+        let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
+        let own: Vec<[i64; 2]> = own.map(|(i, _)| [i % width, i / width].map(|at| at as i64)).collect();
+        let known = own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x as i32, y as i32)?)));
+        let mean = |axis: usize| own.iter().map(|at| at[axis]).sum::<i64>() / own.len().max(1) as i64;
+        let [x0, y0] = [0, 1].map(mean);
+        let (_, centre) = known.clone().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))?;
+        let mut values: Vec<f32> = known.map(|(_, disparity)| disparity).collect();
+        values.sort_by(f32::total_cmp);
+        Some(Self {
+            name,
+            outline,
+            dims,
+            label,
+            given,
+            range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
+            median: interpolated_quantile(&values, 0.5)?,
+            centre,
+            mask: Arc::clone(mask),
+        })
+    }
+
+    /// Region given to the core; `None` where erosion left nothing.
+    #[must_use]
+    pub fn region(&self) -> Option<Region<'_>> {
+        match &self.given {
+            Given::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
+            Given::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
+        }
+    }
+
+    /// True disparity at its centre, px: where an answer is said to hold.
+    #[must_use]
+    pub const fn true_at_centre(&self) -> f32 {
+        self.centre
+    }
+
+    /// Its true pixels.
+    #[must_use]
+    pub fn mask(&self) -> &Mask {
+        &self.mask
+    }
+
+    /// How well what is given, and what it is refined to, overlap with the true pixels: 1 is the same.
+    fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
+        let Some(region) = self.region() else { return [0.0; 2] };
+        let given = self.mask.overlap(&Mask::of(&region, self.dims));
+        match refine(&region, found, candidates, self.dims).outline {
+            RefinedOutline::Mask(refined) => [given, self.mask.overlap(&refined)],
+            RefinedOutline::Box(_) => [given; 2],
+        }
+    }
+
+    /// Scores what the core reports of it, by these candidates.
+    #[must_use]
+    pub fn score(&self, found: &ObjectDepth, candidates: &[Candidate]) -> ObjectScore {
+        let (low, high) = self.range;
+        let disparity = found.disparity.map(|d| d.to_num::<f32>());
+        ObjectScore {
+            name: self.name.clone(),
+            outline: self.outline,
+            refused: found.disparity.err(),
+            range: self.range,
+            disparity: disparity.unwrap_or(f32::NAN),
+            wrong: disparity.is_ok_and(|d| low - d > WRONG_PX || d - high > WRONG_PX),
+            error: disparity.map_or(f32::NAN, |d| (d - self.median).abs()),
+            relative: disparity.map_or(f32::NAN, |d| (d - self.median).abs() / self.median),
+            sigma: found.sigma.to_num(),
+            confidence: found.confidence.to_num(),
+            support: found.support,
+            overlap: self.overlap(found, candidates),
+        }
+    }
+}
+
+/// Score of one answer.
+#[derive(Clone, Debug)]
+pub struct ObjectScore {
+    /// Scene and object.
+    pub name: String,
+    /// Form given to the core.
+    pub outline: Outline,
+    /// Why there is no answer.
+    pub refused: Option<NoDepth>,
+    /// 5 % and 95 % of the true disparities, px.
+    pub range: (f32, f32),
+    /// The answer in px; not a number without one, like what follows from it.
+    pub disparity: f32,
+    /// More than 1 px outside of the range.
+    pub wrong: bool,
+    /// Distance from the true median in px, and as a part of it.
+    pub error: f32,
+    /// See `error`.
+    pub relative: f32,
+    /// Standard deviation stated.
+    pub sigma: f32,
+    /// Probability stated that the answer is not wrong.
+    pub confidence: f32,
+    /// Segments that support it.
+    pub support: u16,
+    /// Overlap of what was given, and of what it was refined to, with the truth: 1 is the same.
+    pub overlap: [f64; 2],
+}
+
+/// The scores of one kind of outline together.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObjectSummary {
+    /// Form given to the core.
+    pub outline: Outline,
+    /// Objects asked for.
+    pub objects: usize,
+    /// Objects with an answer.
+    pub covered: usize,
+    /// Wrong answers.
+    pub wrong: usize,
+    /// Median of |answer - true median| / true median.
+    pub median_relative_error: Option<f64>,
+    /// Share of answers within one stated standard deviation of the true median.
+    pub within_sigma: Option<f64>,
+    /// Share within two.
+    pub within_two_sigma: Option<f64>,
+    /// Mean probability stated.
+    pub mean_confidence: Option<f64>,
+    /// Mean overlap of what was given, and of what it was refined to, with the truth, over answers: 1 is the same.
+    pub mean_overlap: Option<[f64; 2]>,
+    /// Objects refused for each reason of [`NoDepth::ALL`].
+    pub refused: [usize; NoDepth::ALL.len()],
+}
+
+impl ObjectSummary {
+    /// Of those scores that are of this kind.
+    #[must_use]
+    pub fn pool(outline: Outline, scores: &[ObjectScore]) -> Self {
+        let all: Vec<&ObjectScore> = scores.iter().filter(|score| score.outline == outline).collect();
+        let answers: Vec<&ObjectScore> = all.iter().copied().filter(|score| score.refused.is_none()).collect();
+        let share = |is: &dyn Fn(&ObjectScore) -> bool| {
+            let count = answers.iter().filter(|score| is(score)).count();
+            (!answers.is_empty()).then(|| count as f64 / answers.len() as f64)
+        };
+        let sum: f64 = answers.iter().map(|score| f64::from(score.confidence)).sum();
+        Self {
+            outline,
+            objects: all.len(),
+            covered: answers.len(),
+            wrong: answers.iter().filter(|score| score.wrong).count(),
+            median_relative_error: median(answers.iter().map(|score| score.relative).collect()).map(f64::from),
+            within_sigma: share(&|score| score.error <= score.sigma),
+            within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
+            mean_overlap: (!answers.is_empty()).then(|| {
+                [0, 1].map(|i| answers.iter().map(|score| score.overlap[i]).sum::<f64>() / answers.len() as f64)
+            }),
+            mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
+            refused: NoDepth::ALL.map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
+        }
+    }
+
+    /// Wrong answers in percent of all answers; 0 without any.
+    #[must_use]
+    pub fn wrong_percent(&self) -> f64 {
+        100.0 * self.wrong as f64 / self.covered.max(1) as f64
+    }
+
+    /// Objects with an answer in percent.
+    #[must_use]
+    pub fn covered_percent(&self) -> f64 {
+        100.0 * self.covered as f64 / self.objects.max(1) as f64
+    }
+}
+
+/// Every object of a scene that has truth, given in every way there is.
+pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
+    let mut cases = Vec::new();
+    let labels_path = scene.folder.join("objects.png");
+    if labels_path.is_file() {
+        let labels = resized_labels(&labels_path, scene.left.dims)?;
+        let mut present = labels.clone();
+        present.sort_unstable();
+        present.dedup();
+        for label in present.into_iter().filter(|&label| label > 0) {
+            let mask = Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
+            let given = [
+                (Outline::Given, Mask::clone(&mask)),
+                (Outline::TooLarge, mask.grown(SLOPPY_PX)),
+                (Outline::Eroded, mask.eroded(SLOPPY_PX)),
+            ];
+            for (outline, shape) in given {
+                cases.extend(case(scene, &label.to_string(), outline, label, Given::Runs(shape.runs(label)), &mask));
+            }
+        }
+    }
+    if let Some(folder) = folder_with_boxes(&scene.folder)? {
+        cases.extend(drawn_boxes(scene, &folder)?);
+    }
+    Ok(cases)
+}
+
+/// Answers of the core about each object of the pair that the engine ran last.
+#[must_use]
+pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
+    let answer = |case: &ObjectCase, engine: &mut Engine| {
+        let found = case.region().and_then(|region| engine.objects(&[region], true).pop());
+        case.score(&found.unwrap_or(EMPTY), engine.matched().candidates())
+    };
+    cases.iter().map(|case| answer(case, engine)).collect()
+}
+
+/// The answer for a region without pixels.
+const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
+
+/// The table, then every answer that is wrong and every object without one.
+#[must_use]
+pub fn object_table(scores: &[ObjectScore]) -> String {
+    let mut text = String::from(
+        "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   overlap, refined   refused\n",
+    );
+    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
+    for outline in Outline::ALL {
+        let s = ObjectSummary::pool(outline, scores);
+        if s.objects == 0 {
+            continue;
+        }
+        let refused = NoDepth::ALL.iter().zip(s.refused).filter(|(_, count)| *count > 0);
+        let refused: Vec<String> = refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
+        let _ = writeln!(
+            text,
+            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {:>16}   {}",
+            outline.name(),
+            s.objects,
+            s.wrong,
+            s.wrong_percent(),
+            s.covered,
+            s.covered_percent(),
+            s.median_relative_error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error)),
+            percent(s.within_sigma),
+            percent(s.within_two_sigma),
+            s.mean_confidence.map_or("-".to_owned(), |stated| format!("{stated:.3}")),
+            s.mean_overlap.map_or("-".to_owned(), |[given, refined]| format!("{given:.3}, {refined:.3}")),
+            refused.join(", "),
+        );
+    }
+    for score in scores.iter().filter(|score| score.wrong) {
+        let (low, high) = score.range;
+        let _ = writeln!(
+            text,
+            "wrong: {}, {}: {:.1} px by {} segments, it is {low:.1} to {high:.1}",
+            score.name,
+            score.outline.name(),
+            score.disparity,
+            score.support
+        );
+    }
+    for score in scores {
+        if let Some(reason) = score.refused {
+            let _ = writeln!(text, "no answer: {}, {}: {}", score.name, score.outline.name(), reason.name());
+        }
+    }
+    text
+}
+
+/// A case, where the object has any truth.
+fn case(
+    scene: &Scene,
+    object: &str,
+    outline: Outline,
+    label: u16,
+    given: Given,
+    mask: &Arc<Mask>,
+) -> Option<ObjectCase> {
+    let name = format!("{} {object}", scene.name);
+    ObjectCase::new(name, scene.truth.as_ref()?, (outline, given), label, mask, scene.left.dims)
+}
+
+#[derive(Deserialize)]
+struct DrawnObjects {
+    objects: Vec<DrawnObject>,
+}
+
+#[derive(Deserialize)]
+struct DrawnObject {
+    label: u16,
+    name: String,
+    /// `[x0, y0, x1, y1)` in px of the folder's own left image.
+    #[serde(rename = "box")]
+    corners: [f64; 4],
+}
+
+#[derive(Deserialize)]
+struct Origin {
+    from: Option<String>,
+}
+
+/// The folder that holds boxes of this scene: its own, or the one that it was reduced from.
+fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
+    if folder.join("objects.json").is_file() {
+        return Ok(Some(folder.to_path_buf()));
+    }
+    let origin: Origin = read_json(&folder.join("scene.json"))?;
+    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf()); // of `.` there is no parent
+    let folder = origin.from.and_then(|from| Some(folder.parent()?.parent()?.join(from)));
+    Ok(folder.filter(|folder| folder.join("objects.json").is_file()))
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, FrameError> {
+    let text = untrusted::read(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
+}
+
+fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameError> {
+    let drawn: DrawnObjects = read_json(&folder.join("objects.json"))?;
+    let path = folder.join("mask_objects.png");
+    let (from, _) = load_values(&path)?;
+    let to = scene.left.dims;
+    let labels = resized_labels(&path, to)?;
+    let mut cases = Vec::new();
+    for object in drawn.objects {
+        let mask = Arc::new(Mask::new(to, labels.iter().map(|&label| label == object.label).collect()));
+        let scaled = |value: f64, from: u16, to: u16| (value * f64::from(to) / f64::from(from)).round() as u16;
+        let [x0, y0, x1, y1] = object.corners;
+        let area = Area {
+            left: scaled(x0, from.width, to.width),
+            top: scaled(y0, from.height, to.height),
+            right: scaled(x1, from.width, to.width),
+            bottom: scaled(y1, from.height, to.height),
+        };
+        cases.extend(case(scene, &object.name, Outline::Box, object.label, Given::Area(area), &mask));
+    }
+    Ok(cases)
+}
+
+/// Labels at the size of the images: of the pixel at the same place.
+fn resized_labels(path: &Path, to: Dims) -> Result<Vec<u16>, FrameError> {
+    let (from, labels) = load_values(path)?;
+    let same = |at: u16, from: u16, to: u16| (2 * usize::from(at) + 1) * usize::from(from) / (2 * usize::from(to));
+    let rows = (0..to.height).map(|y| same(y, from.height, to.height) * usize::from(from.width));
+    Ok(rows
+        .flat_map(|row| (0..to.width).map(move |x| row + same(x, from.width, to.width)))
+        .map(|i| labels[i])
+        .collect())
+}

@@ -1,0 +1,158 @@
+//! Answers with evidence and truth.
+
+use linestereo::diagnostics::{
+    Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
+};
+use linestereo::{Params, Support};
+use linestereo_frames::Truth;
+use linestereo_sim::engine::Engine;
+
+/// Pixels from the edge up to which answers are sampled: those that the core makes by default.
+const REACH: u16 = Params::DEFAULT.reach;
+
+/// Subject of each of the models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SampleKind {
+    NearVerticalSide,
+    NearHorizontalSide,
+    NearVerticalEdge,
+    NearHorizontalEdge,
+    Support,
+    Pixel,
+}
+
+/// The pixels that one side of one candidate reports at one distance, or one pixel that was asked for.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    kind: SampleKind,
+    pub(super) evidence: Vec<f64>,
+    /// `|reported - true|` of the pixels with truth, px.
+    pub(super) errors: Vec<f32>,
+}
+
+impl Sample {
+    /// A pixel that was asked for; `error` is `|answer - true|`, px.
+    pub(super) fn pixel(evidence: &PixelEvidence, error: f32) -> Self {
+        let evidence = evidence.0.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Self { kind: SampleKind::Pixel, evidence, errors: vec![error] }
+    }
+
+    /// Pixels within 1 px, and the others.
+    pub(super) fn outcome(&self) -> (f64, f64) {
+        let right = self.errors.iter().filter(|&&error| error <= 1.0).count();
+        (right as f64, (self.errors.len() - right) as f64)
+    }
+}
+
+/// All samples of one pair.
+#[derive(Clone, Debug)]
+pub struct SceneSamples {
+    /// Name of the scene: samples of the same one are never scored by a model that has seen one of them.
+    pub(super) scene: String,
+    samples: Vec<Sample>,
+}
+
+impl SceneSamples {
+    /// Both are of the same scene.
+    #[must_use]
+    pub fn shows(&self, name: &str) -> bool {
+        self.scene == what_it_shows(name)
+    }
+
+    pub(super) fn of_kind(&self, kind: SampleKind) -> impl Iterator<Item = &Sample> {
+        self.samples.iter().filter(move |sample| sample.kind == kind)
+    }
+
+    /// Answers sampled.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Nothing was sampled.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+}
+
+/// The evidence of a run, which the core itself does not keep.
+#[derive(Clone, Debug, Default)]
+pub struct EvidenceLog {
+    sides: Vec<[SegmentEvidence; 2]>,
+    /// Of support points, with their places.
+    support: Vec<(usize, SupportEvidence)>,
+}
+
+impl Observer for EvidenceLog {
+    fn on_event(&mut self, step: StageEvent<'_>) {
+        if let StageEvent::Segment(Ok((_, &evidence))) = step {
+            self.sides.push(evidence);
+        }
+    }
+
+    fn support_point(&mut self, place: usize, &evidence: &SupportEvidence) {
+        self.support.push((place, evidence));
+    }
+}
+
+/// Samples every answer of the last run that has truth; `log` watched it.
+#[must_use]
+pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
+    let matched = engine.matched();
+    let (candidates, dims) = (matched.candidates(), matched.dims());
+    let mut samples = support_samples(matched.support(), log, truth);
+    for (candidate, logged) in candidates.iter().zip(&log.sides) {
+        let flat = candidate.segment.near_horizontal;
+        let (side_kind, edge_kind) = if flat {
+            (SampleKind::NearHorizontalSide, SampleKind::NearHorizontalEdge)
+        } else {
+            (SampleKind::NearVerticalSide, SampleKind::NearVerticalEdge)
+        };
+        // The nearest truth within 1 px across the edge, as segments are scored.
+        let at_edge = |x: i32, y: i32, d: f32| {
+            let near =
+                (-1..=1).filter_map(|k| if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) });
+            near.map(|truth| (truth - d).abs()).reduce(f32::min)
+        };
+        let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
+        for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
+            let Some(side) = side else { continue };
+            let known = logged.with_nearby(side.nearby_q8);
+            for distance in 0..=REACH {
+                let mut errors: Vec<f32> = Vec::new();
+                candidate.for_each_pixel(index, distance, ValidPixels::whole(dims), |x, y, d_q6| {
+                    let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
+                    errors.extend(if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) });
+                });
+                if errors.is_empty() {
+                    continue;
+                }
+                let mut evidence = known.0.map(|value| f64::from(value) / 256.0).to_vec();
+                evidence[SegmentKind::Distance as usize] = distance.into();
+                let next_to_edge = distance == 1 && !candidate.is_one_surface();
+                evidence[SegmentKind::NextToEdge as usize] = f64::from(u8::from(next_to_edge));
+                let kind = if distance == 0 { edge_kind } else { side_kind };
+                samples.push(Sample { kind, evidence, errors });
+            }
+        }
+    }
+    SceneSamples { scene: what_it_shows(scene), samples }
+}
+
+/// The same scene at another size has the same name, in capitals or not, or with more behind a `_`.
+fn what_it_shows(name: &str) -> String {
+    name.split('_').next().unwrap_or_default().to_lowercase()
+}
+
+fn support_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
+    let points: Vec<_> = support.iter().collect();
+    let sample = |&(place, evidence): &(usize, SupportEvidence)| {
+        let &((x, y), point) = points.get(place)?;
+        let error = (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
+        let known = support.with_nearby(place, evidence).0;
+        let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Some(Sample { kind: SampleKind::Support, evidence, errors: vec![error] })
+    };
+    log.support.iter().filter_map(sample).collect()
+}

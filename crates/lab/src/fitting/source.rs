@@ -1,0 +1,62 @@
+//! The fitted constants as Rust source.
+
+use super::names;
+use core::fmt::Write;
+use linestereo::diagnostics::{Model, Models, SUPPORT_EVIDENCE, SupportKind};
+
+/// The text of the core's file of constants; `origin` names the frames.
+#[must_use]
+pub fn source_text(models: &Models, origin: &str) -> String {
+    let mut text = format!(
+        "//! Written by `linestereo-lab fit-confidence` from {origin}: do not edit.\n\n\
+         use super::{{Model, Models}};\n\n\
+         /// The models that plans use unless they are given others.\n\
+         #[rustfmt::skip]\n\
+         pub const FITTED: Models = Models {{\n"
+    );
+    model(&mut text, "near_vertical", &models.near_vertical);
+    model(&mut text, "near_horizontal", &models.near_horizontal);
+    model(&mut text, "near_vertical_edge", &models.near_vertical_edge);
+    model(&mut text, "near_horizontal_edge", &models.near_horizontal_edge);
+    text.push_str("};\n");
+    text
+}
+
+/// The text of the core's file of constants for support points.
+#[must_use]
+pub fn support_source_text(model: &Model<SUPPORT_EVIDENCE>, origin: &str) -> String {
+    let mut text = format!(
+        "//! Written by `linestereo-lab fit-confidence` from {origin}: do not edit.\n\n\
+         use super::evidence::SUPPORT_EVIDENCE;\n\
+         use crate::confidence::Model;\n\n\
+         /// The model that plans use unless they are given another.\n\
+         #[rustfmt::skip]\n\
+         pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {{\n"
+    );
+    fields(&mut text, "    ", model, &SupportKind::NAMES);
+    text.push_str("};\n");
+    text
+}
+
+fn model(text: &mut String, name: &str, model: &Model) {
+    let _ = writeln!(text, "    {name}: Model {{");
+    fields(text, "        ", model, &names());
+    text.push_str("    },\n");
+}
+
+/// The fields of a model, each line indented.
+pub(super) fn fields<const N: usize>(text: &mut String, indent: &str, model: &Model<N>, names: &[&str; N]) {
+    let _ = writeln!(text, "{indent}bias_q12: {},\n{indent}coefficients_q12: [", model.bias_q12);
+    for (coefficient, name) in model.coefficients_q12.iter().zip(names) {
+        let _ = writeln!(text, "{indent}    {coefficient}, // {name}");
+    }
+    let _ = writeln!(text, "{indent}],");
+    for (name, table) in [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)] {
+        let _ = writeln!(text, "{indent}{name}: [");
+        for row in table.chunks(11) {
+            let row: Vec<String> = row.iter().map(u16::to_string).collect();
+            let _ = writeln!(text, "{indent}    {},", row.join(", "));
+        }
+        let _ = writeln!(text, "{indent}],");
+    }
+}

@@ -1,0 +1,21 @@
+//! What judges the method: scores against truth, damaged pairs, other matchers on the same frames, and the fits of confidence.
+//!
+//! ```text
+//! evaluate   scores of results against ground truth
+//! faults     damaged pairs, and what is answered of them
+//! rivals     other methods on the same frames
+//! fitting    the confidence models, fitted on scores
+//! draw       pictures of all that
+//! bench      every data set of a folder, beside OpenCV, and against the last run
+//! commands   the command line
+//! ```
+
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
+
+pub mod bench;
+pub mod commands;
+pub mod draw;
+pub mod evaluate;
+pub mod faults;
+pub mod fitting;
+pub mod rivals;
