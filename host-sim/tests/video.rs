@@ -213,7 +213,7 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     let decoded = of(at, &["jpegs", "--side-by-side"]);
     assert!(decoded.len() == 3 && of(at, &["both.mjpeg"]) == decoded);
     // Frames at times of their own: each once.
-    ffmpeg(at, "-stream_loop 3 -i both.y4m -vf setpts=N*(N+1)*1000 -r 30 -fps_mode vfr -c:v ffv1 long.mkv");
+    ffmpeg(at, "-stream_loop 3 -i both.y4m -vf setpts=N*(N+1)*1000 -fps_mode vfr -c:v ffv1 long.mkv");
     let names = |video: &str| {
         let lines = succeed(at, &["sequence", video, "--no-points"]);
         let name = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].to_string();

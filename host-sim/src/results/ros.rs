@@ -16,8 +16,8 @@ use crate::engine::FrameResult;
 use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_recordings::mcap::Writer;
-use linestereo_recordings::ros::messages::DisparityImage;
-use linestereo_recordings::ros::sent::{self, Disparities, Label, Level, Line, Projection, Stamp, Topic};
+use linestereo_recordings::ros::messages::{DisparityImage, Image, RegionOfInterest};
+use linestereo_recordings::ros::sent::{self, Label, Level, Line, Projection, Stamp, Topic};
 use linestereo_recordings::ros::{cdr, schema};
 use linestereo_wire::RigUpdate;
 use serde::Serialize;
@@ -209,14 +209,23 @@ fn disparity_image(stamp: Stamp<'_>, frame: &Frame<'_>) -> DisparityImage<'stati
     let offset = projection.map_or(0.0, |rig| (rig.centres[1][0] - rig.centres[0][0]) as f32);
     let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)].map(|end| end + offset);
     // As OpenCV marks them.
-    let mut values = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
+    let mut values: Vec<f32> = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
     for point in &frame.result.points {
         let at = usize::from(point.y) * usize::from(width) + usize::from(point.x);
         if let Some(value) = values.get_mut(at) {
             *value = point.disparity.to_num::<f32>() + offset;
         }
     }
-    let rig = projection.map_or([0.0; 2], |rig| [rig.focal_px as f32, rig.baseline_m as f32]);
-    let size = [width, height];
-    sent::disparity_image(stamp, &Disparities { size, values: &values, rig, range, step: DISPARITY_STEP })
+    let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let (encoding, step) = ("32FC1".to_owned(), 4 * u32::from(width));
+    DisparityImage {
+        header: stamp.into(),
+        image: Image { encoding, step, data: data.into(), ..sent::image(stamp, [width, height], &[]) },
+        f: projection.map_or(0.0, |rig| rig.focal_px as f32),
+        t: projection.map_or(0.0, |rig| rig.baseline_m as f32),
+        valid_window: RegionOfInterest { height: height.into(), width: width.into(), ..RegionOfInterest::default() },
+        min_disparity: range[0],
+        max_disparity: range[1],
+        delta_d: DISPARITY_STEP,
+    }
 }

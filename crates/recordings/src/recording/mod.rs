@@ -48,17 +48,15 @@ struct Stored {
 }
 
 /// A topic with what was found of it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Topic {
     name: String,
+    content: Content,
     images: Vec<Stored>,
     /// The first one.
     info: Option<CameraInfo>,
     info_changes: bool,
     frame_id: String,
-    has_images: bool,
-    is_compressed: bool,
-    has_info: bool,
 }
 
 /// A recording that was scanned.
@@ -157,9 +155,7 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
                 }
                 if at == topics.len() {
                     names.insert(name.clone(), at);
-                    let (has_info, is_compressed) =
-                        (kind.content == Content::Calibration, kind.content == Content::CompressedImage);
-                    topics.push(Topic { name, has_images: !has_info, is_compressed, has_info, ..Topic::default() });
+                    topics.push(Topic::new(name, kind.content));
                 }
                 channels.insert(channel.id, (at, kind));
             }
@@ -179,7 +175,7 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
         }
         Ok(())
     })?;
-    if !topics.iter().any(|topic| topic.has_images) {
+    if !topics.iter().any(Topic::has_images) {
         let found = foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
         return Err(RecordingFault::Topics(format!(
             "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
@@ -189,6 +185,15 @@ fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
 }
 
 impl Topic {
+    fn new(name: String, content: Content) -> Self {
+        let frame_id = String::new();
+        Self { name, content, images: Vec::new(), info: None, info_changes: false, frame_id }
+    }
+
+    fn has_images(&self) -> bool {
+        self.content != Content::Calibration
+    }
+
     fn broken(&self) -> RecordingFault {
         RecordingFault::Image(
             self.name.clone(),

@@ -7,6 +7,7 @@
 //! ```
 
 use super::{RecordingFault, Topic};
+use crate::ros::kind::Content;
 use crate::ros::messages::CameraInfo;
 use linestereo_frames::{SIDES, without_side};
 
@@ -40,14 +41,14 @@ impl Choice {
     /// The topics of both images.
     pub(super) fn topics<'a>(&self, all: &'a [Topic]) -> Result<[&'a Topic; 2], RecordingFault> {
         let listed = || {
-            let names: Vec<&str> = all.iter().filter(|topic| topic.has_images).map(|topic| &*topic.name).collect();
+            let names: Vec<&str> = all.iter().filter(|topic| topic.has_images()).map(|topic| &*topic.name).collect();
             let more = if names.len() > LISTED { ", ..." } else { "" };
             names[..names.len().min(LISTED)].join(", ") + more
         };
         let ask = "give --left-topic and --right-topic";
         if let [Some(left), Some(right)] = &self.topics {
             let named = |name: &String| {
-                let found = all.iter().find(|topic| topic.has_images && topic.name == *name);
+                let found = all.iter().find(|topic| topic.has_images() && topic.name == *name);
                 found.ok_or_else(|| RecordingFault::Topics(format!("no images are in {name}, but in {}", listed())))
             };
             return Ok([named(left)?, named(right)?]);
@@ -71,12 +72,12 @@ impl Choice {
         let named = |images: &Topic| {
             let base = images.name.strip_suffix("/compressed").unwrap_or(&images.name);
             let name = format!("{}/camera_info", base.rsplit_once('/').map_or("", |(space, _)| space));
-            all.iter().find(|topic| topic.has_info && topic.name == name)
+            all.iter().find(|topic| !topic.has_images() && topic.name == name)
         };
         let by_side = |eye: usize| {
             let of_side = |topic: &&Topic| {
                 let mut sides = sides();
-                topic.has_info && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
+                !topic.has_images() && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
             };
             let mut found = all.iter().filter(of_side);
             found.next().filter(|_| found.next().is_none())
@@ -95,7 +96,7 @@ fn sides() -> impl Iterator<Item = [&'static str; 2]> {
 
 /// Pairs of topics with images whose names differ by the side alone.
 fn by_sides(all: &[Topic]) -> Vec<[&Topic; 2]> {
-    let with_images = || all.iter().filter(|topic| topic.has_images && !topic.images.is_empty());
+    let with_images = || all.iter().filter(|topic| topic.has_images() && !topic.images.is_empty());
     let mut found: Vec<[&Topic; 2]> = Vec::new();
     for [left_side, right_side] in sides() {
         for left in with_images() {
@@ -117,7 +118,7 @@ pub(super) fn is_rectified(topic: &str) -> bool {
 
 /// The best are lowest.
 fn rank(topic: &Topic) -> [bool; 3] {
-    [!is_rectified(&topic.name), topic.name.contains("color"), topic.is_compressed]
+    [!is_rectified(&topic.name), topic.name.contains("color"), topic.content == Content::CompressedImage]
 }
 
 #[cfg(test)]
@@ -125,18 +126,18 @@ mod tests {
     use super::*;
     use crate::mcap::Place;
     use crate::recording::Stored;
-    use crate::ros::kind::{Content, Kind};
+    use crate::ros::kind::Kind;
 
     fn topics(names: &[&str]) -> Vec<Topic> {
         let image =
             Stored { place: Place::default(), stamp_ns: 0, kind: Kind { content: Content::Image, is_foxglove: false } };
-        let topic = |name: &&str| Topic {
-            name: (*name).to_owned(),
-            has_images: !name.ends_with("info"),
-            has_info: name.ends_with("info"),
-            is_compressed: name.ends_with("compressed"),
-            images: vec![image],
-            ..Topic::default()
+        let topic = |name: &&str| {
+            let content = match *name {
+                name if name.ends_with("info") => Content::Calibration,
+                name if name.ends_with("compressed") => Content::CompressedImage,
+                _ => Content::Image,
+            };
+            Topic { images: vec![image], ..Topic::new((*name).to_owned(), content) }
         };
         names.iter().map(topic).collect()
     }

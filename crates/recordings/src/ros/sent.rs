@@ -2,8 +2,8 @@
 //! y down, z forward (REP 103).
 
 use super::messages::{
-    CameraInfo, DiagnosticArray, DiagnosticStatus, DisparityImage, Header, Image, Marker, MarkerArray, PointCloud2,
-    PointField, Pose, RegionOfInterest, Time,
+    CameraInfo, DiagnosticArray, DiagnosticStatus, Header, Image, Marker, MarkerArray, PointCloud2, PointField, Pose,
+    Time,
 };
 
 /// When and where a pair was seen.
@@ -60,21 +60,6 @@ pub struct Projection {
     pub baseline_m: f64,
 }
 
-/// Disparities, where there are any.
-#[derive(Clone, Debug)]
-pub struct Disparities<'a> {
-    /// Columns and rows.
-    pub size: [u16; 2],
-    /// By rows, less the offset of the principal points; below `range[0]` where there is none.
-    pub values: &'a [f32],
-    /// Focal length, px, and distance of the cameras, m.
-    pub rig: [f32; 2],
-    /// Least and largest that was searched.
-    pub range: [f32; 2],
-    /// Step.
-    pub step: f32,
-}
-
 /// State of what is watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
@@ -104,10 +89,6 @@ impl From<Stamp<'_>> for Header {
         let sec = i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX);
         Self { stamp: Time { sec, nanosec: (ns % 1_000_000_000) as u32 }, frame_id: frame_id.to_owned() }
     }
-}
-
-fn bytes(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 /// 8-bit grey.
@@ -155,33 +136,8 @@ pub fn point_cloud(stamp: Stamp<'_>, points: &[CloudPoint]) -> PointCloud2 {
         is_bigendian: false,
         point_step: size,
         row_step: size * count,
-        data: bytes(points.as_flattened()),
+        data: points.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect(),
         is_dense: true,
-    }
-}
-
-/// Disparities as an image of float32.
-#[must_use]
-pub fn disparity_image(stamp: Stamp<'_>, of: &Disparities<'_>) -> DisparityImage<'static> {
-    let [width, height] = of.size.map(u32::from);
-    let image = Image {
-        header: stamp.into(),
-        height,
-        width,
-        encoding: "32FC1".to_owned(),
-        is_bigendian: 0,
-        step: width * size_of::<f32>() as u32,
-        data: bytes(of.values).into(),
-    };
-    DisparityImage {
-        header: stamp.into(),
-        image,
-        f: of.rig[0],
-        t: of.rig[1],
-        valid_window: RegionOfInterest { height, width, ..RegionOfInterest::default() },
-        min_disparity: of.range[0],
-        max_disparity: of.range[1],
-        delta_d: of.step,
     }
 }
 
