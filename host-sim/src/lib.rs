@@ -3,10 +3,7 @@
 //! Each module uses only those above it, and those of its line:
 //!
 //! ```text
-//! untrusted                 files of others: how much of one is read
 //! interruption, output      Ctrl-C; files written whole
-//! mcap, ros                 recordings: the container; the messages of ROS 2
-//! video                     frames of videos and cameras
 //! programs                  other programs of this machine
 //! statistics                middles and shares of lists
 //! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
@@ -28,18 +25,15 @@ pub mod commands;
 pub mod draw;
 pub mod engine;
 pub mod explain;
-pub mod input;
 pub mod interruption;
-pub mod mcap;
 pub mod monitor;
 pub mod output;
 pub mod planning;
 mod programs;
 pub mod quality;
+pub mod registry;
 pub mod report;
 pub mod results;
-pub mod ros;
 pub mod scene;
 pub mod serve;
 pub mod survey;
-pub mod video;

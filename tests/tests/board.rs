@@ -2,10 +2,10 @@
 
 use core::time::Duration;
 use linestereo::{Confidence, Dims, Params, Span};
+use linestereo_boards::built_in::Case;
 use linestereo_boards::{Board, Exit};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_firmware::boards::mps2_an500;
-use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;

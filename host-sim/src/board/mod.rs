@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian)
-//! firmware    a program of the firmware package as an ELF file
+//! firmware    programs of the firmware, or of another package for boards, as ELF files
 //! qemu        a run of it: files in a folder, log, exit code
 //! pairs       pairs to the program replay, results back
 //! numbers     what built-in pairs cost on a board, as the program selftest says: a table, and a file to send
@@ -17,7 +17,7 @@ pub mod toolchain;
 
 use anyhow::{Context, Result, bail};
 pub use linestereo_boards::Board;
-pub use pairs::{BoardResult, Costs, Machine, Replayed, push, push_pair, push_raw_pair, update};
+pub use pairs::{BoardResult, Costs, Machine, Replayed, captured, push, push_pair, push_raw_pair, update};
 use std::path::{Path, PathBuf};
 
 /// The top of the repository: the firmware is built from its source.

@@ -7,8 +7,6 @@ use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
 use crate::draw;
-use crate::input::Footage;
-use crate::input::video::Video;
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
 use crate::results::ros::Extra;
@@ -19,6 +17,7 @@ use linestereo::Disparity;
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::untrusted::printable;
 use linestereo_frames::{StoredPair, layouts};
+use linestereo_recordings::{Footage, Video};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +51,7 @@ A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m, .mjpeg; by ffmpeg .mp4, .mkv, .avi, .mov, .webm)
+    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4, .mkv, .avi, .mov, .webm, .mjpeg)
     /// with both views side by side, or of the left camera.
     #[arg(required_unless_present = "camera", conflicts_with = "camera")]
     folder: Option<PathBuf>,

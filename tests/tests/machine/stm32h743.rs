@@ -9,7 +9,7 @@ mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::{Confidence, Depth, HealthFlags, Margin, Match, Parts};
-use linestereo_firmware::programs::expected::QVGA;
+use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image_with;

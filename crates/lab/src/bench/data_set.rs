@@ -291,7 +291,9 @@ mod tests {
         for (name, info) in [("b/1", r#"{"ground_truth":{"file":"gt.png","disparity_scale":4}}"#), ("a/x/1", "{}")] {
             let folder = root.join(name);
             fs::create_dir_all(&folder).unwrap();
-            ["left.png", "right.png"].map(|image| fs::write(folder.join(image), "").unwrap());
+            for image in ["left.png", "right.png"] {
+                fs::write(folder.join(image), "").unwrap();
+            }
             fs::write(folder.join("scene.json"), info).unwrap();
         }
         let sets = find(&root).unwrap();
