@@ -75,10 +75,8 @@ fn of_page(text: &str) -> Vec<String> {
     lines
 }
 
-/// Examples in the help of a command, as they stand in its source: two spaces before, and two before what is said of it.
-fn of_help(source: &str) -> Vec<String> {
-    let Some((_, help)) = source.split_once("Examples:\n") else { return Vec::new() };
-    let help = help.split("\";\n").next().unwrap().replace("\\\"", "\"");
+/// Examples in the help of a command: two spaces before, and two before what is said of it.
+fn of_help(help: &str) -> Vec<String> {
     let is_command = |line: &&str| {
         let programs = ["linestereo ", "cargo ", "pip "];
         line.strip_prefix("  ").is_some_and(|line| programs.iter().any(|program| line.starts_with(program)))
@@ -91,7 +89,7 @@ fn documented() -> Vec<Documented> {
     let root = root();
     let (mut pages, mut sources) = (vec![root.join("README.md")], Vec::new());
     files(&root.join("docs"), "md", &mut pages);
-    files(&root.join("host-sim/src/commands"), "rs", &mut sources);
+    files(&root.join("host-sim/src/commands/help"), "txt", &mut sources);
     let all = pages.iter().map(|path| (path, of_page as fn(&str) -> Vec<String>));
     let all = all.chain(sources.iter().map(|path| (path, of_help as fn(&str) -> Vec<String>)));
     let mut list = Vec::new();

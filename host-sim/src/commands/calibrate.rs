@@ -20,36 +20,11 @@ use linestereo_frames::load_gray;
 use std::path::PathBuf;
 use std::thread;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
-      left01.jpg, right01.jpg and so on in photos/, 9x6 inner corners (10x7 squares)
-  linestereo calibrate photos --board 9x6 --square-mm 25 --lens fisheye --report report.png
-      a wide lens; what was seen and what is left, as a picture
-  linestereo calibrate marked --board charuco:8x6 --square-mm 28 --marker-mm 21 --dictionary DICT_5X5_100 --out rig.toml
-      a ChArUco board of 8x6 squares
-
-Boards (`linestereo print-board` writes them):
-  9x6            chessboard by its inner corners, one less than squares; all of it in both images
-  charuco:8x6    ChArUco by its squares, as OpenCV counts them: upper left square black, or --legacy-pattern. Parts of it are enough
-  aprilgrid:6x6  Kalibr's AprilGrid by its tags: family 36h11, numbered row by row from the lower left, a black square at each
-                 corner of a tag; OpenCV's GridBoard has none of these and is not found. Parts of it are enough
-
-Taking the photos:
-  Glue the printed board to something flat. Fix the focus. Take 15 to 25 pairs, both cameras at the same moment: near and far, in all
-  corners of the images, tilted by 20 to 45 degrees to all sides. A chessboard has to be whole in both images. Of a board with markers
-  8 corners in each are enough: let it reach beyond the images' borders.
-
-Verdict:
-  good      RMS up to 0.5 px, rows up to 0.25 px apart, 10 views or more, focal lengths and baseline known to 0.5 %
-  usable    twice that
-  repeat    anything worse; the reason and the remedy stand below it";
-
 /// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.
 ///
 /// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/ and right/ (cam0, cam1).
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/calibrate.txt"))]
 pub struct Args {
     /// Folder of the photos: PNG, JPEG, PGM or PPM.
     folder: PathBuf,

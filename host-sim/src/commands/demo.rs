@@ -70,7 +70,6 @@ pub struct RoomObject {
 
 impl RoomObject {
     /// True for an answer more than 1 px off at the object's centre, or outside of its range by as much.
-    #[must_use]
     pub fn is_wrong(&self) -> bool {
         let [low, high] = self.range;
         self.answer.is_ok_and(|(disparity, _)| {

@@ -111,7 +111,6 @@ enum Command {
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
-#[must_use]
 pub fn main() -> ExitCode {
     program::run(NAME, command(), |matches| {
         let cli = Cli::from_arg_matches(matches)?;

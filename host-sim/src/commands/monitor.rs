@@ -16,59 +16,11 @@ use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo monitor --serial /dev/ttyACM0 --baud 921600
-      a table of the frames as they come, until Ctrl-C
-  linestereo monitor --tcp localhost:4444 --send max_disparity=96 --send start --count 100
-      a board in QEMU: set a parameter, start, show 100 frames
-  linestereo monitor --tcp localhost:4444 --record run.bin --json > run.jsonl
-      everything as JSON, and the bytes as they came
-  linestereo monitor --serial /dev/ttyACM0 --send rig=rig.bin --send start
-      keep a rig in the board's flash (linestereo flash-image makes it), then start
-  linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
-      the depth of an object in every frame, in px of the rectified left image; only_box= matches around the
-      boxes alone, box=none asks no more
-  linestereo monitor --serial /dev/ttyACM0 --count 0 --send range_m=6 --send policy=silent --send keep
-      change settings and keep them over a reset
-  linestereo monitor --serial /dev/ttyACM0 --count 0 --send settings
-      every setting as it is, and whether it is kept; --send defaults goes back to those the board was built with
-  linestereo monitor run.bin
-      the same bytes again
-
-Commands are sent first, one after the other, each answered before the next; before start comes describe,
-so that what the board is, which rig it has and why it was reset stands above its frames. Neighbouring NAME=VALUE
-go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
-NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, parts,
-min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
-(and offset_px); of the vehicle yaw_deg, range_m, lowest_m, highest_m, system, rate_hz, policy (silent,
-block, unknown), block_cm (0: the rig's near limit), distance_sensor (on, off). What is not kept is lost with
-the next reset; keep erases flash, which takes up to 4 s, in which nothing is sent to an autopilot. Margins
-and focal_px with its others are not kept.
-sync has times of frames in this computer's clock (since 1970) as long as monitor runs, else they count from
-the board's start; with --json the field clock says which. bootloader ends the program for the boot
-loader, to be flashed over USB.
-
-Columns:
-  frame, time    number and capture time of the pair, since ms after the one before
-  wait, match    ms that the board waited for the pair (its rows are rectified meanwhile), and matched it
-  port           ms that it wrote to this port since the frame before
-  segments       matched; 12/20 when 8 of 20 were lost on the way
-  nearest, farthest   - without a rig
-  health         what the frame suffered: full lists, a covered or frozen camera, rows that are off, ...
-                 a flag that was not set before is explained on a line of its own
-
-At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
-With --json that summary goes to stderr, and each complete frame is one line on stdout:
-  {\"sequence\":n, \"capture_time_us\":t, \"clock\":\"board\", \"size\":[w,h], \"health\":{...},
-   \"times_us\":{\"waiting\":t, \"matching\":t, \"port\":t}, \"segments\":[...], \"counts\":{...}}
-health, segments and counts as in linestereo run --json.";
-
 /// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
 ///
 /// Damaged and lost records are counted and skipped.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/monitor.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["file", "tcp", "serial"])))]
 pub struct Args {
     /// Read recorded bytes; "-" is stdin.

@@ -15,24 +15,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo photograph photos --serial /dev/ttyACM0 --count 20 --every 3
-      twenty pairs, three seconds from one to the next: time to move the chessboard
-  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
-      what they are for
-  linestereo photograph look --serial /dev/ttyACM0
-      one pair: is it sharp, is it bright, is left left?
-
-Photos are left01.png, right01.png and so on, behind those that are there. They are raw: before rectification, as the
-sensors deliver them. Over USB a QVGA pair takes a second, over a serial port at 115200 baud a quarter of a minute.";
-
 /// A board that says nothing for so long does not answer.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Save pairs of photos as a board's cameras deliver them, for calibration or to have a look.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/photograph.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
 pub struct Args {
     /// Folder of the photos; made if it is not there.

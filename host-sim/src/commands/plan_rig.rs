@@ -9,20 +9,9 @@ use core::fmt::Write;
 use linestereo::Dims;
 use serde::Serialize;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96 --out plan.png
-      near limit, error and common view of a rig, and a picture of it
-  linestereo plan-rig --focal-mm 2.8 --pixel-um 3 --size 640x480 --baseline-m 0.06
-  linestereo plan-rig --hfov-deg 70 --size 320x240 --range 0.4..3 --error 5
-      the smallest baseline that measures to 5 % at 3 m, and whether 0.4 m still works with it
-
-An error is one standard deviation: two of three depths are within it, 19 of 20 within twice as much.
-Parallel cameras are assumed; rectified ones are.";
-
 /// Plan a rig: near limit, depth error and common view by distance, and the baseline for a wanted range.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/plan-rig.txt"))]
 #[command(group = clap::ArgGroup::new("focal").required(true).args(["focal_px", "focal_mm", "hfov_deg"]))]
 pub struct Args {
     /// Focal length in px of the images as matched.

@@ -32,7 +32,6 @@ impl Verbosity {
 }
 
 /// The command as it is shown and parsed.
-#[must_use]
 pub fn prepared(command: Command) -> Command {
     arguments::prepared(command)
 }

@@ -17,21 +17,9 @@ const ANY_RANGE: (i16, u16) = (0, 8);
 /// Files of each pair of a folder.
 const WRITTEN: [&str; 3] = ["left.png", "right.png", "rows.png"];
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo rectify left.png right.png --rig rig.toml --out-left l.png --out-right r.png
-  linestereo rectify left.png right.png --rig rig.toml --size 320x240 --picture rows.png
-      the picture alone: raw above, rectified below, a line every 32 rows
-  linestereo rectify recordings --rig rig.toml --out rectified
-      every pair in or below recordings, in any layout (linestereo sequence --help), in a folder of its name
-  linestereo rectify left.png right.png --rig cam0_sensor.yaml --rig cam1_sensor.yaml --picture rows.png
-      a rig of EuRoC; OpenCV, Kalibr and ROS files are read as well
-
-In the picture a point has to lie on one line in both lower images. Pixels without source are black.";
-
 /// Rectify raw pairs with a calibrated rig, by the same code as on a board.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/rectify.txt"))]
 pub struct Args {
     /// Raw left image; or a folder with pairs, in any layout.
     left: PathBuf,

@@ -12,20 +12,9 @@ use linestereo::diagnostics::{Observer, SegmentCurves, StageEvent, SupportCurves
 use linestereo_frames::StoredPair;
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo report left.png right.png --scene scene.json -o report.html
-  linestereo report frames/desk -o desk.html
-      a folder with a pair and its scene.json
-  linestereo report recording --rig rig.toml --size 320x240 --max-frames 100 -o recording.html
-      a sequence, with a slider over its frames; layouts: linestereo sequence --help
-
-The page holds everything: images, data, script. It works offline, with mouse, touch and keyboard
-(arrow keys go through the segments of a picture that has the focus).";
-
 /// Write one HTML page that shows what was found in a pair or a sequence, and why the rest was not.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/report.txt"))]
 pub struct Args {
     /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
     left: PathBuf,

@@ -23,84 +23,9 @@ use linestereo_rig::CameraSide;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo run left.png right.png --overlay depth.png
-      disparities only, and a picture of them
-  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --json -
-      with depth in metres, everything as JSON on stdout
-  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --nearest 0.3
-      with the disparity range that reaches from infinity to 0.3 m
-  linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
-      range and rig from a scene file, images reduced to 320 px
-  linestereo run left.png right.png --scene scene.json --ply points.ply --depth-png depth.png --pfm d.pfm
-      for other programs: geometry, depths in mm and disparities of the images as matched
-  linestereo run left.png right.png --scene scene.json --objects detections.json --json -
-      the depth of every object that a detector found
-  linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
-      the depth of two pixels, on a segment or not
-  linestereo run left.png right.png --scene scene.json --objects boxes.csv --only-objects
-      matched in and just around the boxes alone: the same depths for less work
-  linestereo run left.png right.png --focal-px 300 --baseline-m 0.1 --sectors --fan fan.png --mavlink told.bin
-      the nearest obstacle of each direction, and what an autopilot is told of them (docs/autopilots.md)
-  linestereo run left.png right.png --width 320 --on mps2-an500
-      the same on an emulated Cortex-M7, with its instructions counted
-  linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
-      a raw pair of a calibrated rig, rectified first; with --on the board rectifies it
-      (where its memory for raw rows is too small: --raw-width)
-
-scene.json (README.md says what each key means):
-  {\"max_disparity\":64, \"rectified\":{\"focal_px\":451, \"baseline_m\":0.075}}
-
-Without --rig the pair has to be rectified: a point lies on one row in both images.
-Choose --max-disparity above focal_px * baseline_m / (nearest distance in m), or give --nearest and a rig.
-What is nearer than the range allows is not measured: such a pair is flagged (range_small) and its objects have no depth.
-
-JSON:
-  {\"size\":[w,h],
-   \"segments\":[{\"id\":0, \"left\":[[x0,y0],[x1,y1]], \"disparity_px\":[d0,d1], \"sigma_px\":s,
-                \"confidence\":c, \"owner\":\"left|right|both\", \"depth_m\":[z0,z1],
-                \"techniques\":{\"feature\":d, \"window\":d, \"census\":d}}],
-   \"points\":[[x,y,disparity_px,confidence]],
-   \"counts\":{...},
-   \"objects\":[{\"label\":n, \"name\":s, \"disparity_px\":d, \"sigma_px\":s, \"depth_m\":z, \"sigma_m\":s,
-               \"nearest_m\":z, \"support\":k, \"confidence\":c, \"reason\":null}],
-   \"health\":{\"flags\":[\"...\"],
-             \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
-             \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"samples\":n},
-             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d,
-             \"range\":{\"windows\":n, \"beyond\":k, \"disparity_px\":d},
-             \"still\":{\"share\":s, \"pattern\":p}, \"tear\":{\"row\":y, \"shift_px\":d}},
-   \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
-               \"confidence\":c, \"reason\":null|\"...\"}],
-   \"sectors\":[{\"index\":0, \"direction_deg\":a, \"state\":\"obstacle|free|unknown|outside\",
-               \"distance_m\":z, \"confidence\":c, \"age_ms\":t}]}
-  confidence  probability of being within 1 px
-  owner       side whose surface has this depth; left is above on a near-horizontal segment
-  depth_m     null without a rig; a z of null is infinite
-  feature     null when no segment of the right image is alike
-  objects     with --objects; label: the mask's value, or the object's position in the file (from 0);
-              disparity and depth at its centre, null with a reason: little_support, two_surfaces,
-              only_outline, unhealthy_pair, no_parallax; support: segments that support it
-  health      what is wrong with the pair, and the numbers behind it; null is not known
-  level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
-              detail: mean grey step between samples; view: share of the usable pixels
-  skew_us     between the captures: null here, files have no capture times
-  rows        row in the right image minus row in the left one, by the matches: its median, spread and
-              the number of matches that could say; row_offset_px smooths it over pairs
-  range       windows that were also compared beyond the disparity range, those that match better there, and
-              up to which disparity
-  still       share of credible support points below 0.75 px; pattern: how alike both images are at the same
-              pixels where the scene has parallax, beyond what it explains
-  tear        the row below which one image is moved sideways, and by how much
-  queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
-              no_texture, left_right, not_unique, low_confidence, unhealthy_pair)
-  sectors     with --sectors: 0 is ahead, then clockwise; distance along the ground; free means that credible
-              segments lie behind the range and none within it, not that nothing is there";
-
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/run.txt"))]
 pub struct Args {
     /// Left image, the reference: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour.
     left: PathBuf,

@@ -7,19 +7,12 @@ use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo scene --list                               name and describe the built-in scenes
-  linestereo scene --kind poles out/poles               render one of them
-  linestereo scene --kind all --noise 5 out             render each into a folder of its own ...
-  linestereo eval out                                   ... and score the core on all of them";
-
 /// Render synthetic scenes with exact ground truth to folders that `eval` and `run` read.
 ///
 /// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown), visible.png, objects.png and
 /// scene.json. The same options give the same bytes on every machine.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/scene.txt"))]
 pub struct Args {
     /// List the built-in scenes and stop.
     #[arg(long)]

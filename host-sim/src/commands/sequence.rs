@@ -22,35 +22,9 @@ use linestereo_frames::{StoredPair, layouts};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo sequence recording --scene rig/scene.json --out results.jsonl
-  linestereo sequence recording.mcap --out results.mcap --with images     ROS 2, in and out: docs/recordings.md
-  linestereo sequence both.mkv --rig rig.toml --out results.jsonl         videos: side by side; or left.mp4 right.mp4
-  linestereo sequence --camera /dev/video0 --rig rig.toml | jq -c .health
-      a stereo camera at this PC, until Ctrl-C
-  linestereo sequence MH_01_easy --rig cam0.yaml --rig cam1.yaml --size 376x240 | jq -c '.health.flags'
-      EuRoC's folders, rectified first; lines on stdout
-
-Nearest obstacle against surveyed distances, where nobody knows f*B: taken from one sequence, applied to the other
-  linestereo sequence take1 --truth take1/frames.csv --truth-radius-m 0.25 --plot nearest.png --out take1.jsonl
-      prints the f*B that fits, errors with it and missed frames, and draws them
-      with --fb or a rig those are taken, and the errors are of nothing that was fitted
-
-Layouts, the same for every command: a folder per pair (0001/left.png, 0001/right.png); 0001_left.png and
-0001_right.png; left1.png and right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1/data/
-(EuRoC) with the same names in both, or with times that differ; Middlebury's and ETH3D's scenes; with --side-by-side
-one file per pair. Sides are called left and right, L and R, infra1 and infra2, cam0 and cam1, in any case.
-Range and rig are those of --scene or --rig, else of the scene.json or the data set's calibration beside a pair, else
-of the scene.json in FOLDER (linestereo run --help says what is in it).
-
-A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame that fails gives
-{\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others. Objects that cannot be read are an
-\"objects_error\" in their frame's line.";
-
 /// Match every pair of a recorded sequence: one line of JSON per frame, or messages of ROS 2.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/sequence.txt"))]
 pub struct Args {
     /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m, .mjpeg; by ffmpeg .mp4, .mkv, .avi, .mov, .webm)
     /// with both views side by side, or of the left camera.
