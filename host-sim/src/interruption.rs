@@ -29,7 +29,6 @@ pub fn watch() {
 }
 
 /// Somebody wants the program to end.
-#[must_use]
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }

@@ -38,7 +38,6 @@ pub struct OutputPath(PathBuf);
 
 impl OutputPath {
     /// It is stdout.
-    #[must_use]
     pub fn is_stdout(&self) -> bool {
         is_stdout(&self.0)
     }
@@ -81,7 +80,6 @@ pub fn set_verbosity(quiet: bool, verbose: bool) {
 }
 
 /// Is only what was asked for printed?
-#[must_use]
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
@@ -112,7 +110,6 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
 }
 
 /// Place of a file however it is named: links followed, as far as it is there.
-#[must_use]
 pub fn place(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -160,7 +157,6 @@ pub struct OutputFiles {
 
 impl OutputFiles {
     /// Nothing yet.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }

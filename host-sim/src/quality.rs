@@ -103,7 +103,6 @@ pub struct Wall<'a> {
 
 impl Wall<'_> {
     /// Figures of the points of pairs, and the answers of the last one.
-    #[must_use]
     pub fn evaluate(&self, pairs: &[Vec<Point>]) -> (Quality, Vec<WallAnswer>) {
         let mut answers = Vec::new();
         let mut each = Vec::new();

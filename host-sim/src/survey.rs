@@ -65,7 +65,6 @@ pub fn surveyed(path: &Path) -> Result<Surveyed, NearestError> {
 }
 
 /// The largest disparity, in px, that [`LEAST_SUPPORT`] segments reach.
-#[must_use]
 pub fn nearest_disparity(result: &FrameResult) -> Option<f64> {
     let middle = |d: [linestereo::Disparity; 2]| 0.5 * d.iter().map(|d| d.to_num::<f64>()).sum::<f64>();
     let mut found: Vec<f64> = result.matches.iter().map(|found| middle(found.disparity)).collect();
@@ -90,7 +89,6 @@ pub struct NearestSummary {
 
 impl NearestSummary {
     /// Of (surveyed, measured) distances in m.
-    #[must_use]
     pub fn new(distances: &[(f64, Option<f64>)]) -> Self {
         let ratios: Vec<f64> = distances.iter().filter_map(|(truth, found)| Some((*found)? / truth)).collect();
         let errors: Vec<f64> = ratios.iter().map(|ratio| (ratio - 1.0).abs()).collect();

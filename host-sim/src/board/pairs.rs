@@ -59,7 +59,6 @@ pub struct Machine {
 }
 
 /// The update that gives a board these parameters. A rig cannot be read out of them: its numbers come beside.
-#[must_use]
 pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
     ParamUpdate {
         min_disparity: Some(params.min_disparity),
@@ -85,7 +84,6 @@ impl Machine {
     }
 
     /// The board.
-    #[must_use]
     pub fn board(&self) -> &Board {
         &self.board
     }

@@ -24,7 +24,6 @@ const BARS: (f32, f64) = (140.0, 3.0);
 const LINES: u32 = 12;
 
 /// The estimate with the pair of photos that is shown rectified.
-#[must_use]
 pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<&[GrayImage; 2]>) -> RgbImage {
     let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let scale = FIELD / f32::from(dims.width);

@@ -22,7 +22,6 @@ const ASKED: [u8; 3] = [255, 80, 60];
 const GOOD: [u8; 3] = [70, 225, 110];
 
 /// The explanation of a pixel of this left image.
-#[must_use]
 pub fn explanation(left: &GrayImage, explanation: &Explanation) -> RgbImage {
     let plots: Vec<&Plot> = explanation.accounts().flat_map(|account| &account.plots).collect();
     let text = explanation.to_string();

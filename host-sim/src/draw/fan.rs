@@ -19,7 +19,6 @@ const STEPS: u8 = 8;
 const LABELS: f64 = 0.94;
 
 /// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it stand, grey is unknown.
-#[must_use]
 pub fn fan(directions: &Directions) -> RgbImage {
     let mut pixmap = Pixmap::new(SIDE, SIDE).expect("sides are above 0");
     let [red, green, blue] = BACKGROUND;

@@ -56,7 +56,6 @@ const TICK_STEP: f32 = 5.0;
 const TICK_LENGTH: f32 = 2.0;
 
 /// The result drawn over its left image, with a legend; depths need the rig.
-#[must_use]
 pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_disparity: u16) -> RgbImage {
     let factor = (TARGET_WIDTH / f32::from(left.dims.width)).round().clamp(1.0, LARGEST_FACTOR);
     let range = Range::of(result, max_disparity);

@@ -12,7 +12,6 @@ const MEASURED: [u8; 3] = [255, 225, 40];
 const MISSED: [u8; 3] = [255, 45, 45];
 
 /// A chart of (number of the frame, surveyed m, measured m) with a title; frames without an answer are marked at the lower border.
-#[must_use]
 pub fn nearest(title: &str, frames: &[(u64, f64, Option<f64>)]) -> RgbImage {
     let mut sheet = Sheet::new(SIZE);
     let [left, top, right, bottom] = FRAME;

@@ -22,7 +22,6 @@ const SAMPLES: u16 = 200;
 const TOP_ERROR: f64 = 20.0;
 
 /// The plan as a picture.
-#[must_use]
 pub fn plan(plan: &RigPlan, wish: Option<&Wish>) -> RgbImage {
     let far = 1.15 * wish.map_or(0.0, |wish| wish.far).max(plan.reach(SHARES[1])).max(1.3 * plan.near_limit());
     let mut sheet = Sheet::new(SIZE);

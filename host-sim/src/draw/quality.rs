@@ -18,7 +18,6 @@ const WRONG: [u8; 3] = [255, 0, 255];
 const REGION: [u8; 3] = [255, 225, 40];
 
 /// The wall with its answers, red where nearer than the plane, blue where farther, and the text below.
-#[must_use]
 pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text: &str) -> RgbImage {
     let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
     let scale = (TARGET_WIDTH / width).max(1);

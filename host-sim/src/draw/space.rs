@@ -38,7 +38,6 @@ impl Vertices {
 }
 
 /// Points and segments as PLY.
-#[must_use]
 pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertices = Vertices::new(result, rig, colours);
     let (points, ends) = (vertices.points.len(), vertices.ends.len());
@@ -60,7 +59,6 @@ pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
 }
 
 /// Points and ends of segments as PCD 0.7.
-#[must_use]
 pub fn pcd(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertices = Vertices::new(result, rig, colours);
     let count = vertices.points.len() + 2 * vertices.ends.len();

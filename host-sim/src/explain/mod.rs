@@ -98,7 +98,6 @@ impl SegmentTexts {
     }
 
     /// Of the segment with these ends, in any order.
-    #[must_use]
     pub fn of(&self, [a, b]: [ImagePosition; 2]) -> Option<&str> {
         self.0.get(&[a, b]).or_else(|| self.0.get(&[b, a])).map(String::as_str)
     }

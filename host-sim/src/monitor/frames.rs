@@ -24,7 +24,6 @@ pub struct Frame {
 
 impl Frame {
     /// Segments that did not arrive.
-    #[must_use]
     pub fn missing(&self) -> usize {
         usize::from(self.head.segments).saturating_sub(self.matches.len())
     }
@@ -55,7 +54,6 @@ pub struct Assembler {
 
 impl Assembler {
     /// Counts of complete, incomplete and lost frames so far.
-    #[must_use]
     pub fn counts(&self) -> FrameCounts {
         self.counts
     }

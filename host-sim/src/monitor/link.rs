@@ -66,7 +66,6 @@ pub struct Link {
 
 impl Link {
     /// A link that sends these requests, each after the answer to the one before.
-    #[must_use]
     pub fn new(wanted: Vec<Wanted>) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -89,7 +88,6 @@ impl Link {
     }
 
     /// Was everything answered that was asked?
-    #[must_use]
     pub fn is_answered(&self) -> bool {
         self.waiting.is_none() && self.wanted.is_empty()
     }
@@ -197,26 +195,22 @@ impl Link {
     }
 
     /// True when no packet of a board, of this version or another one, was among the bytes.
-    #[must_use]
     pub fn has_nothing(&self) -> bool {
         let packets = self.decoder.counters();
         packets.good == 0 && packets.other_version == 0
     }
 
     /// Bytes so far.
-    #[must_use]
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
     /// Frames and packets so far.
-    #[must_use]
     pub fn counts(&self) -> (FrameCounts, Counters) {
         (self.frames.counts(), self.decoder.counters())
     }
 
     /// The counts in a few lines.
-    #[must_use]
     pub fn summary(&self) -> String {
         text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version)
     }

@@ -53,7 +53,6 @@ impl PhotoAssembler {
     }
 
     /// Pixels that have arrived of the open photograph, and all that it has.
-    #[must_use]
     pub fn progress(&self) -> (u64, u64) {
         let [left, right] = self.open.as_ref().map_or([(0, 0); 2], |pair| {
             pair.each_ref().map(|image| (image.pixels.len() as u64, area(image.dims) as u64))

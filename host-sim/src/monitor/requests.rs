@@ -230,7 +230,6 @@ fn choices(name: &str) -> Option<&'static [&'static str]> {
 }
 
 /// Settings as the words that would set them, and what is kept of them.
-#[must_use]
 pub fn listing(values: &[SettingValue], report: &KeptReport) -> String {
     let words = values.iter().filter_map(|of| {
         let name = Setting::get(of.number)?.name;

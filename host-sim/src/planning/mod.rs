@@ -54,7 +54,6 @@ pub enum Focal {
 
 impl Focal {
     /// px, for images of this width; anything where the field of view is none.
-    #[must_use]
     pub fn pixels(self, dims: Dims) -> f64 {
         match self {
             Self::Pixels(focal) => focal,
@@ -142,79 +141,66 @@ impl RigPlan {
     }
 
     /// px.
-    #[must_use]
     pub fn focal(&self) -> f64 {
         self.focal
     }
 
     /// Size of the rectified images.
-    #[must_use]
     pub fn dims(&self) -> Dims {
         self.dims
     }
 
     /// m.
-    #[must_use]
     pub fn baseline(&self) -> f64 {
         self.baseline
     }
 
     /// Disparities that are searched, px.
-    #[must_use]
     pub fn max_disparity(&self) -> u16 {
         self.max_disparity
     }
 
     /// Standard deviation of a disparity, px.
-    #[must_use]
     pub fn sigma(&self) -> f64 {
         self.sigma
     }
 
     /// Horizontal and vertical field of view of the rectified images, degrees.
-    #[must_use]
     pub fn fields_of_view(&self) -> [f64; 2] {
         [self.dims.width, self.dims.height].map(|side| 2.0 * (0.5 * f64::from(side) / self.focal).atan().to_degrees())
     }
 
     /// Disparity at a distance, px.
-    #[must_use]
     pub fn disparity(&self, distance: f64) -> f64 {
         self.focal * self.baseline / distance
     }
 
     /// Nothing nearer than this is found, m.
-    #[must_use]
     pub fn near_limit(&self) -> f64 {
         self.disparity(f64::from(self.max_disparity))
     }
 
     /// Nearer than this the cameras see nothing in common, m.
-    #[must_use]
     pub fn meeting(&self) -> f64 {
         self.disparity(f64::from(self.dims.width))
     }
 
     /// One standard deviation of depth at a distance, m.
-    #[must_use]
     pub fn error(&self, distance: f64) -> f64 {
         distance * distance / (self.focal * self.baseline) * self.sigma
     }
 
     /// Distance up to which the error stays below this share of it, m.
-    #[must_use]
     pub fn reach(&self, share: f64) -> f64 {
         share * self.focal * self.baseline / self.sigma
     }
 
     /// Share of the width that both cameras see at a distance.
-    #[must_use]
     pub fn overlap(&self, distance: f64) -> f64 {
         (1.0 - self.disparity(distance) / f64::from(self.dims.width)).max(0.0)
     }
 
     /// All of this at one distance.
-    #[must_use]
     pub fn row(&self, distance: f64) -> Row {
         let error = self.error(distance);
         Row {
@@ -227,7 +213,6 @@ impl RigPlan {
     }
 
     /// From the near limit in even steps to where the error is a fifth of the distance, or to the farthest distance wanted.
-    #[must_use]
     pub fn table(&self, wish: Option<&Wish>) -> Vec<Row> {
         let near = self.near_limit();
         let far = self.reach(LAST_ERROR).max(near);

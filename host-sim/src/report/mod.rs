@@ -117,7 +117,6 @@ pub struct Page {
 
 impl Page {
     /// Without frames.
-    #[must_use]
     pub fn new(setup: PageSetup) -> Self {
         Self { setup, frames: Vec::new() }
     }

@@ -34,7 +34,6 @@ impl Observer for RejectionLog {
 
 impl RejectionLog {
     /// Everything that was rejected: as many of each reason as the run counted.
-    #[must_use]
     pub fn rejected(&self, candidates: &[Candidate]) -> Vec<Rejected> {
         let prominent: HashSet<&Segment> = self.prominent.iter().collect();
         let less = self.found.iter().filter(|segment| !prominent.contains(segment));

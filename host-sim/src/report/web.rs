@@ -43,7 +43,6 @@ pub fn build(top: &Path, folder: &Path) -> Result<WebPage> {
 }
 
 /// The setting of cargo with which the core has its kernels for WebAssembly.
-#[must_use]
 pub fn vectors() -> String {
     format!("target.{TARGET}.rustflags=[\"-Ctarget-feature=+simd128\"]")
 }

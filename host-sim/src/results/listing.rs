@@ -70,7 +70,6 @@ pub struct Query {
 
 impl Query {
     /// The core's answer for a pixel.
-    #[must_use]
     pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
         let none = |reason| Self {
             x,
@@ -97,7 +96,6 @@ impl Query {
     }
 
     /// In a line.
-    #[must_use]
     pub fn summary(&self) -> String {
         let Self { x, y, sigma_px, sigma_m, confidence, .. } = self;
         let Some(disparity) = self.disparity_px else {
@@ -135,7 +133,6 @@ pub struct Object {
 
 impl Object {
     /// With the name that the detector gave it.
-    #[must_use]
     pub fn new(found: &ObjectDepth, name: Option<&str>) -> Self {
         Self {
             label: found.label,
@@ -188,7 +185,6 @@ pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::
 }
 
 /// The segments as CSV, one line each below a line of names.
-#[must_use]
 pub fn csv(result: &FrameResult) -> String {
     let mut text = String::from(CSV_HEAD);
     for (id, found) in result.matches.iter().enumerate() {
@@ -219,7 +215,6 @@ pub fn csv(result: &FrameResult) -> String {
 }
 
 /// Objects as CSV, one line each below a line of names; what is unknown is empty.
-#[must_use]
 pub fn objects_csv(objects: &[Object]) -> String {
     let mut text =
         String::from("label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n");
@@ -249,7 +244,6 @@ pub fn objects_csv(objects: &[Object]) -> String {
 }
 
 /// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for space.
-#[must_use]
 pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
     let mut list = vec![
         ("segments_left", u32::from(counts.segments_left)),
@@ -269,7 +263,6 @@ pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
 }
 
 /// Metres with five decimals, `None` for an infinite depth.
-#[must_use]
 pub fn finite_metres(depth: Depth) -> Option<f64> {
     (depth != INFINITE_DEPTH).then(|| five_decimals(depth.to_num()))
 }
@@ -296,7 +289,6 @@ fn position(point: ImagePosition) -> [f64; 2] {
 }
 
 /// The side or sides in JSON and CSV.
-#[must_use]
 pub fn owner_name(owner: Owner) -> &'static str {
     match owner {
         Owner::Left => "left",

@@ -35,7 +35,6 @@ pub fn depth_png(dims: Dims, result: &FrameResult, rig: &Rig) -> image::ImageRes
 }
 
 /// Depths in metres as NumPy's array of 32-bit floats, (height, width); not a number = none.
-#[must_use]
 pub fn depth_npy(dims: Dims, result: &FrameResult, rig: &Rig) -> Vec<u8> {
     let map = map(dims, result, f32::NAN, |disparity| metres(rig, disparity).map_or(f32::NAN, |z| z as f32));
     let shape = format!("({}, {})", dims.height, dims.width);
@@ -74,7 +73,6 @@ fn sixteen_bit(
 }
 
 /// Disparities in px as Middlebury stores them: 32-bit floats, little endian (a scale of -1), the lowest row first, infinity = none.
-#[must_use]
 pub fn pfm(dims: Dims, result: &FrameResult) -> Vec<u8> {
     let map = map(dims, result, f32::INFINITY, Disparity::to_num);
     let mut bytes = format!("Pf\n{} {}\n-1.0\n", dims.width, dims.height).into_bytes();

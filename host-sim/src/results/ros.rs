@@ -122,7 +122,6 @@ impl<W: Write> RosFile<W> {
     }
 
     /// Anything had a place in space.
-    #[must_use]
     pub fn has_points(&self) -> bool {
         self.channels.iter().any(|(topic, _)| *topic == POINTS)
     }
@@ -195,7 +194,6 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
 }
 
 /// The place of an object with this disparity at a pixel.
-#[must_use]
 pub fn label(rig: &Rig, [x, y]: [f64; 2], disparity_px: f64, text: String, confidence: f64) -> Option<Label> {
     let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
     let position = point(rig, at, Disparity::saturating_from_num(disparity_px))?;

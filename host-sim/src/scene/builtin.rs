@@ -30,7 +30,6 @@ impl Kind {
         [Self::Demo, Self::Cards, Self::Corridor, Self::Poles, Self::Boxes, Self::Blank, Self::Repetition];
 
     /// Its name on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Demo => "demo",
@@ -44,7 +43,6 @@ impl Kind {
     }
 
     /// Description, one line.
-    #[must_use]
     pub const fn summary(self) -> &'static str {
         match self {
             Self::Demo => "a room: textured and blank walls, floor, boxes, a leaning board, thin poles, occlusion",
@@ -59,7 +57,6 @@ impl Kind {
 }
 
 /// A built-in scene for images of this size; the seed changes every texture and every random place.
-#[must_use]
 pub fn build(kind: Kind, dims: Dims, seed: u64) -> Scene {
     let pair = Pair::centred(dims, 0.9 * f64::from(dims.width), 0.12);
     let mut studio = Studio { surfaces: Vec::new(), objects: Vec::new(), draws: 0, seed };

@@ -41,7 +41,6 @@ pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<
 }
 
 /// The disparity range a search needs: above everything in the scene, in steps of 16, within the core's limits.
-#[must_use]
 pub fn search_range(rendering: &Rendering) -> u16 {
     let largest = rendering.disparity.iter().copied().fold(0.0_f32, f32::max); // NaN loses against any number
     let range = (largest as u16 + 2).next_multiple_of(16);

@@ -50,7 +50,6 @@ pub struct Rendering {
 
 impl Rendering {
     /// Label of the surface at this pixel of the left image; `None` outside.
-    #[must_use]
     pub fn label(&self, (x, y): (i32, i32)) -> Option<u8> {
         let (width, x) = (usize::from(self.left.dims.width), usize::try_from(x).ok()?);
         self.labels.get(usize::try_from(y).ok()? * width + x).filter(|_| x < width).copied()
@@ -127,7 +126,6 @@ impl Camera {
 }
 
 /// Renders a scene and its truth.
-#[must_use]
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];

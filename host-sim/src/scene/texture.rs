@@ -52,19 +52,16 @@ pub struct Texture {
 
 impl Texture {
     /// A pattern without grain.
-    #[must_use]
     pub fn plain(pattern: Pattern) -> Self {
         Self { pattern, grain: 0.0, grain_size: 1.0, seed: 0 }
     }
 
     /// A pattern with grain.
-    #[must_use]
     pub fn grained(pattern: Pattern, grain: f64, grain_size: f64, seed: u64) -> Self {
         Self { pattern, grain, grain_size, seed }
     }
 
     /// The grey at `u, v` metres from the surface's origin.
-    #[must_use]
     pub fn grey(&self, u: f64, v: f64) -> f64 {
         let base = match self.pattern {
             Pattern::Blank(grey) => grey,

@@ -34,7 +34,6 @@ struct Outline {
 
 impl OutlineFile {
     /// Of objects with what they are refined to.
-    #[must_use]
     pub fn new<'a>(dims: Dims, list: impl IntoIterator<Item = (&'a Object, Refined)>) -> Self {
         let objects = list.into_iter().map(|(object, refined)| Outline::new(dims, object, &refined)).collect();
         Self { width: dims.width, height: dims.height, objects }

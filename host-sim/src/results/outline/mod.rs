@@ -52,7 +52,6 @@ pub enum RefinedOutline {
 }
 
 /// Refines a region of an image of this size by what the core found of it; one without a depth stays as it is.
-#[must_use]
 pub fn refine(region: &Region<'_>, found: &ObjectDepth, candidates: &[Candidate], dims: Dims) -> Refined {
     let mut segments = Vec::new();
     let mut edges = Vec::new();
