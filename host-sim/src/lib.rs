@@ -41,5 +41,4 @@ pub mod results;
 pub mod ros;
 pub mod scene;
 pub mod serve;
-pub mod survey;
 pub mod video;

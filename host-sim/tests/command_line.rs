@@ -83,35 +83,6 @@ fn broken_objects_cost_nothing_else() {
 }
 
 #[test]
-fn distances_need_the_product_that_fits() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    recording(at, 3);
-    fs::write(at.join("scene.json"), r#"{"disparity_zero_px": -3}"#).unwrap();
-    let nearest = {
-        let output = linestereo(at, &["sequence", ".", "--no-points", "--frames", "2..2"]);
-        let line: Value = serde_json::from_str(&stdout(&output)).unwrap();
-        let middle =
-            |s: &Value| (s["disparity_px"][0].as_f64().unwrap() + s["disparity_px"][1].as_f64().unwrap()) / 2.0;
-        let mut found: Vec<f64> = line["segments"].as_array().unwrap().iter().map(middle).collect();
-        found.sort_by(|a, b| b.total_cmp(a));
-        found[2]
-    };
-    fs::write(at.join("frames.csv"), "frame,dist_m\n1,\n2,2.25\n").unwrap();
-    let fitted = (nearest + 3.0) * 2.0;
-    let with = |more: &[&str]| {
-        let all = ["sequence", ".", "--truth", "frames.csv", "--truth-radius-m", "0.25", "--no-points"];
-        stderr(&linestereo(at, &[&all[..], more].concat()))
-    };
-    let said = with(&[]);
-    assert!(said.contains(&format!("f*B that fits: {fitted:.3} px*m")), "{said}");
-    assert!(said.contains("1 frames: 0 missed, error median 0.0 %"), "{said}");
-    let said = with(&["--fb", &format!("{:.3}", 1.1 * fitted), "--plot", "nearest.png"]);
-    assert!(said.contains("error median 10.0 %") && said.contains("measured / surveyed 1.100"), "{said}");
-    assert!(at.join("nearest.png").is_file());
-}
-
-#[test]
 fn a_report_is_one_file() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

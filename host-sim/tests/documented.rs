@@ -167,7 +167,7 @@ fn prepared() -> TempDir {
     }
     copied(&path("FRAMES/qvga"), &path("FOLDER"));
     copied(&path("FRAMES/qvga/cards"), &path("frames/desk"));
-    for name in ["recording", "recordings", "take1"] {
+    for name in ["recording", "recordings"] {
         fs::create_dir(path(name)).unwrap();
         for (kind, number) in ["boxes", "cards", "poles"].into_iter().zip(1..) {
             for side in ["left", "right"] {
@@ -191,7 +191,6 @@ fn prepared() -> TempDir {
             "0.12",
         ],
     );
-    fs::write(path("take1/frames.csv"), "frame,dist_m\n1,2\n2,1.5\n3,2\n").unwrap();
     fs::create_dir(path("rig")).unwrap();
     fs::copy(path("scene.json"), path("rig/scene.json")).unwrap();
     for (camera, side) in [("cam0", "left"), ("cam1", "right")] {

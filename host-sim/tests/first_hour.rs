@@ -97,10 +97,9 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     let folder = recording(2);
     let at = folder.path();
     let before = fs::read(at.join("0001_left.png")).unwrap();
-    fs::write(at.join("t.csv"), "frame,dist_m\n1,2\n").unwrap();
     fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#).unwrap();
     let cases: [(&[&str], &str); 2] = [
-        (&["sequence", ".", "--truth", "t.csv", "--plot", "0001_left.png"], "one of the files that are read"),
+        (&["sequence", ".", "--out", "0001_left.png"], "one of the files that are read"),
         (&["report", ".", "-o", "scene.json"], "one of the files that are read"),
     ];
     all_refused(at, &cases);

@@ -5,7 +5,7 @@ use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{OutputFiles, OutputPath};
-use crate::results::outline::Mask;
+use crate::results::mask::Mask;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;

@@ -125,8 +125,6 @@ pub(super) struct Setup<'a> {
     pub(super) given: Dims,
     /// Pixels of the left image with content, where the scene file says so; empty when all have.
     left_content: Vec<Span>,
-    /// Disparity of what is infinitely far, in px of the images as matched.
-    pub(super) zero: f64,
     pub(super) params: Params,
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Pairs are raw and of this rig.
@@ -241,7 +239,6 @@ impl InputArgs {
             loaded,
             given,
             left_content: scene.as_ref().and_then(|(_, info)| info.left_content(loaded)).unwrap_or_default(),
-            zero: zero * scale,
             params,
             rig_numbers,
             rig: None,
@@ -290,7 +287,6 @@ impl InputArgs {
             loaded,
             given: image.remap().dims(),
             left_content: Vec::new(),
-            zero: 0.0,
             params: image.params(params)?,
             rig_numbers: None,
             rig: Some(image),

@@ -81,11 +81,11 @@ fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is
     let mut text = format!(
         "focal length {:.1} px, {} ({horizontal:.0} x {vertical:.0} degrees), baseline {:.1} mm, disparities to {}, \
          sigma {} px\n",
-        plan.focal(),
-        plan.dims(),
-        1e3 * plan.baseline(),
-        plan.max_disparity(),
-        plan.sigma()
+        plan.focal,
+        plan.dims,
+        1e3 * plan.baseline,
+        plan.max_disparity,
+        plan.sigma
     );
     if let (Some(wish), Some(found)) = (wish, suggestion) {
         let Wish { near, far, error } = wish;
@@ -160,13 +160,13 @@ struct Listing<'a> {
 fn listing<'a>(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&'a Suggestion>) -> Listing<'a> {
     let [horizontal_fov_deg, vertical_fov_deg] = plan.fields_of_view();
     Listing {
-        size: [plan.dims().width, plan.dims().height],
-        focal_px: plan.focal(),
+        size: [plan.dims.width, plan.dims.height],
+        focal_px: plan.focal,
         horizontal_fov_deg,
         vertical_fov_deg,
-        baseline_m: plan.baseline(),
-        max_disparity: plan.max_disparity(),
-        sigma_px: plan.sigma(),
+        baseline_m: plan.baseline,
+        max_disparity: plan.max_disparity,
+        sigma_px: plan.sigma,
         near_limit_m: plan.near_limit(),
         views_meet_m: plan.meeting(),
         reach_5_percent_m: plan.reach(0.05),

@@ -40,7 +40,7 @@ pub struct Args {
     query: Vec<(u16, u16)>,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7), mps2-an386 (Cortex-M4, up to 160x120), mps2-an505, mps3-an547 or
     /// riscv-virt; the others up to 320x240.
-    #[arg(long, value_name = "BOARD", conflicts_with_all = ["refine", "only_objects"])]
+    #[arg(long, value_name = "BOARD", conflicts_with = "only_objects")]
     on: Option<String>,
     /// Write segments, points and counts as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
@@ -72,10 +72,6 @@ pub struct Args {
     /// Write the objects as CSV.
     #[arg(long, value_name = "FILE", requires = "objects")]
     objects_csv: Option<OutputPath>,
-    /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
-    /// image where FILE ends in .png.
-    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with_all = ["only_objects", "on"])]
-    refine: Option<OutputPath>,
     #[command(flatten)]
     input: InputArgs,
     #[command(flatten)]
@@ -134,19 +130,16 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
         output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
     }
-    if let (Some(path), Some(refined)) = (&args.refine, objects.as_ref().and_then(|asked| asked.refined.as_ref())) {
-        output.add(path, refined)?;
-    }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = summary(left.dims, &setup.params, &result, &cost);
     text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);
     text.push_str(&sectors.map(Directions::table).unwrap_or_default());
-    let Args { json, csv, objects_csv, refine, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
+    let Args { json, csv, objects_csv, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
     let SectorArgs { fan, mavlink, .. } = &args.sectors;
     let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
-    text.push_str(&written([json, csv, objects_csv, refine, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
+    text.push_str(&written([json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
     output.commit_and_say(&text)?;
     // The other results are written by now.
     objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
@@ -197,10 +190,7 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
-    let mut objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
-    if let (Some(path), Some(asked)) = (&args.refine, objects.as_mut().filter(|asked| asked.error.is_none())) {
-        asked.refined = Some(asked.refined_file(path, &mut matcher.engine)?);
-    }
+    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
     let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))

@@ -27,11 +27,11 @@ pub fn plan(plan: &RigPlan, wish: Option<&Wish>) -> RgbImage {
     let mut sheet = Sheet::new(SIZE);
     let title = format!(
         "focal length {:.0} px, {}, baseline {:.1} mm, disparities to {}, sigma {} px",
-        plan.focal(),
-        plan.dims(),
-        1e3 * plan.baseline(),
-        plan.max_disparity(),
-        plan.sigma()
+        plan.focal,
+        plan.dims,
+        1e3 * plan.baseline,
+        plan.max_disparity,
+        plan.sigma
     );
     sheet.label((24.0, 14.0), Align::Left, INK, title);
     let key = [(GOOD, "error below 5 %"), (FAIR, "below 10 %"), (POOR, "above"), (LOST, "nearer than the range")];
@@ -51,8 +51,8 @@ pub fn plan(plan: &RigPlan, wish: Option<&Wish>) -> RgbImage {
 /// Both cameras from above: [left, top, right, bottom] of the picture, and the farthest distance.
 fn view(sheet: &mut Sheet, plan: &RigPlan, wish: Option<&Wish>, frame: [f32; 4], (title, far): (&str, f64)) {
     let [left, top, right, bottom] = frame;
-    let slope = 0.5 * f64::from(plan.dims().width) / plan.focal();
-    let half = 0.5 * plan.baseline();
+    let slope = 0.5 * f64::from(plan.dims.width) / plan.focal;
+    let half = 0.5 * plan.baseline;
     let label_width = 80.0;
     let across = f64::from(right - left - label_width) / (2.0 * (slope * far + half));
     let scale = across.min(f64::from(bottom - top - 60.0) / far);

@@ -20,10 +20,10 @@ mod advice;
 
 pub use advice::{Suggestion, Wish, suggest};
 
-use core::fmt;
+use anyhow::{Result, bail};
 use core::ops::RangeInclusive;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::{Dims, Rig, RigError};
+use linestereo::{Dims, Rig};
 
 /// Usual standard deviation of a disparity, px.
 pub const USUAL_SIGMA: f64 = 0.25;
@@ -66,48 +66,17 @@ impl Focal {
 /// A pair of parallel cameras that could be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigPlan {
-    focal: f64,
-    dims: Dims,
-    baseline: f64,
-    max_disparity: u16,
-    sigma: f64,
+    /// Focal length, px.
+    pub focal: f64,
+    /// Size of the rectified images.
+    pub dims: Dims,
+    /// m.
+    pub baseline: f64,
+    /// Disparities that are searched, px.
+    pub max_disparity: u16,
+    /// Standard deviation of a disparity, px.
+    pub sigma: f64,
 }
-
-/// Why a plan is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlanError {
-    /// Focal length or baseline.
-    Rig(RigError),
-    /// The size of the images.
-    Dims(Dims),
-    /// The disparity range is below 8 or not below the width.
-    Range(u16),
-    /// The standard deviation of a disparity.
-    Sigma(f64),
-    /// The wanted distances: not above 0, or not NEAR below FAR.
-    Distances,
-    /// The wanted error is not between 0 and 1.
-    Error(f64),
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Rig(error) => error.fmt(f),
-            Self::Dims(dims) => {
-                write!(f, "images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")
-            }
-            Self::Range(range) => {
-                write!(f, "a disparity range of {range} is below {LEAST_RANGE} or not below the image's width")
-            }
-            Self::Sigma(sigma) => write!(f, "a standard deviation of {sigma} px is outside 0.001 to 16"),
-            Self::Distances => write!(f, "the distances are not above 0 and rising; give --range as 0.5..4"),
-            Self::Error(share) => write!(f, "an error of {} % is not between 0 and 100", 100.0 * share),
-        }
-    }
-}
-
-impl core::error::Error for PlanError {}
 
 /// Accuracy at one distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -125,44 +94,19 @@ pub struct Row {
 }
 
 impl RigPlan {
-    /// Focal length in px, baseline in m, disparities searched up to `max_disparity`, standard deviation of a disparity in px.
-    pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self, PlanError> {
-        Rig::new(focal as f32, baseline as f32, 0.0).map_err(PlanError::Rig)?;
+    /// Checks focal length (px), baseline (m), disparity range and standard deviation of a disparity (px).
+    pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self> {
+        Rig::new(focal as f32, baseline as f32, 0.0)?;
         if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
-            return Err(PlanError::Dims(dims));
+            bail!("images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}");
         }
         if !(LEAST_RANGE..dims.width).contains(&max_disparity) {
-            return Err(PlanError::Range(max_disparity));
+            bail!("a disparity range of {max_disparity} is below {LEAST_RANGE} or not below the image's width");
         }
         if !SIGMAS.contains(&sigma) {
-            return Err(PlanError::Sigma(sigma));
+            bail!("a standard deviation of {sigma} px is outside 0.001 to 16");
         }
         Ok(Self { focal, dims, baseline, max_disparity, sigma })
-    }
-
-    /// px.
-    pub fn focal(&self) -> f64 {
-        self.focal
-    }
-
-    /// Size of the rectified images.
-    pub fn dims(&self) -> Dims {
-        self.dims
-    }
-
-    /// m.
-    pub fn baseline(&self) -> f64 {
-        self.baseline
-    }
-
-    /// Disparities that are searched, px.
-    pub fn max_disparity(&self) -> u16 {
-        self.max_disparity
-    }
-
-    /// Standard deviation of a disparity, px.
-    pub fn sigma(&self) -> f64 {
-        self.sigma
     }
 
     /// Horizontal and vertical field of view of the rectified images, degrees.

@@ -52,24 +52,10 @@ impl Mask {
         self.index(x, y).is_some_and(|i| self.pixels[i])
     }
 
-    /// Adds a pixel or takes it away; those outside of the image are left alone.
-    pub fn set(&mut self, x: i32, y: i32, belongs: bool) {
-        if let Some(i) = self.index(x, y) {
-            self.pixels[i] = belongs;
-        }
-    }
-
     fn index(&self, x: i32, y: i32) -> Option<usize> {
         let (x, y) = (u16::try_from(x).ok()?, u16::try_from(y).ok()?);
         let inside = x < self.dims.width && y < self.dims.height;
         inside.then(|| usize::from(y) * usize::from(self.dims.width) + usize::from(x))
-    }
-
-    /// Pixels of both over pixels of either: 1 for the same mask.
-    pub fn overlap(&self, other: &Self) -> f64 {
-        let count =
-            |is: fn(bool, bool) -> bool| self.pixels.iter().zip(&other.pixels).filter(|(a, b)| is(**a, **b)).count();
-        count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
     }
 
     /// Adds the pixels of another mask of the same size.
