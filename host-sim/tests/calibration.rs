@@ -250,10 +250,10 @@ fn few_parallel_boards_are_not_called_good() {
         .map(|i| {
             let place = Placed { rotation: flat, shift: [-0.1 + 0.01 * f64::from(i), -0.06, 0.45] };
             let points = board().points();
-            let left = points.iter().map(|&at| camera.project(placed_point(&place, at)).unwrap());
+            let left = points.iter().map(|&at| camera.project(place.in_left(at)).unwrap());
             let right = points
                 .iter()
-                .map(|&at| rig.camera(CameraSide::Right).project(in_right(&rig, placed_point(&place, at))).unwrap());
+                .map(|&at| rig.camera(CameraSide::Right).project(in_right(&rig, place.in_left(at))).unwrap());
             let [left, right] = [left.collect::<Vec<_>>(), right.collect()];
             let mut noisy =
                 |corners: Vec<[f64; 2]>| corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect();
@@ -276,10 +276,6 @@ fn few_parallel_boards_are_not_called_good() {
             "{error}"
         ),
     }
-}
-
-fn placed_point(placed: &Placed, at: [f64; 2]) -> [f64; 3] {
-    placed.in_left(at)
 }
 
 /// A photo of a board: each pixel is the mean of 3x3 rays, dark 40, light 210, grey beyond the board.

@@ -1,19 +1,13 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
 
-use crate::support::{linestereo, stderr, stdout};
+use crate::support::{linestereo, save, stderr, stdout};
 use linestereo::Dims;
-use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
-
-fn save(image: &GrayImage, path: &Path) {
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    image::GrayImage::from_raw(width, height, image.pixels.clone()).unwrap().save(path).unwrap();
-}
 
 /// `0001_left.png`, `0001_right.png`, ...
 fn recording(folder: &Path, frames: u64) {

@@ -2,7 +2,7 @@
 
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::rectify::RIG;
-use crate::support::succeed;
+use crate::support::{save, succeed};
 use linestereo_calibration::boards::{Board, Dictionary};
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, CameraSide};
@@ -99,11 +99,6 @@ fn documented() -> Vec<Documented> {
         list.extend(lines.into_iter().map(|line| Documented { source: source.clone(), line }));
     }
     list
-}
-
-fn save(image: &GrayImage, path: &Path) {
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    image::GrayImage::from_raw(width, height, image.pixels.clone()).unwrap().save(path).unwrap();
 }
 
 fn copied(from: &Path, to: &Path) {
