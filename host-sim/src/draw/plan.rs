@@ -1,17 +1,13 @@
 //! A rig that is planned: seen from above, to scale, whole and near the cameras; error and common view by distance.
 
-use super::sheet::{FAINT, GRID, INK, Sheet, TEXT};
+use super::sheet::{FAINT, FAIR, GOOD, GRID, INK, POOR as LOST, SEEN as SHARED, Sheet, TEXT};
 use super::text::Align;
 use crate::planning::{RigPlan, Wish};
 use image::RgbImage;
 
 const SIZE: [u32; 2] = [1280, 860];
-/// Error below 5 %, below 10 %, above, and too near.
-const GOOD: [u8; 3] = [70, 225, 110];
-const FAIR: [u8; 3] = [255, 225, 40];
+/// Errors above 10 %.
 const POOR: [u8; 3] = [255, 140, 20];
-const LOST: [u8; 3] = [255, 45, 45];
-const SHARED: [u8; 3] = [0, 200, 255];
 /// Shares of distance that the colours part at.
 const SHARES: [f64; 2] = [0.05, 0.1];
 /// The near view ends at this many times the near limit.

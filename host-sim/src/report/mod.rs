@@ -12,13 +12,13 @@ pub mod web;
 
 pub use rejected::{Rejected, RejectionLog};
 
-use crate::draw::ColourRange;
+use crate::draw::{ColourRange, gray_png};
 use crate::engine::FrameResult;
 use crate::explain::{SegmentTexts, meaning};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
-use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
 use linestereo::{Match, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
@@ -184,19 +184,13 @@ fn escaped(text: &str) -> String {
 }
 
 fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
-    let mut bytes = Vec::new();
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    let kind = if small {
-        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-            &image.pixels,
-            width,
-            height,
-            ExtendedColorType::L8,
-        )?;
-        "jpeg"
+    let (kind, bytes) = if small {
+        let (mut bytes, [width, height]) = (Vec::new(), [image.dims.width, image.dims.height].map(u32::from));
+        let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+        encoder.write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
+        ("jpeg", bytes)
     } else {
-        PngEncoder::new(&mut bytes).write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
-        "png"
+        ("png", gray_png(image)?)
     };
     Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
 }
