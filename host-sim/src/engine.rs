@@ -118,7 +118,6 @@ impl Engine {
         self.matcher.limits.skew_us = skew_us;
     }
 
-    /// Size of the pairs.
     pub fn dims(&self) -> Dims {
         self.matcher.plan().dims()
     }

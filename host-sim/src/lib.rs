@@ -21,6 +21,7 @@
 //! commands                  the command line
 //! ```
 
+#![allow(missing_docs, reason = "modules of a program, not an interface: a name that says it all stands alone")]
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
 pub mod board;

@@ -37,7 +37,6 @@ static VERBOSE: AtomicBool = AtomicBool::new(false);
 pub struct OutputPath(PathBuf);
 
 impl OutputPath {
-    /// It is stdout.
     pub fn is_stdout(&self) -> bool {
         is_stdout(&self.0)
     }
@@ -156,7 +155,6 @@ pub struct OutputFiles {
 }
 
 impl OutputFiles {
-    /// Nothing yet.
     pub fn new() -> Self {
         Self::default()
     }
@@ -227,7 +225,6 @@ pub struct LineFile {
 }
 
 impl LineFile {
-    /// Nothing yet.
     pub fn new(path: &Path) -> Result<Self> {
         let path = place(path);
         let open = || match fs::metadata(&path) {
@@ -240,7 +237,6 @@ impl LineFile {
         Ok(Self { file: io::BufWriter::new(file), temporary, path })
     }
 
-    /// More of it.
     pub fn push(&mut self, text: &str) -> Result<()> {
         self.file.write_all(text.as_bytes()).map_err(|error| cannot_write(&self.path, &error))
     }

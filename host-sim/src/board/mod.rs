@@ -29,7 +29,6 @@ pub fn top() -> Result<PathBuf> {
     Ok(top)
 }
 
-/// The emulated board of this name.
 pub fn named(name: &str) -> Result<Board> {
     let names = || Board::emulated().map(|board| board.name).collect::<Vec<_>>().join(" or ");
     let board = Board::named(name).with_context(|| format!("there is no board {name}; give {}", names()))?;

@@ -26,7 +26,6 @@ pub type Costs = [u64; Stage::ALL.len()];
 /// Result and cost of a pair on a board.
 #[derive(Clone, Debug)]
 pub struct BoardResult {
-    /// The result.
     pub result: FrameResult,
     /// Cost of rectifying both images; 0 for a pair that was rectified before.
     pub rectification: u64,
@@ -45,7 +44,6 @@ pub struct Replayed {
     pub pairs: Vec<Result<BoardResult, Refusal>>,
     /// Last report of the board on its rig, if it was asked to describe itself.
     pub rig: Option<RigReport>,
-    /// Packets that the board could not read.
     pub bad_packets: u32,
     /// Largest depth of the board's stack in bytes.
     pub stack: u64,
@@ -83,7 +81,6 @@ impl Machine {
         Ok(Self { board, elf: firmware::build(&toolchain, &board, "replay", Logs::None)? })
     }
 
-    /// The board.
     pub fn board(&self) -> &Board {
         &self.board
     }

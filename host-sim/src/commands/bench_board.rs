@@ -10,8 +10,7 @@ use linestereo::diagnostics::Fnv;
 use linestereo_boards::Board;
 use linestereo_firmware::programs::expected;
 use linestereo_wire::{
-    CaseReport, Command, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, MachineReport, Message,
-    Outcome, Request, VERSION, encode,
+    CaseReport, Command, DecodeError, Decoder, Hello, MAX_PACKET, MachineReport, Message, Outcome, Request, VERSION,
 };
 use std::path::PathBuf;
 use std::time::Instant;
@@ -36,7 +35,6 @@ const DESCRIBE_EVERY: Duration = Duration::from_secs(1);
 const MATCHED_WITHIN: Duration = Duration::from_secs(120);
 const MATCH_EVERY: Duration = Duration::from_secs(40);
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let mut host = Host { port: args.port.open()?, decoder: Decoder::new(), next_id: std::process::id() as u16 };
     let (hello, machine) = host.describe()?;
@@ -125,8 +123,7 @@ impl Host {
     /// Records up to the answer.
     fn ask(&mut self, request: Request, within: Duration, every: Duration) -> Result<Vec<Message>> {
         self.next_id = self.next_id.wrapping_add(1);
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&Command { id: self.next_id, request }, &mut packet[1..])?.len();
+        let command = Command { id: self.next_id, request };
         let (begin, mut sent, mut messages, mut buffer) = (Instant::now(), None::<Instant>, Vec::new(), [0; 4096]);
         loop {
             if begin.elapsed() > within {
@@ -138,7 +135,7 @@ impl Host {
                 bail!("no answer in {} s{reset}", within.as_secs());
             }
             if sent.is_none_or(|sent| sent.elapsed() > every) {
-                self.port.write(&packet[..=length])?;
+                self.port.send(&command)?;
                 sent = Some(Instant::now());
             }
             let Received::Bytes(count) = self.port.read(&mut buffer)? else { continue };

@@ -55,7 +55,6 @@ pub(super) struct BoardOptions {
 }
 
 impl BoardOptions {
-    /// The board of this size.
     pub(super) fn board(&self, size: BoardSize) -> Result<Board> {
         self.check(size.kind)?;
         let given = |value: Option<f64>, option: &str| {
@@ -118,7 +117,6 @@ impl BoardOptions {
         Dictionary::named(name).ok_or_else(|| anyhow!("no dictionary {name}; give --dictionary as one of {}", names()))
     }
 
-    /// The board in words, for files.
     pub(super) fn described(&self, board: &Board) -> String {
         let rounded = |mm: f64| (1e6 * mm).round() / 1e6;
         let mm = rounded(1e3 * board.square());

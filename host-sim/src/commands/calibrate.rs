@@ -79,7 +79,6 @@ enum Aspect {
     One,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let board = args.board_options.board(args.board)?;
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;

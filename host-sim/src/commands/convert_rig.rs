@@ -57,7 +57,6 @@ impl ImportArgs {
     }
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let imported = load_rig(&args.inputs, &args.import.options())?;
     let (mut text, mut output) = (summary(&imported), OutputFiles::new());

@@ -41,7 +41,6 @@ impl Default for Args {
     }
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let shown = Demonstration::new(args.seed, args.noise)?;
     let picture = shown.picture()?;
@@ -58,7 +57,6 @@ pub fn run(args: &Args) -> Result<()> {
 /// An object of the room: the answer about it, and the truth.
 #[derive(Clone, Debug)]
 pub struct RoomObject {
-    /// Its name.
     pub name: String,
     /// Its disparity, px, and the probability that this is right; or why there is none.
     pub answer: Result<(f32, f32), NoDepth>,

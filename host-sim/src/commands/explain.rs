@@ -29,7 +29,6 @@ pub struct Args {
     input: InputArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let given = StoredPair::alone(String::new(), PairFiles::Two([args.left.clone(), args.right.clone()]));
     let known = args.input.known_of(&given)?;

@@ -35,7 +35,6 @@ pub struct Args {
     max_disparity: Option<u16>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.check {
         return print(&explain(path)?);

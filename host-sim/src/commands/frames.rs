@@ -35,7 +35,6 @@ struct GetArgs {
     from: Vec<PathBuf>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let Action::Get(args) = &args.action;
     if args.from.is_empty() { download(&args.out) } else { take(&args.from, &args.out) }

@@ -318,7 +318,6 @@ impl Setup<'_> {
         self.rig.as_ref().map_or(self.loaded, |rig| rig.remap().dims())
     }
 
-    /// Disparity range and rig, in words.
     fn described(&self) -> String {
         let Params { min_disparity, max_disparity, rig, .. } = &self.params;
         let nearest = rig.map(|rig| rig.depth(Disparity::saturating_from_num(*max_disparity)));

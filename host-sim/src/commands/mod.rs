@@ -49,7 +49,6 @@ use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Name of the program in messages.
 const NAME: &str = "linestereo";
 
 const AFTER_HELP: &str = "\
@@ -169,7 +168,6 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
     engine_with(&Params { max_disparity, rig, ..Params::default() }, dims)
 }
 
-/// The core with these parameters.
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;
@@ -200,7 +198,6 @@ pub fn does_not_fit(board: &Board, dims: Dims) -> String {
     format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
 }
 
-/// The outputs that are asked for.
 pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
     paths.into_iter().flatten().map(|path| &**path)
 }

@@ -43,7 +43,6 @@ pub struct Args {
     send: Vec<String>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let wanted = requests::parse(&args.send)?;
     let mut record = match &args.record {
@@ -116,7 +115,6 @@ struct Monitor {
     /// Complete frames still to come.
     left: Option<u64>,
     last_capture: Option<u64>,
-    /// Flags of the last frame.
     health: Health,
     has_summary: bool,
     screen: Screen,
@@ -221,7 +219,6 @@ impl Monitor {
     }
 }
 
-/// Where the frames are shown.
 enum Screen {
     /// One line that changes, on a terminal.
     Live(ProgressBar),

@@ -8,9 +8,7 @@ use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo_frames::GrayImage;
-use linestereo_wire::{
-    Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
-};
+use linestereo_wire::{Answer, Command, Decoder, MAX_PACKET, Message, Outcome, Request};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -35,7 +33,6 @@ pub struct Args {
     every: f64,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let every = Duration::try_from_secs_f64(args.every).context("--every is no time; give seconds, as in --every 3")?;
     let mut camera = Camera { port: args.port.open()?, decoder: Decoder::new(), next_id: 0 };
@@ -96,9 +93,7 @@ impl Camera {
     fn photograph(&mut self, bar: &ProgressBar) -> Result<[GrayImage; 2]> {
         self.next_id = self.next_id.wrapping_add(1);
         let command = Command { id: self.next_id, request: Request::Photograph };
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&command, &mut packet[1..])?.len();
-        self.port.write(&packet[..=length])?;
+        self.port.send(&command)?;
         let (mut buffer, mut photos, mut last) = ([0; 4096], PhotoAssembler::default(), Instant::now());
         loop {
             let count = match self.port.read(&mut buffer)? {

@@ -52,7 +52,6 @@ pub struct Args {
     json: Option<OutputPath>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let focal = match (args.focal_px, args.focal_mm, args.pixel_um, args.hfov_deg) {
         (Some(focal), ..) => Focal::Pixels(focal),

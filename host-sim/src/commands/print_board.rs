@@ -25,7 +25,6 @@ const RIM: f64 = 10.0;
 /// Height of the line of text below the board, mm.
 const TEXT: f64 = 5.0;
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let board = args.options.board(args.board)?;
     let described = args.options.described(&board);

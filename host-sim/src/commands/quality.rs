@@ -54,7 +54,6 @@ fn parse_distance(text: &str) -> Result<f64, String> {
     distance.ok_or_else(|| "give 0.01 to 1000 metres".to_owned())
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (found, _) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     let pairs = &found.pairs;
@@ -97,7 +96,6 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))
 }
 
-/// The region as matched.
 fn region(given: Option<[u16; 4]>, size: Dims, as_matched: impl Fn((u16, u16)) -> (u16, u16)) -> Result<Area> {
     let [x, y, w, h] = given.unwrap_or_else(|| {
         let (w, h) = (size.width * 2 / 5, size.height * 2 / 5);

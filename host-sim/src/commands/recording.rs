@@ -127,12 +127,10 @@ impl Sink {
         matches!(self.to, To::Messages(_))
     }
 
-    /// The file.
     pub(super) fn path(&self) -> Option<String> {
         (!matches!(self.to, To::Stdout)).then(|| self.path.display().to_string())
     }
 
-    /// One more line.
     pub(super) fn line(&mut self, line: &str) -> Result<()> {
         match &mut self.to {
             To::Lines(file) => file.push(line),

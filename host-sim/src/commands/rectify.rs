@@ -45,7 +45,6 @@ pub struct Args {
     view: ViewArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let image = args.view.image(&args.rig, None, ANY_RANGE)?;
     let mut rectifier = PairRectifier::new(image.remap())?;

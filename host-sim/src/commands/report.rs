@@ -35,7 +35,6 @@ pub struct Args {
     objects: ObjectArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (found, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     let pairs = &found.pairs;

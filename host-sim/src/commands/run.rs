@@ -80,7 +80,6 @@ pub struct Args {
     sectors: SectorArgs,
 }
 
-/// A column and a row.
 pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
     let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
     match numbers {
@@ -92,7 +91,6 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
 /// The left image as it was matched, the result, the time in words, objects and pixels that were asked for.
 type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.objects.check([args.left.as_path()].into_iter())?;
     let left = args.left.clone();
@@ -242,7 +240,6 @@ fn nearest_metres(params: &Params) -> Option<f64> {
     params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
 }
 
-/// Summary of the result, a few lines.
 fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> String {
     let (counts, max_disparity) = (&result.counts, params.max_disparity);
     let mut text = format!(

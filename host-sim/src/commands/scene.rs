@@ -43,7 +43,6 @@ pub struct Args {
     folder: Option<PathBuf>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let Some(folder) = args.folder.as_deref().filter(|_| !args.list) else {
         let line = |kind: &Kind| format!("{:<11} {}\n", kind.name(), kind.summary());
@@ -88,7 +87,6 @@ pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
     }
 }
 
-/// A noise in grey levels.
 pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, 255.0)
 }

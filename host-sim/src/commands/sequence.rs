@@ -43,7 +43,6 @@ pub struct Args {
     objects: ObjectArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if args.objects.is_given() && args.folder.is_none() {
         bail!("--objects go by the names of images, which a camera has not; give a folder of images");
@@ -138,7 +137,6 @@ impl Tally {
         Ok(played)
     }
 
-    /// The counts in words.
     fn summary(&self, found: &Footage) -> String {
         let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);

@@ -88,7 +88,6 @@ impl Sheet {
         }
     }
 
-    /// The picture.
     pub fn into_picture(self) -> RgbImage {
         let mut picture = opaque(&self.pixmap);
         for Label { at, align, rgb, text } in &self.labels {

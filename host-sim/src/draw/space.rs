@@ -12,7 +12,6 @@ use linestereo::{Disparity, ImagePosition, Rig};
 /// Vertices without those that are infinitely far, each by its position and its colour.
 struct Vertices {
     points: Vec<Vertex>,
-    /// Both ends of each segment.
     ends: Vec<[Vertex; 2]>,
 }
 

@@ -12,7 +12,6 @@ use std::sync::Arc;
 pub struct Footage {
     /// By the time or the number of each; of a camera none, see [`Footage::filmed`].
     pub pairs: Vec<StoredPair>,
-    /// Images without a partner.
     pub alone: usize,
     recording: Option<Arc<Recording>>,
     video: Option<Arc<Video>>,

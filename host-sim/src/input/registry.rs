@@ -33,9 +33,7 @@ const LIMIT: Duration = Duration::from_secs(900);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Way {
-    /// Python's packages.
     Pip,
-    /// Debian's packages.
     Apt,
 }
 
@@ -64,7 +62,6 @@ pub struct PackedScene {
 }
 
 impl PackedScene {
-    /// Its `scene.json`.
     pub fn info(&self) -> &str {
         self.info.trim_start()
     }

@@ -12,8 +12,7 @@ use core::time::Duration;
 use linestereo::ObjectDepth;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
-    Answer, Command, Counters, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome,
-    Request, SettingValue, encode,
+    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Outcome, Request, SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -116,10 +115,7 @@ impl Link {
         let Some(waiting) = &mut self.waiting else { return Ok(()) };
         waiting.attempts += 1;
         waiting.since = Instant::now();
-        // The delimiter ends whatever noise stands before the command.
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&waiting.command, &mut packet[1..])?.len();
-        port.write(&packet[..=length])
+        port.send(&waiting.command)
     }
 
     /// One byte from the board: the events that it completes, mostly none.
@@ -200,7 +196,6 @@ impl Link {
         packets.good == 0 && packets.other_version == 0
     }
 
-    /// Bytes so far.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }

@@ -35,7 +35,6 @@ pub const NAMES: [&str; 15] = [
 /// A request and how it was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
-    /// The request to send.
     pub request: Request,
     /// The words of the user.
     pub words: String,

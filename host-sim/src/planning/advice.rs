@@ -35,7 +35,6 @@ pub struct Suggestion {
     pub within_range: bool,
     /// Percent of the width that both cameras see at the nearest distance.
     pub overlap_near_percent: f64,
-    /// Advice, a sentence each.
     pub advice: Vec<String>,
 }
 

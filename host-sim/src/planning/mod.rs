@@ -39,7 +39,6 @@ const LAST_ERROR: f64 = 0.2;
 /// How the focal length is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focal {
-    /// px.
     Pixels(f64),
     /// As printed on a lens, with the side of a pixel of the images (that is, after binning).
     Millimetres {
@@ -48,7 +47,6 @@ pub enum Focal {
         /// µm.
         pixel: f64,
     },
-    /// Horizontal field of view, degrees.
     FieldOfView(f64),
 }
 
@@ -70,7 +68,6 @@ pub struct RigPlan {
     pub focal: f64,
     /// Size of the rectified images.
     pub dims: Dims,
-    /// m.
     pub baseline: f64,
     /// Disparities that are searched, px.
     pub max_disparity: u16,
@@ -81,9 +78,7 @@ pub struct RigPlan {
 /// Accuracy at one distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Row {
-    /// m.
     pub distance_m: f64,
-    /// px.
     pub disparity_px: f64,
     /// One standard deviation, m.
     pub error_m: f64,
@@ -114,7 +109,6 @@ impl RigPlan {
         [self.dims.width, self.dims.height].map(|side| 2.0 * (0.5 * f64::from(side) / self.focal).atan().to_degrees())
     }
 
-    /// Disparity at a distance, px.
     pub fn disparity(&self, distance: f64) -> f64 {
         self.focal * self.baseline / distance
     }

@@ -47,7 +47,6 @@ impl Browser {
         Self::find().context("no browser runs; install chromium, or name one in LINESTEREO_BROWSER")
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.0
     }

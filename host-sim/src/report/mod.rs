@@ -38,13 +38,9 @@ const SHARED_STYLE: &str = include_str!("shared.css");
 
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {
-    /// Name of the pair.
     pub name: String,
-    /// As matched.
     pub images: &'a [GrayImage; 2],
-    /// Result of the pair.
     pub result: &'a FrameResult,
-    /// Segments without a match.
     pub rejected: &'a [Rejected],
     /// Regions with their depths; empty when nobody asked.
     pub objects: &'a [(Object, listing::Object)],
@@ -54,7 +50,6 @@ pub struct PageFrame<'a> {
 
 /// Settings common to all pairs of a page.
 pub struct PageSetup {
-    /// Title of the page.
     pub title: String,
     /// Disparities searched: 0 .. this, px.
     pub max_disparity: u16,
@@ -116,12 +111,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// Without frames.
     pub fn new(setup: PageSetup) -> Self {
         Self { setup, frames: Vec::new() }
     }
 
-    /// The next pair.
     pub fn push(&mut self, frame: &PageFrame<'_>) -> anyhow::Result<()> {
         let result = frame.result;
         let range = ColourRange::of(result, self.setup.max_disparity);
@@ -155,7 +148,6 @@ impl Page {
         points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
     }
 
-    /// The whole page.
     pub fn html(&self) -> serde_json::Result<String> {
         let setup = &self.setup;
         let data = serde_json::to_string(&PageData {

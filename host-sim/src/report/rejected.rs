@@ -7,7 +7,6 @@ use std::collections::HashSet;
 /// A left segment that is not in the list of matches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
-    /// Its ends.
     pub ends: [ImagePosition; 2],
     /// Why.
     pub reason: Rejection,

@@ -24,7 +24,6 @@ pub const MOST_BYTES: usize = 200 << 10;
 pub struct WebPage {
     /// `index.html`, all that a browser needs.
     pub page: PathBuf,
-    /// The matcher, as WebAssembly.
     pub matcher: PathBuf,
     /// The reader of images.
     pub images: PathBuf,

@@ -50,9 +50,7 @@ pub struct Answers {
 /// The depth of a pixel, or why it is not known.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Query {
-    /// Column.
     pub x: u16,
-    /// Row.
     pub y: u16,
     /// `None` where it is not known.
     pub disparity_px: Option<f64>,
@@ -111,7 +109,6 @@ impl Query {
 pub struct Object {
     /// Value in the mask, or position in the file.
     pub label: u16,
-    /// Label of the detector.
     pub name: Option<String>,
     /// At the region's centre.
     pub disparity_px: Option<f64>,
@@ -121,9 +118,7 @@ pub struct Object {
     pub depth_m: Option<f64>,
     /// 0 without a depth.
     pub sigma_m: f64,
-    /// Nearest credible depth.
     pub nearest_m: Option<f64>,
-    /// Segments that support it.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
     pub confidence: f64,

@@ -18,7 +18,6 @@ const DEPTH_SCALE: f64 = 1000.0;
 /// A map of 16-bit values and what did not fit in.
 #[derive(Clone, Debug)]
 pub struct PngMap {
-    /// The file.
     pub png: Vec<u8>,
     /// Points whose value it cannot hold.
     pub left_out: usize,

@@ -50,9 +50,7 @@ pub enum Extra {
 /// A pair that was matched.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
-    /// As they were matched.
     pub images: &'a [GrayImage; 2],
-    /// Results of the pair.
     pub result: &'a FrameResult,
     /// Parameters by which it was matched.
     pub params: &'a Params,
@@ -72,7 +70,6 @@ pub struct RosFile<W> {
 }
 
 impl<W: Write> RosFile<W> {
-    /// Nothing yet.
     pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
         Ok(Self { writer, extras: extras.to_vec(), schemas: Vec::new(), channels: Vec::new() })
@@ -126,7 +123,6 @@ impl<W: Write> RosFile<W> {
         self.channels.iter().any(|(topic, _)| *topic == POINTS)
     }
 
-    /// Closes the file.
     pub fn finish(self) -> io::Result<W> {
         self.writer.finish()
     }

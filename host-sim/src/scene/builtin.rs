@@ -25,7 +25,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every built-in scene.
     pub const ALL: [Self; 7] =
         [Self::Demo, Self::Cards, Self::Corridor, Self::Poles, Self::Boxes, Self::Blank, Self::Repetition];
 

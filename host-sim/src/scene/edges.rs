@@ -51,7 +51,6 @@ pub struct EdgeCase {
     pub greys: [f64; 2],
     /// Largest deviation of the grain from these greys.
     pub grain: f64,
-    /// Seed of the grain.
     pub seed: u64,
 }
 

@@ -17,7 +17,6 @@ const LATTICE: (u32, u32) = (55, 21);
 pub struct Sensor {
     /// Standard deviation of the noise of either image in grey levels.
     pub noise: f64,
-    /// Seed of the noise.
     pub seed: u64,
     /// The right image's brightness is multiplied by this.
     pub gain: f64,
@@ -38,7 +37,6 @@ impl Default for Sensor {
 pub struct Rendering {
     /// Left image, the reference.
     pub left: GrayImage,
-    /// Right image.
     pub right: GrayImage,
     /// Disparity in pixels; NaN where no surface is.
     pub disparity: Vec<f32>,
@@ -125,7 +123,6 @@ impl Camera {
     }
 }
 
-/// Renders a scene and its truth.
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];

@@ -63,7 +63,6 @@ fn rate(text: &str) -> Result<f64, String> {
     rate.ok_or_else(|| "give pairs a second, 0.01 to 1000".to_owned())
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     interruption::watch();
     let is_of_board = |path: &Path| !path.is_dir() && !is_recording(path) && !is_video(path);
