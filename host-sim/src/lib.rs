@@ -3,22 +3,13 @@
 //! Each module uses only those above it, and those of its line:
 //!
 //! ```text
-//! untrusted                 files of others: how much of one is read
-//! interruption, output      Ctrl-C; files written whole
-//! mcap, ros                 recordings: the container; the messages of ROS 2
-//! video                     frames of videos and cameras
-//! programs                  other programs of this machine
-//! statistics                middles and shares of lists
-//! input, scene, engine      frames, rigs and objects read; scenes rendered; the core run
-//! results, monitor          what a pair gave, as JSON, text and files; what a board reports of it
-//! explain                   why a pixel has a depth, or none
-//! board, evaluate           boards driven; scores against truth
-//! faults                    damaged pairs, and what is answered of them
-//! rivals, fitting           other methods on the same frames; the confidence models fitted
-//! calibration, planning     rigs from photos; rigs from wishes
-//! draw, report              pictures; pages
-//! serve                     a page for browsers of this computer, with events
-//! commands                  the command line
+//! interruption, output, programs   Ctrl-C; files written whole; other programs of this machine
+//! mcap, ros, video                 recordings: the container, the messages of ROS 2; frames of videos and cameras
+//! input, scene, engine             pairs of whatever is given; scenes rendered; the core run
+//! results, monitor, explain        what a pair gave; what a board reports of it; why a pixel has a depth, or none
+//! board, quality, planning         boards driven; depths of a wall; rigs from wishes
+//! draw, report, serve              pictures; pages; a page for browsers of this computer, with events
+//! commands                         the command line
 //! ```
 
 #![allow(missing_docs, reason = "modules of a program, not an interface: a name that says it all stands alone")]

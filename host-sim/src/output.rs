@@ -168,14 +168,18 @@ impl OutputFiles {
         self.stage(path, contents).map_err(|error| cannot_write(path, &error))
     }
 
-    /// The same of a text, made only if it is asked for.
-    pub fn add_text(&mut self, path: Option<&OutputPath>, text: impl FnOnce() -> Result<String>) -> Result<()> {
-        path.map_or(Ok(()), |path| self.add(path, text()?.as_bytes()))
+    /// The same of contents that are made only if they are asked for.
+    pub fn add_made<T: AsRef<[u8]>>(
+        &mut self,
+        path: Option<&OutputPath>,
+        contents: impl FnOnce() -> Result<T>,
+    ) -> Result<()> {
+        path.map_or(Ok(()), |path| self.add(path, contents()?.as_ref()))
     }
 
     /// The same of a value as indented JSON.
     pub fn add_json(&mut self, path: Option<&OutputPath>, value: &impl Serialize) -> Result<()> {
-        self.add_text(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
+        self.add_made(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
     }
 
     fn stage(&mut self, path: &Path, contents: &[u8]) -> io::Result<()> {

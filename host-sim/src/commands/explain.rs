@@ -43,9 +43,8 @@ pub fn run(args: &Args) -> Result<()> {
     let pixel = setup.as_matched(args.pixel);
     let explanation = Explanation::new(pixel, &log, &mut matcher.engine, &setup.params, &matched.result);
     let mut output = OutputFiles::new();
-    if let Some(path) = &args.picture {
-        output.add(path, &draw::png(&draw::explanation(&matched.images[0], &explanation))?)?;
-    }
+    let picture = || draw::explanation(&matched.images[0], &explanation);
+    output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
     let mut text = String::new();
     if pixel != args.pixel {
         text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));

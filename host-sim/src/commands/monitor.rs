@@ -6,7 +6,7 @@ use crate::monitor::link::{Event, Link};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
-use crate::output::OutputPath;
+use crate::output::{ClosedPipe, OutputPath, print};
 use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -63,29 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
         );
     }
     let summary = monitor.end();
-    match outcome.and_then(|()| summary.map_err(Stop::from)) {
-        Err(Stop::ClosedPipe) | Ok(()) => Ok(()), // who closed it has seen enough
-        Err(Stop::Failed(error)) => Err(error),
-    }
-}
-
-/// Why following ends early.
-enum Stop {
-    /// Nobody reads stdout any more.
-    ClosedPipe,
-    Failed(anyhow::Error),
-}
-
-impl From<anyhow::Error> for Stop {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<io::Error> for Stop {
-    fn from(error: io::Error) -> Self {
-        if error.kind() == ErrorKind::BrokenPipe { Self::ClosedPipe } else { Self::Failed(error.into()) }
-    }
+    outcome.and(summary)
 }
 
 /// The bytes as they come, for another time.
@@ -133,7 +111,7 @@ impl Monitor {
     }
 
     /// Until the file ends, all frames are there, the user interrupts or the port fails.
-    fn follow(&mut self, port: &mut Port, record: &mut Option<Record>) -> Result<(), Stop> {
+    fn follow(&mut self, port: &mut Port, record: &mut Option<Record>) -> Result<()> {
         interruption::watch();
         let mut buffer = [0; 4096];
         loop {
@@ -148,8 +126,8 @@ impl Monitor {
                     let received = &buffer[..length];
                     if let Some(Record { path, file }) = record {
                         file.write_all(received).map_err(|error| match error.kind() {
-                            ErrorKind::BrokenPipe => Stop::ClosedPipe,
-                            _ => cannot_record(path, &error).into(),
+                            ErrorKind::BrokenPipe => ClosedPipe.into(),
+                            _ => cannot_record(path, &error),
                         })?;
                     }
                     for &byte in received {
@@ -174,23 +152,21 @@ impl Monitor {
         self.left == Some(0) && self.link.is_answered()
     }
 
-    fn show(&mut self, event: Event) -> Result<(), Stop> {
+    fn show(&mut self, event: Event) -> Result<()> {
         match event {
             Event::Frame(_) if self.left == Some(0) => Ok(()), // came while a command is waited for
             Event::Frame(frame) => self.show_frame(&frame),
-            Event::Objects(list) => {
-                list.iter().try_for_each(|object| self.screen.note(&text::object(object))).map_err(Stop::from)
-            }
+            Event::Objects(list) => list.iter().try_for_each(|object| self.screen.note(&text::object(object))),
             Event::Photo([left, _]) => {
                 let note =
                     format!("photograph: {}; linestereo photograph saves them, linestereo view shows them", left.dims);
-                Ok(self.screen.note(&note)?)
+                self.screen.note(&note)
             }
-            Event::Note(note) => Ok(self.screen.note(&note)?),
+            Event::Note(note) => self.screen.note(&note),
         }
     }
 
-    fn show_frame(&mut self, frame: &Frame) -> Result<(), Stop> {
+    fn show_frame(&mut self, frame: &Frame) -> Result<()> {
         if frame.missing() == 0 {
             self.left = self.left.map(|left| left - 1);
         }
@@ -205,7 +181,7 @@ impl Monitor {
     }
 
     /// Counts what is left unfinished, and says what arrived.
-    fn end(&mut self) -> io::Result<()> {
+    fn end(&mut self) -> Result<()> {
         let mut outcome = Ok(());
         if self.left != Some(0)
             && let Some(frame) = self.link.finish()
@@ -250,43 +226,42 @@ impl Screen {
         screen
     }
 
-    fn frame(&self, frame: &Frame, last: Option<u64>) -> io::Result<()> {
+    fn frame(&self, frame: &Frame, last: Option<u64>) -> Result<()> {
         match self {
             Self::Live(bar) => {
                 bar.set_message(text::line(frame, last));
                 Ok(())
             }
-            Self::Lines => writeln!(io::stdout(), "{}", text::line(frame, last)),
-            Self::Notes => Ok(()),
-            Self::Json if frame.missing() > 0 => Ok(()),
-            Self::Json => writeln!(io::stdout(), "{}", text::json(frame)?),
+            Self::Lines => print(&(text::line(frame, last) + "\n")),
+            Self::Json if frame.missing() == 0 => print(&(text::json(frame)? + "\n")),
+            Self::Json | Self::Notes => Ok(()),
         }
     }
 
     /// A note for people; lines of JSON speak for themselves.
-    fn explain(&self, note: &str) -> io::Result<()> {
+    fn explain(&self, note: &str) -> Result<()> {
         if matches!(self, Self::Json) { Ok(()) } else { self.note(note) }
     }
 
-    fn note(&self, note: &str) -> io::Result<()> {
-        let note = printable(note); // a board's name is in it
+    fn note(&self, note: &str) -> Result<()> {
+        let print = || print(&format!("{note}\n"));
         match self {
-            Self::Live(bar) => bar.suspend(|| writeln!(io::stdout(), "{note}")),
-            Self::Lines => writeln!(io::stdout(), "{note}"),
-            Self::Json | Self::Notes => writeln!(io::stderr(), "{note}"),
+            Self::Live(bar) => bar.suspend(print),
+            Self::Lines => print(),
+            Self::Json | Self::Notes => Ok(writeln!(io::stderr(), "{}", printable(note))?),
         }
     }
 
-    fn close(&self, summary: &str) -> io::Result<()> {
+    fn close(&self, summary: &str) -> Result<()> {
         match self {
             Self::Live(bar) => {
                 let last = bar.message();
                 bar.finish_and_clear();
                 let end = if last.is_empty() { "" } else { "\n" };
-                write!(io::stdout(), "{last}{end}{summary}")
+                print(&format!("{last}{end}{summary}"))
             }
-            Self::Lines => write!(io::stdout(), "{summary}"),
-            Self::Json | Self::Notes => write!(io::stderr(), "{summary}"),
+            Self::Lines => print(summary),
+            Self::Json | Self::Notes => Ok(write!(io::stderr(), "{summary}")?),
         }
     }
 }

@@ -66,9 +66,7 @@ pub fn run(args: &Args) -> Result<()> {
     let baseline = args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
     let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
     let mut output = OutputFiles::new();
-    if let Some(path) = &args.out {
-        output.add(path, &draw::png(&draw::plan(&plan, wish.as_ref()))?)?;
-    }
+    output.add_made(args.out.as_ref(), || Ok(draw::png(&draw::plan(&plan, wish.as_ref()))?))?;
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
     let mut text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
     text.push_str(&written([&args.out, &args.json]));

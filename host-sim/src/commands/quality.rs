@@ -90,9 +90,7 @@ pub fn run(args: &Args) -> Result<()> {
     value["advice"] = json!(verdict.advice);
     value["health"] = json!(health::names(flags));
     output.add_json(args.json.as_ref(), &value)?;
-    if let Some(path) = &args.picture {
-        output.add(path, &draw::png(&draw::quality(&left, &quality, &answers, &text))?)?;
-    }
+    output.add_made(args.picture.as_ref(), || Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?))?;
     output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))
 }
 

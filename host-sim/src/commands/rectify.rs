@@ -63,14 +63,10 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
     }
     let pair = Pair::load(&PairFiles::Two([args.left.clone(), right.to_path_buf()]), &args.view, rectifier)?;
     let mut output = OutputFiles::new();
-    for (path, image) in [(&args.out_left, &pair.rectified[0]), (&args.out_right, &pair.rectified[1])] {
-        if let Some(path) = path {
-            output.add(path, &draw::gray_png(image)?)?;
-        }
+    for (path, image) in [&args.out_left, &args.out_right].into_iter().zip(&pair.rectified) {
+        output.add_made(path.as_ref(), || Ok(draw::gray_png(image)?))?;
     }
-    if let Some(path) = &args.picture {
-        output.add(path, &pair.picture()?)?;
-    }
+    output.add_made(args.picture.as_ref(), || pair.picture())?;
     output.commit_and_say(&(summary + &written))
 }
 

@@ -112,21 +112,16 @@ pub fn run(args: &Args) -> Result<()> {
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
-    output.add_text(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
-    if let Some(path) = &args.csv {
-        output.add(path, listing::csv(&result).as_bytes())?;
+    output.add_made(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
+    output.add_made(args.csv.as_ref(), || Ok(listing::csv(&result)))?;
+    let overlay = || draw::overlay(&left, &result, rig.as_ref(), max_disparity);
+    output.add_made(args.overlay.as_ref(), || Ok(draw::png(&overlay())?))?;
+    if let Some(list) = &answers.objects {
+        output.add_made(args.objects_csv.as_ref(), || Ok(listing::objects_csv(list)))?;
     }
-    if let Some(path) = &args.overlay {
-        output.add(path, &draw::png(&draw::overlay(&left, &result, rig.as_ref(), max_disparity))?)?;
-    }
-    if let (Some(path), Some(list)) = (&args.objects_csv, &answers.objects) {
-        output.add(path, listing::objects_csv(list).as_bytes())?;
-    }
-    if let (Some(path), Some(directions)) = (&args.sectors.fan, &directions) {
-        output.add(path, &draw::png(&draw::fan(directions))?)?;
-    }
-    if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
-        output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
+    if let Some(directions) = &directions {
+        output.add_made(args.sectors.fan.as_ref(), || Ok(draw::png(&draw::fan(directions))?))?;
+        output.add_made(args.sectors.mavlink.as_ref(), || Ok(directions.mavlink(args.sectors.policy.into())))?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = summary(left.dims, &setup.params, &result, &cost);
@@ -149,37 +144,24 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     let mut notes = String::new();
     let colours = ColourRange::of(result, setup.params.max_disparity);
     let needs = |what: &str| anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig");
-    if let Some(path) = &args.ply {
-        let rig = setup.geometry().ok_or_else(|| needs("--ply"))?;
-        output.add(path, draw::ply(result, rig, &colours).as_bytes())?;
-    }
-    if let Some(path) = &args.pcd {
-        let rig = setup.geometry().ok_or_else(|| needs("--pcd"))?;
-        output.add(path, draw::pcd(result, rig, &colours).as_bytes())?;
-    }
-    let mut note = |map: &PngMap, what: &str| {
+    let geometry = |what: &str| setup.geometry().ok_or_else(|| needs(what));
+    let rig = |what: &str| setup.params.rig.as_ref().ok_or_else(|| needs(what));
+    let mut png = |map: PngMap, what: &str| {
         if map.left_out > 0 {
             let _ = writeln!(notes, "{} points are not in the {what}", map.left_out);
         }
+        map.png
     };
-    if let Some(path) = &args.depth_png {
-        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-png"))?;
-        let map = results::depth_png(dims, result, rig)?;
-        output.add(path, &map.png)?;
-        note(&map, "depth PNG: beyond 65.535 m");
-    }
-    if let Some(path) = &args.depth_npy {
-        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-npy"))?;
-        output.add(path, &results::depth_npy(dims, result, rig))?;
-    }
-    if let Some(path) = &args.disparity_png {
-        let map = results::kitti_png(dims, result)?;
-        output.add(path, &map.png)?;
-        note(&map, "disparity PNG: below 0, or 256 px and more");
-    }
-    if let Some(path) = &args.pfm {
-        output.add(path, &results::pfm(dims, result))?;
-    }
+    output.add_made(args.ply.as_ref(), || Ok(draw::ply(result, geometry("--ply")?, &colours)))?;
+    output.add_made(args.pcd.as_ref(), || Ok(draw::pcd(result, geometry("--pcd")?, &colours)))?;
+    output.add_made(args.depth_png.as_ref(), || {
+        Ok(png(results::depth_png(dims, result, rig("--depth-png")?)?, "depth PNG: beyond 65.535 m"))
+    })?;
+    output.add_made(args.depth_npy.as_ref(), || Ok(results::depth_npy(dims, result, rig("--depth-npy")?)))?;
+    output.add_made(args.disparity_png.as_ref(), || {
+        Ok(png(results::kitti_png(dims, result)?, "disparity PNG: below 0, or 256 px and more"))
+    })?;
+    output.add_made(args.pfm.as_ref(), || Ok(results::pfm(dims, result)))?;
     Ok(notes)
 }
 
@@ -215,12 +197,10 @@ fn on_board(
     let regions = boxes.iter().map(|boxes| Regions { boxes: boxes.iter().map(|&(_, of)| of).collect(), only: false });
     let regions = regions.map(Request::SetRegions);
     let pairs = [(left, right)];
-    let (left, replayed) = match &setup.rig {
-        Some(rig) => {
-            let rectified = PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?;
-            (rectified, machine.run_raw_pairs_with(regions, rig, &update, &pairs)?)
-        }
-        None => (left.clone(), machine.run_pairs_with(regions, &update, &pairs)?),
+    let replayed = machine.run(setup.rig.as_ref(), &update, regions, &pairs)?;
+    let left = match &setup.rig {
+        Some(rig) => PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?,
+        None => left.clone(),
     };
     let pair = replayed.pairs.into_iter().next_back();
     let found = pair.with_context(|| format!("{name} gives no result"))?;

@@ -48,7 +48,7 @@ pub struct Answers {
 }
 
 /// The depth of a pixel, or why it is not known.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Query {
     pub x: u16,
     pub y: u16,
@@ -69,26 +69,17 @@ pub struct Query {
 impl Query {
     /// The core's answer for a pixel.
     pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
-        let none = |reason| Self {
-            x,
-            y,
-            disparity_px: None,
-            sigma_px: 0.0,
-            depth_m: None,
-            sigma_m: 0.0,
-            confidence: 0.0,
-            reason: Some(reason),
-        };
         match answer {
-            Err(reason) => none(reason.name()),
+            Err(reason) => Self { x, y, reason: Some(reason.name()), ..Self::default() },
             Ok(found) => Self {
+                x,
+                y,
                 disparity_px: Some(found.disparity.to_num()),
                 sigma_px: found.sigma.to_num(),
                 depth_m: found.depth.and_then(finite_metres),
                 sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
                 confidence: five_decimals(found.confidence.to_num()),
                 reason: None,
-                ..none("")
             },
         }
     }

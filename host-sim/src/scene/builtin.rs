@@ -8,19 +8,12 @@ use linestereo::Dims;
 /// A built-in scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A bit of everything: see [`Kind::summary`].
     Demo,
-    /// Cards that face the cameras at many depths.
     Cards,
-    /// Walls, ceiling and floor of a corridor.
     Corridor,
-    /// Thin poles, upright and leaning.
     Poles,
-    /// Boxes at random, hiding each other.
     Boxes,
-    /// Blank surfaces: nothing but outlines.
     Blank,
-    /// Stripes, squares and a fence: patterns that repeat.
     Repetition,
 }
 
@@ -28,30 +21,29 @@ impl Kind {
     pub const ALL: [Self; 7] =
         [Self::Demo, Self::Cards, Self::Corridor, Self::Poles, Self::Boxes, Self::Blank, Self::Repetition];
 
+    /// Its name on the command line, and a line about it.
+    const fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Demo => {
+                ["demo", "a room: textured and blank walls, floor, boxes, a leaning board, thin poles, occlusion"]
+            }
+            Self::Cards => ["cards", "cards facing the cameras at many sub-pixel disparities before a textured wall"],
+            Self::Corridor => ["corridor", "long slanted walls, floor and ceiling that end in a door"],
+            Self::Poles => ["poles", "poles 1 to 8 px wide, upright and leaning, before a textured wall"],
+            Self::Boxes => ["boxes", "boxes of random place and turn that hide each other"],
+            Self::Blank => ["blank", "blank walls and boxes: outlines are all there is"],
+            Self::Repetition => ["repetition", "stripes, squares and a picket fence: look-alikes everywhere"],
+        }
+    }
+
     /// Its name on the command line.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Demo => "demo",
-            Self::Cards => "cards",
-            Self::Corridor => "corridor",
-            Self::Poles => "poles",
-            Self::Boxes => "boxes",
-            Self::Blank => "blank",
-            Self::Repetition => "repetition",
-        }
+        self.words()[0]
     }
 
     /// Description, one line.
     pub const fn summary(self) -> &'static str {
-        match self {
-            Self::Demo => "a room: textured and blank walls, floor, boxes, a leaning board, thin poles, occlusion",
-            Self::Cards => "cards facing the cameras at many sub-pixel disparities before a textured wall",
-            Self::Corridor => "long slanted walls, floor and ceiling that end in a door",
-            Self::Poles => "poles 1 to 8 px wide, upright and leaning, before a textured wall",
-            Self::Boxes => "boxes of random place and turn that hide each other",
-            Self::Blank => "blank walls and boxes: outlines are all there is",
-            Self::Repetition => "stripes, squares and a picket fence: look-alikes everywhere",
-        }
+        self.words()[1]
     }
 }
 
