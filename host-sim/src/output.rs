@@ -12,7 +12,6 @@
 
 use crate::interruption;
 use anyhow::{Result, anyhow, bail};
-use core::fmt;
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
 use linestereo_frames::untrusted::printable;
@@ -61,16 +60,9 @@ fn is_stdout(path: &Path) -> bool {
 }
 
 /// Error of a closed stdout: nothing else is wanted.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("stdout was closed")]
 pub struct ClosedPipe;
-
-impl fmt::Display for ClosedPipe {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("stdout was closed")
-    }
-}
-
-impl core::error::Error for ClosedPipe {}
 
 /// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds those of [`detail`].
 pub fn set_verbosity(quiet: bool, verbose: bool) {

@@ -77,15 +77,12 @@ impl BoardOptions {
                 )
             }
         };
-        board.map_err(|error| match size.kind {
-            Kind::Chessboard => anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"),
-            Kind::Charuco => {
-                anyhow!("{error}; give --board as squares, for example charuco:8x6, --square-mm and --marker-mm")
-            }
-            Kind::AprilGrid => {
-                anyhow!("{error}; give --board as tags, for example aprilgrid:6x6, --tag-mm and --spacing")
-            }
-        })
+        let right = match size.kind {
+            Kind::Chessboard => "inner corners, for example 9x6, and --square-mm",
+            Kind::Charuco => "squares, for example charuco:8x6, --square-mm and --marker-mm",
+            Kind::AprilGrid => "tags, for example aprilgrid:6x6, --tag-mm and --spacing",
+        };
+        board.map_err(|error| anyhow!("{error}; give --board as {right}"))
     }
 
     /// No option of another kind.

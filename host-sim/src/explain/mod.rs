@@ -16,7 +16,7 @@ mod segment;
 mod support;
 
 pub use curve::{Curve, Mark, Plot};
-pub use log::CurveLog;
+pub use log::{CurveLog, Rejected};
 pub use segment::meaning;
 
 use crate::engine::{Engine, FrameResult};

@@ -7,14 +7,11 @@
 
 pub mod browser;
 pub mod live;
-mod rejected;
 pub mod web;
-
-pub use rejected::{Rejected, RejectionLog};
 
 use crate::draw::{ColourRange, gray_png};
 use crate::engine::FrameResult;
-use crate::explain::{SegmentTexts, meaning};
+use crate::explain::{Rejected, SegmentTexts, meaning};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
