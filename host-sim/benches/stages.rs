@@ -10,8 +10,7 @@ use linestereo::diagnostics::kernel::{
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::scratch::mark_words;
 use linestereo::{Dims, Params};
-use linestereo_frames::GrayImage;
-use linestereo_frames::{find_scenes, load_scene};
+use linestereo_frames::{GrayImage, find_scenes, load_scene};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use std::path::PathBuf;

@@ -6,8 +6,7 @@ use linestereo_calibration::boards::{
     Verdict, assess, estimate, find_pairs,
 };
 use linestereo_calibration::rig_file::quaternion;
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;

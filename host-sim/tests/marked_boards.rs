@@ -5,8 +5,7 @@ use crate::support::{refused_with, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
 };
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use linestereo_rig::{Calibration, CameraSide};
 use linestereo_tests::drawn::Random;
 use std::fs;

@@ -1,7 +1,6 @@
 //! The report page in a browser: what it shows is what the run gave. Without a browser these tests say so and pass.
 
-use linestereo::Area;
-use linestereo::{Dims, Params, Rejection, Rig};
+use linestereo::{Area, Dims, Params, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use linestereo_sim::engine::{Engine, FrameResult};

@@ -14,8 +14,7 @@ use linestereo_calibration::boards::{
     NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use linestereo_calibration::rig_file::{Quality, RigFile};
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use std::path::PathBuf;
 
 /// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.

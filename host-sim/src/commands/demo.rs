@@ -10,9 +10,8 @@ use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
 use linestereo::{Dims, NoDepth, Region, Rejection, Rig};
-use linestereo_frames::GrayImage;
-use linestereo_frames::Truth;
 use linestereo_frames::statistics::{interpolated_quantile, median};
+use linestereo_frames::{GrayImage, Truth};
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

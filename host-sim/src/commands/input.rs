@@ -19,10 +19,9 @@ use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
 use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::GrayImage;
 use linestereo_frames::{
-    PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size, check_usable,
-    load_images, scaled_max_disparity,
+    GrayImage, PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size,
+    check_usable, load_images, scaled_max_disparity,
 };
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;

@@ -11,8 +11,7 @@ use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
 use crate::ros::sent::{Header, Label};
 use anyhow::{Result, bail};
-use linestereo_frames::GrayImage;
-use linestereo_frames::StoredPair;
+use linestereo_frames::{GrayImage, StoredPair};
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
