@@ -109,7 +109,12 @@ fn photos_in_folders_swapped_and_of_another_board() {
     copied(&photos, &folder.path().join("folders"), |name| Some(format!("{}/{}", side(name).0, number(name))));
     copied(&photos, &folder.path().join("swapped"), |name| Some(format!("{}{}", side(name).1, number(name))));
     let run = |name, board| ["calibrate", name, "--board", board, "--square-mm", "25"];
-    assert!(succeed(folder.path(), &run("folders", "9x6")).contains("13 of 13 pairs"));
+    let said = succeed(folder.path(), &run("folders", "9x6"));
+    assert!(said.contains("13 of 13 pairs"), "{said}");
+    for (name, range) in [("stereo RMS ", 0.0..=0.23), ("baseline ", 82.9..=83.5), ("vertical residual ", 0.0..=0.15)] {
+        let value = said.lines().find_map(|line| line.strip_prefix(name)?.split(' ').next()?.parse::<f64>().ok());
+        assert!(range.contains(&value.unwrap()), "{name}{value:?}");
+    }
     let fails = |name, board, words: &[&str]| refused_with(folder.path(), &run(name, board), words);
     fails("swapped", "9x6", &["the cameras are swapped"]);
     fails("folders", "10x7", &["the board is not 10x7", "give --board 9x6"]);

@@ -3,15 +3,13 @@
 use linestereo::Dims;
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Estimate, EstimateError, JunctionFinder, LensModel, NotFound, Options, Pattern,
-    Verdict, assess, estimate, find_pairs,
+    Verdict, assess, estimate,
 };
 use linestereo_calibration::rig_file::quaternion;
-use linestereo_frames::{GrayImage, load_gray};
+use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
-use linestereo_tests::captured;
 use linestereo_tests::drawn::Random;
 use std::collections::HashMap;
-use std::path::Path;
 
 const VGA: Dims = Dims { width: 640, height: 480 };
 
@@ -478,32 +476,4 @@ fn mirrored_photos_and_wrong_sizes_are_named() {
     }
     let empty = GrayImage { dims: VGA, pixels: vec![99; 640 * 480] };
     assert_eq!(JunctionFinder.find(&empty, &board()), Err(NotFound::Nothing));
-}
-
-fn calibrated(folder: &Path, square_m: f64) -> (usize, Estimate, f64) {
-    let board = Board::new(9, 6, square_m).unwrap();
-    let (pairs, _) = find_pairs(folder, false).unwrap();
-    let photos: Vec<[GrayImage; 2]> =
-        pairs.iter().map(|pair| pair.files.each_ref().map(|file| load_gray(file).unwrap())).collect();
-    let views = found(&board, &photos);
-    let estimate = estimate(&board, photos[0][0].dims, &views, &Options::default()).unwrap();
-    let vertical = assess(&estimate, 64).rectified.unwrap().vertical;
-    (views.len(), estimate, vertical)
-}
-
-#[test]
-#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
-fn photographed_boards_give_the_known_rigs() {
-    let Some(folder) = captured::folder("calibration_boards/opencv_chessboard") else { return };
-    let (found, estimate, vertical) = calibrated(&folder, 0.025);
-    assert_eq!(found, 13);
-    assert!(estimate.rms <= 0.23, "{}", estimate.rms);
-    assert!((1e3 * estimate.calibration.baseline() - 83.2).abs() <= 0.3, "{}", estimate.calibration.baseline());
-    assert!(vertical <= 0.15, "{vertical}");
-
-    let Some(folder) = captured::folder("calibration_boards/sourishg_2") else { return };
-    let (found, estimate, _) = calibrated(&folder, 0.024_23);
-    assert!(found >= 27, "{found}");
-    assert!(estimate.rms <= 0.22, "{}", estimate.rms);
-    assert!((1e3 * estimate.calibration.baseline() - 93.9).abs() <= 0.5, "{}", estimate.calibration.baseline());
 }
