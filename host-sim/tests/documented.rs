@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 23] = [
+const NOT_RUN: [(&str, &str); 22] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -27,7 +27,6 @@ const NOT_RUN: [(&str, &str); 23] = [
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
     ("cargo test", "runs this test"),
     ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),
-    ("cargo bench", "minutes; measures, and asserts nothing"),
     ("cargo install", "builds the program anew"),
     ("frames get", "brings packages over the network: `frames_get` and `registry` test it with packages of their own"),
     ("pip download", "network"),
