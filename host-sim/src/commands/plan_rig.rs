@@ -1,7 +1,6 @@
 //! `linestereo plan-rig`: what two cameras will see, before they are bought.
 
 use super::written;
-use crate::draw;
 use crate::output::{OutputFiles, OutputPath};
 use crate::planning::{Focal, RigPlan, Suggestion, USUAL_SIGMA, Wish, suggest};
 use anyhow::{Result, bail};
@@ -44,9 +43,6 @@ pub struct Args {
     /// Error wanted at FAR.
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, requires = "range")]
     error: f64,
-    /// Draw the plan as PNG.
-    #[arg(long, value_name = "FILE.png")]
-    out: Option<OutputPath>,
     /// Write everything as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
@@ -66,10 +62,9 @@ pub fn run(args: &Args) -> Result<()> {
     let baseline = args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
     let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
     let mut output = OutputFiles::new();
-    output.add_made(args.out.as_ref(), || Ok(draw::png(&draw::plan(&plan, wish.as_ref()))?))?;
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
     let mut text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
-    text.push_str(&written([&args.out, &args.json]));
+    text.push_str(&written([&args.json]));
     output.commit_and_say(&text)
 }
 

@@ -1,6 +1,5 @@
 //! An explanation as a picture: the pixel's surroundings in the left image, cost curves beside, the words below.
 
-use super::plan::even_step;
 use super::sheet::{FAINT, FAIR as SEGMENT, GOOD, GRID, INK, SEEN as SUPPORT, Sheet};
 use super::text::Align;
 use crate::explain::{Explanation, Plot};
@@ -81,6 +80,13 @@ fn ring(sheet: &mut Sheet, (u, v): (f32, f32), rgb: [u8; 3]) {
     for step in 0..16 {
         sheet.line(at(step), at(step + 1), rgb, 2.0);
     }
+}
+
+/// The 1, 2 or 5 times a power of ten next above.
+fn even_step(least: f64) -> f64 {
+    let power = 10_f64.powi(least.log10().floor() as i32);
+    let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * power >= least);
+    step.unwrap_or(10.0) * power
 }
 
 /// Costs over disparity with marks at best, second-best and answer.

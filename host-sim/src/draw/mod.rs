@@ -9,7 +9,6 @@ mod colour;
 mod explanation;
 mod fan;
 mod legend;
-mod plan;
 mod quality;
 mod rows;
 pub mod sheet;
@@ -20,7 +19,6 @@ pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
 pub use explanation::explanation;
 pub use fan::fan;
-pub use plan::plan;
 pub use quality::quality;
 pub use space::{pcd, ply};
 
