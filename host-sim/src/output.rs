@@ -233,10 +233,6 @@ impl LineFile {
         Ok(Self { file: io::BufWriter::new(file), temporary, path })
     }
 
-    pub fn push(&mut self, text: &str) -> Result<()> {
-        self.file.write_all(text.as_bytes()).map_err(|error| cannot_write(&self.path, &error))
-    }
-
     /// Puts it in its place.
     pub fn commit(self) -> Result<()> {
         let Self { mut file, temporary, path } = self;

@@ -11,7 +11,7 @@ const LEAST_ANSWERS: usize = 7;
 fn objects_of_rooms_have_their_depth_or_none() {
     let (rooms, mut answers) = ([1, 22, 31, 52, 96, 121], 0);
     for seed in rooms {
-        let shown = Demonstration::new(seed, 1.0).unwrap();
+        let shown = Demonstration::new(seed).unwrap();
         for (object, (_, probability)) in shown.objects.iter().filter_map(|object| Some((object, object.answer.ok()?)))
         {
             assert!(!object.is_wrong() && probability >= 0.9, "seed {seed}: {object:?}");

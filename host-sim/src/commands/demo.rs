@@ -1,7 +1,6 @@
 //! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does without arguments.
 
 use super::engine_for;
-use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{OutputFiles, OutputPath};
@@ -26,22 +25,16 @@ pub struct Args {
     /// Where to write the picture of the segments.
     #[arg(long, value_name = "FILE.png", default_value = PICTURE)]
     out: OutputPath,
-    /// Seed of textures and noise.
-    #[arg(long, value_name = "N", default_value_t = SEED)]
-    seed: u64,
-    /// Standard deviation of the noise in both images, in grey levels.
-    #[arg(long, value_name = "SIGMA", default_value_t = NOISE, allow_negative_numbers = true, value_parser = parse_noise)]
-    noise: f64,
 }
 
 impl Default for Args {
     fn default() -> Self {
-        Self { out: OsString::from(PICTURE).into(), seed: SEED, noise: NOISE }
+        Self { out: OsString::from(PICTURE).into() }
     }
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let shown = Demonstration::new(args.seed, args.noise)?;
+    let shown = Demonstration::new(SEED)?;
     let picture = shown.picture()?;
     let mut text = shown.text;
     let mut output = OutputFiles::new();
@@ -89,10 +82,10 @@ pub struct Demonstration {
 }
 
 impl Demonstration {
-    /// Renders the room of a seed with noise of this standard deviation in grey levels, and matches it.
-    pub fn new(seed: u64, noise: f64) -> Result<Self> {
+    /// Renders the room of a seed, and matches it.
+    pub fn new(seed: u64) -> Result<Self> {
         let room = scene::build(Kind::Demo, DIMS, seed);
-        let sensor = Sensor { noise, seed, ..Sensor::default() };
+        let sensor = Sensor { noise: NOISE, seed, ..Sensor::default() };
         let rendering = scene::render(&room, DIMS, &sensor);
         let max_disparity = scene::search_range(&rendering);
         let rig = room.pair.rig()?;

@@ -135,10 +135,10 @@ fn command() -> clap::Command {
 
 fn run_command(cli: &Cli) -> Result<()> {
     if let Some(shell) = cli.completions {
-        return shell::completions(shell, program::prepared(command()));
+        return shell::completions(shell, arguments::prepared(command()));
     }
     if let Some(folder) = &cli.man {
-        return shell::man(folder, program::prepared(command()));
+        return shell::man(folder, arguments::prepared(command()));
     }
     match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
@@ -219,7 +219,7 @@ mod tests {
         listed.sort_unstable();
         known.sort_unstable();
         assert_eq!(listed, known);
-        let help = program::prepared(command()).render_help().to_string();
+        let help = arguments::prepared(command()).render_help().to_string();
         assert!(
             help.contains("Match pairs:\n  run ") && help.contains("--quiet") && help.contains("Exit codes:"),
             "{help}"

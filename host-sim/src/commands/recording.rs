@@ -12,6 +12,7 @@ use crate::results::ros::{Extra, Frame, RosFile, label};
 use crate::ros::sent::{Header, Label};
 use anyhow::{Result, bail};
 use linestereo_frames::{GrayImage, StoredPair};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
@@ -132,7 +133,7 @@ impl Sink {
 
     pub(super) fn line(&mut self, line: &str) -> Result<()> {
         match &mut self.to {
-            To::Lines(file) => file.push(line),
+            To::Lines(file) => file.write_all(line.as_bytes()).map_err(|error| cannot_write(&self.path, &error)),
             _ => print(line),
         }
     }
