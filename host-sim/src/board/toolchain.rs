@@ -71,7 +71,6 @@ impl Toolchain {
     }
 
     /// A cargo command without what other builds left in the environment.
-    #[must_use]
     pub fn cargo(&self) -> Command {
         self.for_boards(Command::new(if self.folder.is_some() { debian::CARGO } else { "cargo" }))
     }
