@@ -3,17 +3,13 @@
 //! The worked example: the right camera stands 100 mm to the right of the left one and is turned inwards by atan(3/4). Its axes in left
 //! coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0, 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
-use core::time::Duration;
 use linestereo::Dims;
 use linestereo_calibration::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
 };
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_tests::captured;
-use linestereo_tests::drawn::Random;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc;
-
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 const SIZE: Dims = Dims { width: 640, height: 480 };
@@ -563,120 +559,4 @@ fn folder_with_pose() -> TempDir {
         opencv_matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") + &opencv_matrix("T", 3, 1, "-3.33, 0., 0.");
     std::fs::write(folder.path().join("extrinsics.yml"), text).unwrap();
     folder
-}
-
-/// The files that are cut and changed: one of each format, and the real ones that are there.
-fn corpus() -> Vec<Vec<Vec<u8>>> {
-    let mut corpus: Vec<Vec<Vec<u8>>> = vec![
-        vec![opencv().into_bytes()],
-        vec![opencv_xml().into()],
-        vec![KALIBR.into()],
-        ROS.map(Into::into).to_vec(),
-        EUROC.map(Into::into).to_vec(),
-        vec![export(&good(&[KALIBR]).rig, Format::RigToml).unwrap().texts.remove(0).into_bytes()],
-    ];
-    if let Some(root) = frames() {
-        let read = |path: &Path| std::fs::read(path).unwrap();
-        corpus.push(vec![read(&root.join("robot_pairs/sparsestereo_example/calib.xml"))]);
-        corpus.push(
-            ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| read(&root.join("euroc_micro").join(name))).to_vec(),
-        );
-        corpus.push(vec![read(&root.join("calibration_boards/opencv_chessboard/left_intrinsics.yml"))]);
-    }
-    corpus
-}
-
-/// Reads changed files in a thread, so that one that never ends is named.
-fn survive(cases: impl Iterator<Item = (String, Vec<Vec<u8>>)> + Send + 'static) -> (usize, usize) {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let folder = tempfile::tempdir().unwrap();
-        let options = Options { size: None, ..Options::default() };
-        for (name, texts) in cases {
-            sender.send((name, None)).unwrap();
-            let paths: Vec<PathBuf> = (0..texts.len()).map(|i| folder.path().join(format!("{i}"))).collect();
-            for (path, text) in paths.iter().zip(&texts) {
-                std::fs::write(path, text).unwrap();
-            }
-            let outcome = load_rig(&paths, &options).map(|_| ()).map_err(|error| error.to_string());
-            sender.send((String::new(), Some(outcome))).unwrap();
-        }
-    });
-    let (mut read, mut refused, mut last) = (0, 0, String::new());
-    loop {
-        match receiver.recv_timeout(Duration::from_secs(60)) {
-            Ok((name, None)) => last = name,
-            Ok((_, Some(Ok(())))) => read += 1,
-            Ok((_, Some(Err(message)))) => {
-                assert!(message.len() < 600, "{last}: {message}");
-                refused += 1;
-            }
-            Err(mpsc::RecvTimeoutError::Timeout) => panic!("{last} does not end"),
-            Err(mpsc::RecvTimeoutError::Disconnected) => break,
-        }
-        if last == "end" {
-            break;
-        }
-    }
-    assert!(last == "end", "{last} panics");
-    (read, refused)
-}
-
-fn end() -> core::iter::Once<(String, Vec<Vec<u8>>)> {
-    core::iter::once(("end".to_owned(), Vec::new()))
-}
-
-#[test]
-fn every_truncation_is_read_or_refused() {
-    let corpus = corpus();
-    let all: usize = corpus.iter().map(|files| files.last().unwrap().len()).sum();
-    let cases = corpus.into_iter().enumerate().flat_map(|(index, files)| {
-        let last = files.last().unwrap().len();
-        (0..last).map(move |length| {
-            let mut files = files.clone();
-            files.last_mut().unwrap().truncate(length);
-            (format!("file {index} cut at {length}"), files)
-        })
-    });
-    let (read, refused) = survive(cases.chain(end()));
-    // A file cut off at its end may still be whole: few are.
-    assert!(read + refused == all && read < refused / 10, "{read} read, {refused} refused of {all}");
-}
-
-#[test]
-fn thousands_of_changed_bytes_are_read_or_refused() {
-    const SEED: u64 = 0x5eed_0004;
-    const EACH: u64 = 1500;
-    // Bytes that mean something to the parsers, more often than others.
-    const TELLING: &[u8] = b"-:[]{}<>&*!%#'\"|?,/\n\t .0eE_\\\x00\xff";
-    println!("seed {SEED:#x}");
-    let cases = corpus().into_iter().enumerate().flat_map(|(index, files)| {
-        (0..EACH).map(move |round| {
-            let mut files = files.clone();
-            let mut random = Random(SEED ^ (index as u64) << 32 ^ round);
-            let mut next = |below: usize| random.below(below as u64) as usize;
-            let file = next(files.len());
-            let text = &mut files[file];
-            for _ in 0..=next(4) {
-                let at = next(text.len());
-                let byte = if next(2) == 0 { TELLING[next(TELLING.len())] } else { next(128) as u8 };
-                match next(4) {
-                    0 => text[at] = byte,
-                    1 => text.insert(at, byte),
-                    2 => drop(text.remove(at)),
-                    _ => {
-                        let end = (at + next(200)).min(text.len());
-                        let piece = text[at..end].to_vec();
-                        let to = next(text.len());
-                        text.splice(to..to, piece);
-                    }
-                }
-            }
-            (format!("file {index}, round {round}"), files)
-        })
-    });
-    let (read, refused) = survive(cases.chain(end()));
-    // Else the changes reach the first check alone, or nothing.
-    let least = (read + refused) / 20;
-    assert!(read > least && refused > least, "{read} read, {refused} refused");
 }

@@ -448,6 +448,10 @@ fn damaged_arrays_are_named() {
     assert!(matches!(fault(b"\x93NUMPY\x01\x00\x05\x00{'a'}"), DisparityFault::Array(_)));
     assert!(matches!(fault(b"PK\x03\x04 and no archive"), DisparityFault::Array(_)));
     assert_eq!(fault(&npz(&[])), DisparityFault::Arrays(vec![]));
+    fault(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}");
+    for shape in ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(0, 0)", "(-1, 4)", &"(".repeat(9000)] {
+        fault(&npy("<f4", shape, &[0; 64]));
+    }
     let two = npz(&[("a", good.clone()), ("b", good)]);
     let DisparityFault::Arrays(mut names) = fault(&two) else { panic!() };
     names.sort();
@@ -456,45 +460,18 @@ fn damaged_arrays_are_named() {
 
 /// Any file is read or named.
 #[test]
-fn changed_bytes_are_no_crash() {
-    let array = npy("<f4", "(20, 48)", &floats(&values(f32::NAN)));
-    let files = [pfm(&values(f32::INFINITY), "-1", false), npz(&[("d", array.clone())]), array];
+fn shapes_that_no_array_has_are_no_crash() {
     let set = tempfile::tempdir().unwrap();
-    let path = set.path().join("d.pfm");
-    let (mut read, mut named) = (0, 0);
-    let mut load = |bytes: &[u8]| {
-        fs::write(&path, bytes).unwrap();
-        match load_disparities(&path) {
-            Ok((dims, values)) => {
-                assert_eq!(values.len(), usize::from(dims.width) * usize::from(dims.height));
-                read += 1;
-            }
-            Err(FrameError::Disparities(..)) => named += 1,
-            Err(other) => panic!("{other}"),
-        }
-    };
-    for file in &files {
-        // Headers stand in front, those of archives at both ends.
-        let places = (0..file.len()).filter(|&place| place < 140 || place + 140 > file.len());
-        for place in places {
-            for value in [0, b'9', 0xff, file[place] ^ 1] {
-                let mut changed = file.clone();
-                changed[place] = value;
-                load(&changed);
-            }
-            load(&file[..place]);
-        }
+    let path = set.path().join("d.npy");
+    let shapes =
+        ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(65535, 65535)", "(9, 9, 9, 9)", "(0, 0)", "(-1, 4)"];
+    let mut files: Vec<_> = shapes.iter().map(|shape| npy("<f4", shape, &[0; 64])).collect();
+    files.push(npy("<f4", &"(".repeat(9000), &[]));
+    files.push(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}".to_vec());
+    for file in files {
+        fs::write(&path, &file).unwrap();
+        assert!(matches!(load_disparities(&path), Err(FrameError::Disparities(..))), "{file:?}");
     }
-    let many = |shape: &str| npy("<f4", shape, &[0; 64]);
-    for shape in
-        ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(65535, 65535)", "(9, 9, 9, 9)", "(0, 0)", "(-1, 4)"]
-    {
-        load(&many(shape));
-    }
-    load(&npy("<f4", &"(".repeat(9000), &[]));
-    load(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}");
-    println!("{read} read, {named} named");
-    assert!(read > 500 && named > 500, "{read} read, {named} named");
 }
 
 #[test]

@@ -9,23 +9,23 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Seconds for each function of `fuzz/src/lib.rs`.
+/// Seconds for each function of `tests/src/fuzz.rs`.
 const FUZZ_S: &str = "60";
 
 /// Runs every step and prints a table of them.
 pub(crate) fn run(top: &Path) -> Result<()> {
     let oldest = oldest_compiler(top)?;
-    let with_oldest =
-        format!("cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink");
-    let steps = [
+    let install = format!("rustup toolchain install {oldest} --profile minimal --no-self-update");
+    let check = format!("cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink");
+    let steps: [&str; 8] = [
         "cargo xtask images",
         "cargo test --workspace --no-fail-fast -- --include-ignored",
         "cargo xtask measure",
         "cargo xtask footprint",
         "cargo xtask lint",
         "cargo publish --workspace --dry-run --allow-dirty",
-        &format!("rustup toolchain install {oldest} --profile minimal --no-self-update"),
-        &with_oldest,
+        &install,
+        &check,
     ];
     let mut table = String::new();
     let mut failed = Vec::new();

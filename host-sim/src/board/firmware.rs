@@ -142,10 +142,12 @@ pub fn images(board: &Board) -> Vec<Images<'static>> {
     if !board.is_emulated() {
         return vec![live];
     }
-    let without_logs: &[&str] = match *board {
-        Board::MPS2_AN500 => &["bench", "faults", "live", "pixels", "rectify", "replay"],
-        Board::MPS2_AN386 => &["bench", "faults", "live", "rectify", "replay"],
-        _ => &["bench", "faults", "live"],
+    let without_logs: &[&str] = if *board == Board::MPS2_AN500 {
+        &["bench", "faults", "live", "pixels", "rectify", "replay"]
+    } else if Board::MEASURED.contains(board) {
+        &["bench", "faults", "live", "rectify", "replay"]
+    } else {
+        &["bench", "faults", "live"]
     };
     vec![of(&["kernels", "selftest"], Logs::Semihosting, &[]), of(without_logs, Logs::None, &[])]
 }

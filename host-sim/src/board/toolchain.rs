@@ -55,6 +55,12 @@ impl Toolchain {
         }
     }
 
+    /// The one in use, for this machine.
+    #[must_use]
+    pub const fn in_use() -> Self {
+        Self { way: "rustup", folder: None }
+    }
+
     /// The one in use, with this target added if need be: for what needs the standard library, which Debian has for PCs alone.
     pub fn by_rustup(top: &Path, target: &str) -> Result<Self> {
         rustup(top, target)
@@ -65,7 +71,6 @@ impl Toolchain {
     }
 
     /// A cargo command without what other builds left in the environment.
-    #[must_use]
     pub fn cargo(&self) -> Command {
         self.for_boards(Command::new(if self.folder.is_some() { debian::CARGO } else { "cargo" }))
     }
@@ -127,7 +132,7 @@ fn host() -> Result<String> {
 
 /// The compiler in use, with the target added if need be.
 fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
-    let toolchain = Toolchain { way: "rustup", folder: None };
+    let toolchain = Toolchain::in_use();
     let has_target = || {
         let sysroot = sysroot(Command::new("rustc").current_dir(top))?;
         sysroot.join("lib/rustlib").join(target).join("lib").is_dir().then_some(())

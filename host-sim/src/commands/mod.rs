@@ -49,7 +49,6 @@ use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Name of the program in messages.
 const NAME: &str = "linestereo";
 
 const AFTER_HELP: &str = "\
@@ -111,7 +110,6 @@ enum Command {
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
-#[must_use]
 pub fn main() -> ExitCode {
     program::run(NAME, command(), |matches| {
         let cli = Cli::from_arg_matches(matches)?;
@@ -137,10 +135,10 @@ fn command() -> clap::Command {
 
 fn run_command(cli: &Cli) -> Result<()> {
     if let Some(shell) = cli.completions {
-        return shell::completions(shell, program::prepared(command()));
+        return shell::completions(shell, arguments::prepared(command()));
     }
     if let Some(folder) = &cli.man {
-        return shell::man(folder, program::prepared(command()));
+        return shell::man(folder, arguments::prepared(command()));
     }
     match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
@@ -170,7 +168,6 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
     engine_with(&Params { max_disparity, rig, ..Params::default() }, dims)
 }
 
-/// The core with these parameters.
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;
@@ -201,7 +198,6 @@ pub fn does_not_fit(board: &Board, dims: Dims) -> String {
     format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
 }
 
-/// The outputs that are asked for.
 pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
     paths.into_iter().flatten().map(|path| &**path)
 }
@@ -223,7 +219,7 @@ mod tests {
         listed.sort_unstable();
         known.sort_unstable();
         assert_eq!(listed, known);
-        let help = program::prepared(command()).render_help().to_string();
+        let help = arguments::prepared(command()).render_help().to_string();
         assert!(
             help.contains("Match pairs:\n  run ") && help.contains("--quiet") && help.contains("Exit codes:"),
             "{help}"

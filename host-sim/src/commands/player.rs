@@ -4,10 +4,10 @@ use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
-use crate::input::Footage;
 use crate::results::listing;
 use anyhow::{Result, bail};
 use linestereo_frames::{SceneInfo, StoredPair};
+use linestereo_recordings::Footage;
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -100,12 +100,10 @@ impl<'a> Player<'a> {
         Ok(Self { args, scene, at_hand: None })
     }
 
-    /// Set-up of the last pair.
     pub(super) fn setup(&self) -> Option<&Setup<'a>> {
         self.at_hand.as_ref().map(|(_, setup, _)| setup)
     }
 
-    /// Set-up and matcher of the last pair.
     pub(super) fn at_hand(&mut self) -> Option<(&Setup<'a>, &mut Matcher)> {
         self.at_hand.as_mut().map(|(_, setup, matcher)| (&*setup, matcher))
     }

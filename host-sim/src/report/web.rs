@@ -24,7 +24,6 @@ pub const MOST_BYTES: usize = 200 << 10;
 pub struct WebPage {
     /// `index.html`, all that a browser needs.
     pub page: PathBuf,
-    /// The matcher, as WebAssembly.
     pub matcher: PathBuf,
     /// The reader of images.
     pub images: PathBuf,
@@ -43,7 +42,6 @@ pub fn build(top: &Path, folder: &Path) -> Result<WebPage> {
 }
 
 /// The setting of cargo with which the core has its kernels for WebAssembly.
-#[must_use]
 pub fn vectors() -> String {
     format!("target.{TARGET}.rustflags=[\"-Ctarget-feature=+simd128\"]")
 }

@@ -5,7 +5,7 @@
 
 use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
-use super::texture::{hash, unit_from};
+use super::texture::{Grain, hash, unit_from};
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
 
@@ -17,7 +17,6 @@ const LATTICE: (u32, u32) = (55, 21);
 pub struct Sensor {
     /// Standard deviation of the noise of either image in grey levels.
     pub noise: f64,
-    /// Seed of the noise.
     pub seed: u64,
     /// The right image's brightness is multiplied by this.
     pub gain: f64,
@@ -38,7 +37,6 @@ impl Default for Sensor {
 pub struct Rendering {
     /// Left image, the reference.
     pub left: GrayImage,
-    /// Right image.
     pub right: GrayImage,
     /// Disparity in pixels; NaN where no surface is.
     pub disparity: Vec<f32>,
@@ -50,7 +48,6 @@ pub struct Rendering {
 
 impl Rendering {
     /// Label of the surface at this pixel of the left image; `None` outside.
-    #[must_use]
     pub fn label(&self, (x, y): (i32, i32)) -> Option<u8> {
         let (width, x) = (usize::from(self.left.dims.width), usize::try_from(x).ok()?);
         self.labels.get(usize::try_from(y).ok()? * width + x).filter(|_| x < width).copied()
@@ -115,10 +112,11 @@ impl Camera {
         let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(count) - 0.5;
         let lattice: Vec<[f64; 2]> = (0..count).map(|i| [offset(i), offset(i * step % count)]).collect();
         let mut greys = Vec::with_capacity(usize::from(dims.width) * usize::from(dims.height));
+        let mut grain = Grain::default();
         self.for_each_pixel(dims, |x, y, candidates| {
             let grey = |&[dx, dy]: &[f64; 2]| {
                 self.nearest(candidates, self.ray(x + dx, y + dy))
-                    .map_or(0.0, |(number, _, [u, v])| surfaces[number].texture.grey(u, v))
+                    .map_or(0.0, |(number, _, [u, v])| surfaces[number].texture.grey_near(&mut grain, u, v))
             };
             greys.push(lattice.iter().map(grey).sum::<f64>() / f64::from(count));
         });
@@ -126,8 +124,6 @@ impl Camera {
     }
 }
 
-/// Renders a scene and its truth.
-#[must_use]
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];

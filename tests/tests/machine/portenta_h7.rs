@@ -61,20 +61,6 @@ fn seconds_of_a_portenta() {
     assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
 }
 
-/// A host on USB, which starts when its PHY has power and is out of reset; packets of 512 bytes.
-#[test]
-fn a_host_on_usb_at_high_speed() {
-    if !is_long() {
-        return; // LINESTEREO_LONG=1
-    }
-    let requests = [(150_000, Request::Describe), (200_000, Request::Start)];
-    let Some(run) = execute(json!({ "until_us": 700_000, "port": "usb", "host": host(&requests) })) else { return };
-    run.assert_whole();
-    run.assert_usb("portenta-h7", "2E0031000E51303434363337", true);
-    run.assert_all_accepted();
-    assert!(run.frames_in_order().len() > 3, "{:?}", run.frames());
-}
-
 /// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the result at the host.
 fn pace(run: &Run) -> [u64; 2] {
     let arrivals = run.records.iter().filter_map(|(time_us, record)| match record {
@@ -91,8 +77,9 @@ fn pace(run: &Run) -> [u64; 2] {
     [median(periods.collect()), median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect())]
 }
 
-/// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad frames, more pairs that are no older. By USB, since a
-/// UART takes 43 ms for a result, longer than a pair.
+/// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad
+/// frames, more pairs that are no older. By USB at high speed, which starts when its PHY has power
+/// and is out of reset: a UART takes 43 ms for a result, longer than a pair.
 #[test]
 fn ahead_gives_more_pairs_that_are_no_older() {
     const FAULTS: [(CameraSide, u64, &str, usize); 3] =
@@ -107,7 +94,8 @@ fn ahead_gives_more_pairs_that_are_no_older() {
     };
     let run = |image: fn() -> Option<PathBuf>| {
         let run = Run::of("stm32h7.py", image, &scenario())?;
-        assert_eq!((run.damaged, &run.result["ending"]), (0, &Value::Null), "{}", run.result["at"]);
+        run.assert_whole();
+        run.assert_usb("portenta-h7", "2E0031000E51303434363337", true);
         let frames = run.frames_in_order();
         let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
         run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);

@@ -15,7 +15,7 @@ use linestereo_rig::CameraSide;
 use linestereo_tests::board::image_with;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, RegionBox, Regions,
-    Request, ResetCause, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
+    Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -86,10 +86,6 @@ static AGAIN: LazyLock<Option<Run>> = LazyLock::new(|| {
     flash[3 * kept::SECTOR..][..newer.len()].copy_from_slice(&newer);
     execute("live", &json!({ "until_us": 1_400_000, "flash": hex(&flash), "host": host, "faults": faults }))
 });
-static HARD_FAULT: LazyLock<Option<Run>> = LazyLock::new(|| {
-    let faults = json!({ "until_us": 750_000, "hard_fault_us": 300_000, "overflow_us": 550_000, "resets": 2 });
-    execute("live", &faults)
-});
 
 /// Ten seconds of a board: pairs, three bad frames, a photograph, a rig that is erased and written, objects by their boxes, an autopilot. Then
 /// power is lost, and comes back, and frames are bad again.
@@ -149,15 +145,6 @@ fn ten_seconds_of_a_board() {
     again.assert_bad_frames(&frames, &bad, FAULTS_AGAIN.len(), 60_000);
     let last = frames.last().unwrap();
     assert!(last.segments > 0 && last.capture_time_us > 1_250_000, "{last:?}");
-}
-
-/// A fault of the processor ends the program, a stack that overflows does too, and the next run names it.
-#[test]
-fn a_hard_fault_is_named_after_the_reset() {
-    let Some(run) = &*HARD_FAULT else { return };
-    let causes = [ResetCause::PowerOn, ResetCause::Fault, ResetCause::StackOverflow];
-    assert_eq!(run.reset_causes(), causes.map(Some));
-    assert_eq!(run.result["resets_us"].as_array().map(Vec::len), Some(2));
 }
 
 fn boxes(boxes: &[RegionBox], only: bool) -> Request {
@@ -395,18 +382,16 @@ fn most_of_the_code_runs() {
     let runs = [
         &TEN_SECONDS,
         &AGAIN,
-        &HARD_FAULT,
         &BY_USB,
         &BAD_PICTURES,
         &scenes::SCENES,
         &cameras::SENSORS,
         &usb::ASKED,
         &kept::DAMAGED,
+        &kept::RESETS,
     ];
-    let runs = runs.iter().map(|run| run.as_ref()).chain(kept::RESETS.iter().map(Option::as_ref));
-    let Some(code) = runs.map(|run| run.map(Run::code)).reduce(|all, more| Some(all?.and(more?))).flatten() else {
-        return;
-    };
+    let codes = runs.iter().map(|run| run.as_ref().map(Run::code));
+    let Some(code) = codes.reduce(|all, more| Some(all?.and(more?))).flatten() else { return };
     code.assert_executed(150_000);
 }
 

@@ -7,7 +7,6 @@ use crate::commands::pairs::{has_ended, video_note};
 use crate::commands::player::{Player, line};
 use crate::commands::recording::Played;
 use crate::engine::FrameResult;
-use crate::input::Footage;
 use crate::interruption;
 use crate::output::say;
 use crate::results::health;
@@ -16,6 +15,7 @@ use crate::serve::{AskedBox, Server};
 use anyhow::{Result, bail};
 use linestereo::{Area, Region};
 use linestereo_frames::StoredPair;
+use linestereo_recordings::Footage;
 use serde_json::json;
 use std::path::Path;
 use std::thread;
@@ -28,7 +28,6 @@ struct Show<'a> {
     player: Player<'a>,
     space: Option<Space>,
     asked: Asked,
-    /// Result of the last pair.
     last: Option<FrameResult>,
     shown: u64,
     failed: u64,

