@@ -1,4 +1,4 @@
-//! Tells the kernels, here and in `block-matching`, which instructions the target has: `cfg(dsp)` for Arm's DSP extension. Every thumbv7em has it
+//! Tells the kernels which instructions the target has: `cfg(dsp)` for Arm's DSP extension. Every thumbv7em has it
 //! (Cortex-M4, M7); of thumbv8m.main those that are compiled for a processor with it, as `.cargo/config.toml` does (Cortex-M33 and all above),
 //! or with the feature `dsp`. `cfg(armv8m)`: the assembler has to be told which processor it is.
 

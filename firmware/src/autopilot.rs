@@ -4,7 +4,7 @@
 //! [`AutopilotStream`]; requests that are answered ([`Received`]).
 //!
 //! # Cost
-//! 0.6 KB; instructions in `docs/board-numbers.toml`.
+//! 0.6 KB; instructions in `xtask/board-numbers.toml`.
 
 use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;

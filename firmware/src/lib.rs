@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! bin/            a few lines each: a program on the chosen board
-//! programs/       selftest, kernels, bench, blocks, rectify, replay, live: generic over the ports, tested on a PC with fakes
+//! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
 //! boards/         one file per board: its memory, what its peripherals are
 //! session         commands of a host so far, and their answers
 //! autopilot       obstacles as MAVLink, on a port of their own
-//! cases, painter  built-in frames, drawn by integers alone: no file, no camera
+//! painter         the built-in scenes in place of cameras
 //! camera          image sensors: from a bus and two pins to a running pair
 //! capture         bands of rows from two cameras -> whole pairs, or which fault there was
 //! host_lines      one or two lines to a host, of which either may be deaf
@@ -30,7 +30,6 @@ pub mod autopilot;
 pub mod boards;
 pub mod camera;
 pub mod capture;
-pub mod cases;
 pub mod clock_sync;
 pub mod fence;
 pub mod host_lines;

@@ -58,12 +58,6 @@ impl Slot {
     }
 }
 
-impl fmt::Display for Slot {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if *self == Self::First { "first slot" } else { "second slot" })
-    }
-}
-
 /// An image of a fixed size. It starts as a [`RigImage`] does, with magic, version, length and sequence number, and ends with a CRC-32.
 pub trait SlotImage: Sized {
     /// Its size, bytes.
@@ -165,18 +159,6 @@ pub enum StoreError {
     NotKept,
 }
 
-impl fmt::Display for StoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Erase(kind) => write!(f, "the flash cannot be erased: {kind}"),
-            Self::Write(kind) => write!(f, "the flash cannot be written: {kind}"),
-            Self::NotKept => write!(f, "the flash does not keep what is written"),
-        }
-    }
-}
-
-impl core::error::Error for StoreError {}
-
 /// Why two slots cannot lie where they should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayoutError {
@@ -189,19 +171,6 @@ pub enum LayoutError {
     /// The slots share bytes that are erased together.
     Overlap,
 }
-
-impl fmt::Display for LayoutError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Granularity => write!(f, "the flash reads or writes in steps that no image fits into"),
-            Self::NotAligned(slot) => write!(f, "the {slot} does not start where the flash can erase"),
-            Self::OutOfBounds(slot) => write!(f, "the {slot} ends beyond the flash"),
-            Self::Overlap => write!(f, "the two slots overlap"),
-        }
-    }
-}
-
-impl core::error::Error for LayoutError {}
 
 /// [`BoardStore`] over any flash.
 pub trait Keeper {

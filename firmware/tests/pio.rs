@@ -462,8 +462,8 @@ impl Bench {
 
 #[test]
 fn rows_of_any_wrong_length_are_seen() {
-    for row in [0, 1, 2, 5, ROWS_SENT - 3] {
-        for halves in [0, 1, 2, 7, 8, 9, 100, 640, 646, 647, 649, 650, 655, 656, 657, 700, 750] {
+    for row in [0, 1, ROWS_SENT - 3] {
+        for halves in [0, 1, 7, 8, 9, 646, 647, 649, 650, 656, 750] {
             let bad = Frame { odd: Some((row, halves)), ..Frame::good(2, ROWS_SENT) };
             // A row of which nothing comes is a frame that is too short.
             expect_fault(bad, if halves == 0 { Fault::EarlyVsync } else { Fault::ShortLine });

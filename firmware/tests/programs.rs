@@ -3,10 +3,11 @@
 use crate::support::port::{Port, push};
 use linestereo::health::Skewed;
 use linestereo::{Dims, HealthFlags, ObjectDepth};
+use linestereo_boards::built_in::Scene;
 use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::painter::{Painter, Scene};
+use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource};
 use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};

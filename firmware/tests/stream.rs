@@ -5,7 +5,7 @@
 
 use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
-use linestereo::{Dims, HealthFlags, HealthLimits};
+use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
@@ -465,19 +465,4 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
     assert_eq!(source.losses().unwrap().faults[CameraSide::Left as usize][Fault::EarlyVsync as usize], 1);
     assert_eq!(source.losses().unwrap().faults[1], [0; 7]);
-}
-
-#[test]
-fn a_pair_in_turn_is_refused_unless_the_limit_is_wider() {
-    let dims = Dims { width: 128, height: 96 };
-    let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
-    // A frame of 20 ms apart.
-    let times_us = Some([10_000, 30_000]);
-    for (skew_us, is_refused) in [(HealthLimits::DEFAULT.skew_us, true), (25_000, false)] {
-        let (mut matcher, mut memory) = (linestereo::Matcher::new(plan), Box::new(Workspace::new()));
-        matcher.limits.skew_us = skew_us;
-        let health = *memory.run(&mut matcher, None, times_us, &mut ()).unwrap().health();
-        assert_eq!(health.flags.contains(HealthFlags::SKEW), is_refused);
-        assert_eq!((health.skew_us, health.is_refused()), (Some(20_000), is_refused));
-    }
 }

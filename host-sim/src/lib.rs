@@ -4,10 +4,9 @@
 //!
 //! ```text
 //! interruption, output, programs   Ctrl-C; files written whole; other programs of this machine
-//! mcap, ros, video                 recordings: the container, the messages of ROS 2; frames of videos and cameras
-//! input, scene, engine             pairs of whatever is given; scenes rendered; the core run
+//! registry, scene, engine          pairs that registries carry; scenes rendered; the core run
 //! results, monitor, explain        what a pair gave; what a board reports of it; why a pixel has a depth, or none
-//! board, quality, planning         boards driven; depths of a wall; rigs from wishes
+//! board, quality, planning         boards driven; depths of a wall; rig planning
 //! draw, report, serve              pictures; pages; a page for browsers of this computer, with events
 //! commands                         the command line
 //! ```
@@ -20,17 +19,14 @@ pub mod commands;
 pub mod draw;
 pub mod engine;
 pub mod explain;
-pub mod input;
 pub mod interruption;
-pub mod mcap;
 pub mod monitor;
 pub mod output;
 pub mod planning;
 mod programs;
 pub mod quality;
+pub mod registry;
 pub mod report;
 pub mod results;
-pub mod ros;
 pub mod scene;
 pub mod serve;
-pub mod video;

@@ -5,14 +5,13 @@ use crate::support::{linestereo, refused, succeed};
 use core::cell::Cell;
 use linestereo::diagnostics::Stage;
 use linestereo_boards::Board;
+use linestereo_boards::built_in::{Case, digests};
 use linestereo_firmware::boards::mps2_an500::Workspace;
-use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
 use linestereo_firmware::programs::case_server::CaseServer;
-use linestereo_firmware::programs::expected;
 use linestereo_sim::board::numbers::{BoardNumbers, PerInstruction, SiliconNumbers};
-use linestereo_sim::board::{qemu, toolchain::Toolchain};
-use linestereo_tests::board::{image, on_all, or_skip};
+use linestereo_sim::board::{is_long, qemu, toolchain::Toolchain};
+use linestereo_tests::board::{image, or_skip};
 use linestereo_wire::*;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -115,7 +114,7 @@ fn board(change: impl FnMut(Message) -> Option<Message> + Send + 'static) -> (St
             reset: Some(Reset::of(ResetCause::Pin)),
             silicon: Some(SILICON),
         };
-        let (mut server, _) = CaseServer::start(Board::STM32H743, expected::of(&Board::STM32H743), parts);
+        let (mut server, _) = CaseServer::start(Board::STM32H743, digests::of(&Board::STM32H743), parts);
         while is_open.get() {
             server.turn(&mut *memory);
         }
@@ -147,7 +146,7 @@ fn a_board_is_measured_and_its_file_holds_everything() {
     assert_eq!((core_hz, flash_wait, instruction_cache, data_cache), (CORE_HZ, 2, true, true));
     assert!(measured_hz.abs_diff(CORE_HZ.into()) < 400_000, "{measured_hz}");
     assert_eq!(numbers.pairs.len(), 22);
-    for (case, expected) in Case::all(&Board::STM32H743).zip(&expected::QVGA) {
+    for (case, expected) in Case::all(&Board::STM32H743).zip(&digests::QVGA) {
         let pair = &numbers.pairs[&case.to_string()];
         let digests: Vec<String> = expected.iter().map(|digest| format!("{digest:08x}")).collect();
         assert_eq!((&pair.digests, &pair.differs_in), (&digests, &None), "{case}");
@@ -243,7 +242,7 @@ fn what_fails_says_what_to_do_and_writes_nothing() {
 #[test]
 fn an_emulated_board_has_the_digests_of_the_pc() {
     // The large one takes QEMU a minute.
-    let board = if on_all() { Board::MPS2_AN500 } else { Board::MPS2_AN386 };
+    let board = if is_long() { Board::MPS2_AN500 } else { Board::MPS2_AN386 };
     let Some(elf) = image(&board, "selftest") else { return };
     if or_skip(Toolchain::for_board(&board).and_then(|_| qemu::find(&board))).is_none() {
         return;

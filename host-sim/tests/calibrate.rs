@@ -117,7 +117,7 @@ fn photos_in_folders_swapped_and_of_another_board() {
     }
     let fails = |name, board, words: &[&str]| refused_with(folder.path(), &run(name, board), words);
     fails("swapped", "9x6", &["the cameras are swapped"]);
-    fails("folders", "10x7", &["the board is not 10x7", "give --board 9x6"]);
     copied(&photos, &folder.path().join("few"), |name| (number(name).as_str() < "05.jpg").then(|| name.to_owned()));
+    fails("few", "10x7", &["the board is not 10x7", "give --board 9x6"]);
     fails("few", "9x6", &["4 pairs only", "5 are needed"]);
 }

@@ -3,10 +3,11 @@
 use crate::support::with_scene;
 use crate::support::{stderr, succeed};
 use linestereo_frames::load_images;
-use linestereo_sim::input::Footage;
-use linestereo_sim::input::recording::Choice;
-use linestereo_sim::mcap::Writer;
-use linestereo_sim::ros::sent::{self, Header, Projection};
+use linestereo_recordings::mcap::Writer;
+use linestereo_recordings::ros::cdr;
+use linestereo_recordings::ros::messages::{CompressedImage, Image};
+use linestereo_recordings::ros::sent::{self, Projection, Stamp};
+use linestereo_recordings::{Choice, Footage};
 use linestereo_tests::drawn::Random;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::fs;
@@ -64,8 +65,8 @@ fn message(channel: u16, time: u64, data: &[u8]) -> Vec<u8> {
     record(5, &[&channel.to_le_bytes(), &[0; 4], &time.to_le_bytes(), &time.to_le_bytes(), data])
 }
 
-fn header(stamp_ns: u64) -> Header<'static> {
-    Header { stamp_ns, frame_id: "left" }
+fn stamp(ns: u64) -> Stamp<'static> {
+    Stamp { ns, frame_id: "left" }
 }
 
 fn pixels() -> Vec<u8> {
@@ -73,7 +74,7 @@ fn pixels() -> Vec<u8> {
 }
 
 fn image(time: u64) -> Vec<u8> {
-    sent::image(header(time), [64, 48], &pixels())
+    cdr::write(&sent::image(stamp(time), [64, 48], &pixels())).unwrap()
 }
 
 /// Two pairs in Foxglove's own messages: time, width, height, encoding, step, data, frame.
@@ -100,7 +101,8 @@ fn records() -> Vec<u8> {
     for time in [1_000_000_000, 1_033_000_000] {
         for eye in [0, 1] {
             all.push(message(eye, time, &image(time)));
-            all.push(message(2 + eye, time, &sent::camera_info(header(time), [64, 48], &rig, eye == 1)));
+            let info = sent::camera_info(stamp(time), [64, 48], &rig, eye == 1);
+            all.push(message(2 + eye, time, &cdr::write(&info).unwrap()));
         }
     }
     all.concat()
@@ -114,8 +116,8 @@ fn recordings() -> Vec<Vec<u8>> {
     let mut found: Vec<Vec<u8>> = packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
     found.extend([file(&[all]), file(&[foxglove()])]);
     let mut writer = Writer::new(Vec::new(), "test").unwrap();
-    let schema = writer.schema("sensor_msgs/msg/Image", "").unwrap();
-    let eyes = ["/left/image", "/right/image"].map(|topic| writer.channel(schema, topic).unwrap());
+    let eyes = ["/left/image", "/right/image"];
+    let eyes = eyes.map(|topic| writer.channel(topic, "sensor_msgs/msg/Image", "").unwrap());
     eyes.iter().for_each(|&eye| writer.message(eye, 5, &image(5)).unwrap());
     found.push(writer.finish().unwrap());
     found
@@ -239,23 +241,12 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
     let topics = |kind: &str| [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat();
     let pair = |kind: &str, data: &[u8]| file(&[topics(kind), message(0, 7, data), message(1, 7, data)]);
     let named = |encoding: &str, size: u32, step: u32| {
-        let mut to = linestereo_sim::ros::cdr::Writer::default();
-        [1, 0].into_iter().for_each(|time| to.u32(time));
-        to.text("left");
-        [size, size].into_iter().for_each(|side| to.u32(side));
-        to.text(encoding);
-        to.u8(0);
-        to.u32(step);
-        to.bytes(&[9; 100]);
-        to.finish()
+        let image = sent::image(stamp(1_000_000_000), [0; 2], &[9; 100]);
+        cdr::write(&Image { height: size, width: size, encoding: encoding.to_owned(), step, ..image }).unwrap()
     };
     let compressed = |bytes: &[u8]| {
-        let mut to = linestereo_sim::ros::cdr::Writer::default();
-        [1, 0].into_iter().for_each(|time| to.u32(time));
-        to.text("left");
-        to.text("png");
-        to.bytes(bytes);
-        to.finish()
+        let format = "png".to_owned();
+        cdr::write(&CompressedImage { header: stamp(1_000_000_000).into(), format, data: bytes.into() }).unwrap()
     };
     let mut broken = file(&[chunk("", all.len() as u64, &all)]);
     broken.truncate(broken.len() - 1000);

@@ -458,6 +458,22 @@ fn damaged_arrays_are_named() {
     assert_eq!(names, ["a", "b"]);
 }
 
+/// Any file is read or named.
+#[test]
+fn shapes_that_no_array_has_are_no_crash() {
+    let set = tempfile::tempdir().unwrap();
+    let path = set.path().join("d.npy");
+    let shapes =
+        ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(65535, 65535)", "(9, 9, 9, 9)", "(0, 0)", "(-1, 4)"];
+    let mut files: Vec<_> = shapes.iter().map(|shape| npy("<f4", shape, &[0; 64])).collect();
+    files.push(npy("<f4", &"(".repeat(9000), &[]));
+    files.push(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}".to_vec());
+    for file in files {
+        fs::write(&path, &file).unwrap();
+        assert!(matches!(load_disparities(&path), Err(FrameError::Disparities(..))), "{file:?}");
+    }
+}
+
 #[test]
 fn what_is_missing_or_does_not_fit_is_named() {
     let fault = |files: &[(&str, File)]| {

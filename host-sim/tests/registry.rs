@@ -1,7 +1,7 @@
 //! Packages with real pairs: what is checked of a package file before anything of it is laid out. The packages here are made up.
 
 use linestereo_frames::SceneInfo;
-use linestereo_sim::input::registry::{Package, Way, packages, parsed};
+use linestereo_sim::registry::{Package, Way, packages, parsed};
 use std::fs;
 use std::io::Write;
 use std::path::Path;

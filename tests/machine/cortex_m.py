@@ -400,6 +400,9 @@ def execute(board, scenario, result):
         for name, raise_it in faults.items():
             if scenario.get(name, 0) > core.now:
                 core.at(scenario[name], raise_it)
+        for time in scenario.get("resets_us", []):
+            if time > core.now:
+                core.at(time, lambda: core._end("reset"))
         core.run(scenario["until_us"], board.levels, board.edges)
         if core.ending != "reset" or len(resets) >= scenario.get("resets", 0):
             break

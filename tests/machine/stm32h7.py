@@ -14,7 +14,8 @@ faults: [[camera, frame, short|few|overrun|blind|none]]; pictures: [[from us, to
 images: {name: [left, right]} in hex;
 i2c: [[from us, to us, camera, absent|other|forgets|hung|held|mute|bus|arbitration]]; exposures: [[us, rows]] that the sensors' own control chooses;
 flash: hex of bank 2's last four sectors or absent; broken: [offset there of a word that power failed in]; flash_errors: [[from us, to us]]; erase_us;
-reset_flags: RCC_RSR; hard_fault_us and overflow_us (of the stack) or absent; resets: how often a reset may start it again. Result: see `execute`.
+reset_flags: RCC_RSR of each start, then that of a software reset; hard_fault_us and overflow_us (of the stack) or absent; resets_us: when it is reset
+from outside; resets: how often a reset may start it again. Result: see `execute`.
 """
 import functools, json, struct, sys
 from collections import namedtuple
@@ -357,7 +358,8 @@ class Board:
         self.host = self.usb.host if self.on_usb else self.uart
         self.timer, self.capture, self.i2c = Timer(self.core), Capture(self.core), I2c(self.core, self.sensors, scenario.get("i2c", []))
         self.parts = {wiring.i2c: self.i2c, TIM5: self.timer, wiring.host[0]: self.uart, wiring.autopilot[0]: self.autopilot}
-        self.pins, self.vsync, self.reset_flags = {}, 0, scenario.get("reset_flags", 0x00EE0000)
+        self.next_flags = iter(scenario.get("reset_flags", [0x00EE0000]))
+        self.pins, self.vsync, self.reset_flags = {}, 0, next(self.next_flags)
         self.flash_errors, self.broken = scenario.get("flash_errors", []), set(scenario.get("broken", []))
         self.triggers, self.erases, self.last_feed, self.longest_unfed = 0, 0, None, 0.0
         for word in self.broken:
@@ -367,6 +369,7 @@ class Board:
         self.core.uc.mem_write(*UNIQUE_ID)
         self.core.uc.mem_write(LOADER, (0x20001000).to_bytes(4, "little") + (LOADER + 9).to_bytes(4, "little"))
         self.core.uc.hook_add(UC_HOOK_CODE, lambda *_: self.core._end("the chip's boot loader"), None, LOADER + 8, LOADER + 8)
+        self.special = self._special()
         self._begin()
 
     def expose(self, rows):
@@ -394,7 +397,7 @@ class Board:
         self.core.reset()
         for part in (self.uart, self.usb, self.autopilot, self.timer, self.capture):
             part.restart()
-        self.pins, self.vsync, self.reset_flags, self.last_feed = {}, 0, 1 << 24, None
+        self.pins, self.vsync, self.reset_flags, self.last_feed = {}, 0, next(self.next_flags, 1 << 24), None
         self._begin()
 
     def levels(self):
@@ -511,20 +514,25 @@ class Board:
             return self.capture.read(at - DCMI)
         if 0x58020000 <= at < 0x58022C00 and at & 0x3FF == 0x14:
             return self.pins.get(chr(65 + (at - 0x58020000 >> 10)), 0)
-        ready = lambda pairs: value | sum(bit(value, on) << done for on, done in pairs)
-        special = {
-            0x58024400: lambda: ready(((0, 2), (7, 8), (12, 13), (16, 17), (24, 25), (26, 27), (28, 29))) | 0xC005,  # RCC
-            0x58024474: lambda: ready(((0, 1),)), 0x58024470: lambda: ready(((0, 1),)),
-            0x58024410: lambda: (value & ~0x38) | (value & 7) << 3,
-            0x580244D0: lambda: self.reset_flags,
-            0x58024804: lambda: value | 1 << 13, 0x5802480C: lambda: value | 1 << 26 | 1 << 16, 0x58024818: lambda: value | 1 << 13,
-            0x58000420: lambda: ready(((0, 8),)), 0x5C001000: lambda: 0x20036450,
-            DMA1 + 0x10: lambda: (value & ~1) | self.capture.dma,
-            DMA1 + 0x14: lambda: (self.capture.words * 4 - self.capture.place) // 4,
-            EXTI + 0x88: lambda: self.vsync,
-            FLASH2 + 0x10: lambda: value | any(first <= core.now < last for first, last in self.flash_errors) << 22,
+        return self.special[at](value) if at in self.special else value
+
+    def _special(self):
+        """Registers that do not just hold what was written: {address: what is read, by what was written}."""
+        ready = lambda *pairs: lambda value: value | sum(bit(value, on) << done for on, done in pairs)
+        clocks = ready((0, 2), (7, 8), (12, 13), (16, 17), (24, 25), (26, 27), (28, 29))
+        failing = lambda: any(first <= self.core.now < last for first, last in self.flash_errors)
+        return {
+            0x58024400: lambda value: clocks(value) | 0xC005,  # RCC
+            0x58024474: ready((0, 1)), 0x58024470: ready((0, 1)),
+            0x58024410: lambda value: (value & ~0x38) | (value & 7) << 3,
+            0x580244D0: lambda _: self.reset_flags,
+            0x58024804: lambda value: value | 1 << 13, 0x5802480C: lambda value: value | 1 << 26 | 1 << 16, 0x58024818: lambda value: value | 1 << 13,
+            0x58000420: ready((0, 8)), 0x5C001000: lambda _: 0x20036450,
+            DMA1 + 0x10: lambda value: (value & ~1) | self.capture.dma,
+            DMA1 + 0x14: lambda _: (self.capture.words * 4 - self.capture.place) // 4,
+            EXTI + 0x88: lambda _: self.vsync,
+            FLASH2 + 0x10: lambda value: value | failing() << 22,
         }
-        return special[at]() if at in special else value
 
     def write(self, at, value):
         core, usb = self.core, self.wiring.usb[0]

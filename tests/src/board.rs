@@ -6,7 +6,7 @@ use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_firmware::memory::{Memory, RunError};
 use linestereo_frames::GrayImage;
-use linestereo_sim::board::{Machine, firmware};
+use linestereo_sim::board::{Machine, firmware, tested};
 use linestereo_sim::engine::FrameResult;
 use linestereo_wire::Health;
 use std::io::Write;
@@ -29,17 +29,11 @@ pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
     }
 }
 
-/// True when everything is tested on every board (`LINESTEREO_LONG` is set, as in CI), false for some of each kind.
-#[must_use]
-pub fn on_all() -> bool {
-    std::env::var_os("LINESTEREO_LONG").is_some()
-}
-
-/// Runs a test on every emulated board, side by side: each QEMU takes one core. Without [`on_all`], on those that are measured.
+/// Runs a test on every emulated board that is tested, side by side: each QEMU takes one core.
 pub fn on_every_board(test: impl Fn(Board) + Sync) {
     let test = &test;
     std::thread::scope(|scope| {
-        for board in Board::emulated().filter(|board| on_all() || Board::MEASURED.contains(board)) {
+        for board in tested().into_iter().filter(Board::is_emulated) {
             scope.spawn(move || test(board));
         }
     });
@@ -48,7 +42,13 @@ pub fn on_every_board(test: impl Fn(Board) + Sync) {
 /// The ELF file of a program that boards are tested with, or none where boards cannot be built.
 #[must_use]
 pub fn image(board: &Board, program: &str) -> Option<PathBuf> {
-    or_skip(firmware::image(board, program))
+    image_with(board, program, &[])
+}
+
+/// The same with more features of the firmware.
+#[must_use]
+pub fn image_with(board: &Board, program: &str, features: &[&str]) -> Option<PathBuf> {
+    or_skip(firmware::image(board, program, features))
 }
 
 /// A board's program `replay`, or none where boards cannot be built.

@@ -2,17 +2,16 @@
 
 use core::time::Duration;
 use linestereo::{Confidence, Dims, Params, Span};
+use linestereo_boards::built_in::Case;
 use linestereo_boards::{Board, Exit};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_firmware::boards::mps2_an500;
-use linestereo_firmware::cases::Case;
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
-use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{self, BoardResult, Machine, push, push_raw_pair, qemu};
+use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
@@ -22,7 +21,7 @@ use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::{Arc, Mutex};
 
 const LIMIT: Duration = Duration::from_secs(600);
@@ -202,78 +201,6 @@ fn faults_end_in_exit_codes() {
     });
 }
 
-/// A command that sends a pair, and its pixels.
-fn pair_bytes(id: u16, dims: Dims, pixels: &[&[u8]]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let head = PairHead { width: dims.width, height: dims.height, capture_time_us: 0, right_capture_time_us: None };
-    push(&mut bytes, &Command { id, request: Request::Pair(head) }).unwrap();
-    pixels.iter().for_each(|image| bytes.extend_from_slice(image));
-    bytes
-}
-
-#[test]
-fn bad_input_is_named_and_the_next_good_pair_is_matched() {
-    let board = Board::MEASURED[1];
-    let Some(machine) = machine(board) else { return };
-    let (left, right) = boxes(128, 96);
-    let good = |id| pair_bytes(id, left.dims, &[&left.pixels, &right.pixels]);
-    let command = |id, request| {
-        let mut bytes = Vec::new();
-        push(&mut bytes, &Command { id, request }).unwrap();
-        bytes
-    };
-    let update = |update| Request::SetParams(update);
-    let mut other_version = command(90, Request::Start);
-    let end = other_version.len() - 2;
-    other_version[end] ^= 0x10; // a damaged packet
-    let huge = Dims { width: 320, height: 240 };
-    let input = [
-        b"garbage that is no packet\x01\x02\xff".to_vec(),
-        good(1),
-        pair_bytes(2, huge, &[&[0; 320 * 240], &[7; 320 * 240]]),
-        good(3),
-        pair_bytes(4, Dims { width: 8, height: 8 }, &[&[1; 64], &[2; 64]]),
-        other_version,
-        command(5, update(ParamUpdate { cell: Some(3), ..ParamUpdate::default() })),
-        command(6, update(ParamUpdate { max_disparity: Some(500), ..ParamUpdate::default() })),
-        good(7),
-        // Fits the largest pair of the board but not this one.
-        command(8, update(ParamUpdate { max_disparity: Some(140), ..ParamUpdate::default() })),
-        good(9),
-        command(10, update(ParamUpdate { max_disparity: Some(64), ..ParamUpdate::default() })),
-        good(11),
-        good(12)[..20_000].to_vec(),
-    ];
-    let (answers, replayed) = machine.replay(&input.concat()).unwrap();
-    assert_eq!(replayed.bad_packets, 2);
-    let twin = Twin::of(&board).run(&Params::default(), &left, &right).unwrap();
-    let mut texts = Vec::new();
-    for pair in &replayed.pairs {
-        texts.push(match pair {
-            Ok(found) => {
-                assert_eq!((&found.result.matches, &found.result.points), (&twin.matches, &twin.points));
-                "good".to_owned()
-            }
-            Err(why) => why.to_string(),
-        });
-    }
-    let expected = [
-        "good",
-        "width is 320, allowed are 16 to 160",
-        "good",
-        "width is 8, allowed are 16 to 160",
-        "cell is 3, allowed are 8 to 256",
-        "max_disparity is 500, allowed are 8 to 159",
-        "good",
-        "max_disparity is 140, allowed are 8 to 127",
-        "good",
-    ];
-    assert_eq!(texts[..9], expected);
-    assert_eq!(texts.len(), 10);
-    assert!(texts[9].starts_with("the pair has 24576 bytes, 199"), "{}", texts[9]);
-    assert_eq!(answers, [(8, Outcome::Accepted), (10, Outcome::Accepted)]);
-}
-
 /// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by a degree.
 fn raw_rig(raw: Dims, rectified: Dims) -> RigImage {
     raw_rig_with(raw, rectified, View::default())
@@ -341,45 +268,6 @@ fn pixels_without_source_are_not_used_on_a_board() {
         let span = left_spans[usize::from(point.y)];
         assert!((span.start..span.end).contains(&point.x), "a point at {}, {}", point.x, point.y);
     }
-}
-
-#[test]
-fn a_board_keeps_its_rig_in_flash_and_names_what_is_damaged() {
-    let board = Board::MEASURED[1];
-    let Some(machine) = machine(board) else { return };
-    let (left, right) = boxes(160, 120);
-    let rigs = [Dims { width: 160, height: 120 }, Dims { width: 128, height: 96 }].map(|dims| raw_rig(left.dims, dims));
-    let mut flash = vec![0xff; 2048];
-    let run = |set: Option<&RigImage>, flash: &mut Vec<u8>| {
-        let mut input = Vec::new();
-        if let Some(rig) = set {
-            let bytes = rig.encode(77).into_iter().collect();
-            push(&mut input, &Command { id: 1, request: Request::SetRig(bytes) }).unwrap();
-        }
-        push(&mut input, &Command { id: 2, request: Request::Describe }).unwrap();
-        push_raw_pair(&mut input, 3, &left, &right).unwrap();
-        let (answers, mut replayed) = machine.replay_with(&input, Some(flash)).unwrap();
-        assert!(answers.iter().all(|(_, outcome)| *outcome == Outcome::Accepted), "{answers:?}");
-        let matched = replayed.pairs.remove(0).map(|found| found.result.matches.len()).map_err(|why| why.to_string());
-        (replayed.rig.unwrap().to_string(), matched)
-    };
-    let none = Err("the board has no rig".to_owned());
-    assert_eq!(run(None, &mut flash), ("rig: none; slots: empty, empty".to_owned(), none.clone()));
-    let (text, first) = run(Some(&rigs[0]), &mut flash);
-    assert_eq!(text, "rig: 160x120 rectified to 160x120; slots: image 0 (in use), empty");
-    assert!(first.clone().unwrap() > 5);
-    // Switched off and on.
-    assert_eq!(run(None, &mut flash), (text, first.clone()));
-    let (text, second) = run(Some(&rigs[1]), &mut flash);
-    assert_eq!(text, "rig: 160x120 rectified to 128x96; slots: image 0, image 1 (in use)");
-    assert!(second.is_ok());
-    assert_eq!(run(None, &mut flash), (text, second));
-    // A bit of the newer image: the older one is used.
-    flash[512 + 99] ^= 0x20;
-    let text = "rig: 160x120 rectified to 160x120; slots: image 0 (in use), damaged".to_owned();
-    assert_eq!(run(None, &mut flash), (text, first));
-    flash[0] ^= 1;
-    assert_eq!(run(None, &mut flash), ("rig: none; slots: foreign, damaged".to_owned(), none));
 }
 
 #[test]
@@ -476,55 +364,7 @@ impl Drop for Running {
     }
 }
 
-/// The twin of `no_panic.rs` for boards: there the graph of references is walked, here the linker does it. `tests/no-panic` links only
-/// if no entry point can reach the panic handler, which calls a function that does not exist.
-#[test]
-fn the_core_for_boards_links_without_a_panic_handler() {
-    let top = board::top().unwrap();
-    let board = mps2_an500::BOARD;
-    let Some(toolchain) = or_skip(Toolchain::for_board(&board)) else { return };
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("no-panic-{}", toolchain.way));
-    let built = toolchain
-        .cargo()
-        .current_dir(&top)
-        .args([
-            "build",
-            "--release",
-            "--locked",
-            "--manifest-path",
-            "tests/no-panic/Cargo.toml",
-            "--target",
-            board.target,
-        ])
-        .arg("--target-dir")
-        .arg(&target)
-        .output()
-        .unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    let library = target.join(board.target).join("release/liblinestereo_no_panic.a");
-    let link = |entries: &[&str]| {
-        let mut linker = Process::new(toolchain.linker(&top).unwrap());
-        linker.args(["-flavor", "gnu", "--gc-sections", "--entry", entries[0], "-o", "/dev/null"]);
-        linker.args(entries.iter().map(|entry| format!("--undefined={entry}")));
-        let output = linker.arg(&library).output().unwrap();
-        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
-    };
-    // Every entry point of the library.
-    let source = std::fs::read_to_string(top.join("tests/no-panic/src/lib.rs")).unwrap();
-    let proofs: Vec<&str> = source
-        .lines()
-        .filter_map(|line| line.strip_prefix("pub fn "))
-        .filter_map(|rest| rest.split(['(', '<']).next())
-        .filter(|name| name.starts_with("proof_"))
-        .collect();
-    assert!(proofs.len() >= 28, "{proofs:?}");
-    let (linked, errors) = link(&proofs);
-    assert!(linked, "a panic is reachable on a board:\n{errors}");
-    let (linked, errors) = link(&["control_index"]);
-    assert!(!linked && errors.contains("panic_is_reachable"), "the linker overlooks a panic: {errors}");
-}
-
-/// Not the core alone: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
+/// Not the core alone, which `no_panic` has: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
     for board in Board::MEASURED {

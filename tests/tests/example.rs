@@ -3,7 +3,8 @@
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_tests::board::or_skip;
 use object::{Object as _, ObjectSection as _};
-use std::path::{Path, PathBuf};
+use serde_json::Value;
+use std::path::Path;
 
 /// Objects of the core as it is built for a target, by a package outside of this workspace.
 fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u8> {
@@ -19,27 +20,20 @@ fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u
     for name in ["Cargo.lock", "src/lib.rs"] {
         std::fs::copy(example.join(name), folder.path().join(name)).unwrap();
     }
-    let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware-example").join(features.join("-"));
+    // Of all targets in one folder: what runs on this machine is built once.
+    let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware-example");
     let mut cargo = toolchain.cargo();
-    cargo.args([
-        "build",
-        "--release",
-        "--locked",
-        "--target",
-        target,
-        "--features",
-        &features.join(","),
-        "--target-dir",
-    ]);
-    let built = cargo.arg(&built_in).current_dir(folder.path()).output().unwrap();
+    cargo.args(["build", "--release", "--locked", "--message-format=json", "--target", target, "--features"]);
+    cargo.arg(features.join(",")).arg("--target-dir").arg(&built_in);
+    let built = cargo.current_dir(folder.path()).output().unwrap();
     assert!(built.status.success(), "{target}: {}", String::from_utf8_lossy(&built.stderr));
-    let libraries =
-        std::fs::read_dir(built_in.join(target).join("release/deps")).unwrap().map(|entry| entry.unwrap().path());
-    let is_core = |path: &PathBuf| {
-        path.extension().is_some_and(|kind| kind == "rlib") && path.to_str().unwrap().contains("/liblinestereo-")
-    };
-    let newest = libraries.filter(is_core).max_by_key(|path| path.metadata().unwrap().modified().unwrap());
-    std::fs::read(newest.unwrap()).unwrap()
+    let messages = built.stdout.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
+    let artifacts = messages.map(|line| serde_json::from_slice::<Value>(line).unwrap());
+    let library = artifacts.filter(|artifact| artifact["target"]["name"] == "linestereo").find_map(|artifact| {
+        let files = artifact["filenames"].as_array()?.iter().filter_map(Value::as_str);
+        files.filter(|file| file.ends_with(".rlib")).map(str::to_owned).next()
+    });
+    std::fs::read(library.unwrap()).unwrap()
 }
 
 /// Instructions USADA8 (Armv7-M Architecture Reference Manual, A7.7.201) in the code of a library.

@@ -1,5 +1,5 @@
 //! Modules depend on each other one way: a circle of `use` fails, between the modules at the top of a crate and between those of each folder
-//! inside it.
+//! inside it. No file of the repository is a link.
 //!
 //! A path counts where it leads: what a module re-exports belongs to the module that it comes from. Tests and comments do not count, nor what
 //! a folder's own `mod.rs` and the modules in it name of each other.
@@ -200,4 +200,21 @@ fn uses_are_followed_to_where_they_lead() {
     assert_eq!((named("", "a"), named("", "b")), (vec![], vec!["a".to_owned()]));
     assert_eq!((named("a", "one"), named("a", "two")), (vec!["two".to_owned()], vec!["one".to_owned()]));
     assert_eq!(circles(graphs[&place("a")].clone()).len(), 2);
+}
+
+/// Checkouts on Windows have no links: their text is taken for the file.
+#[test]
+fn no_file_is_a_link_and_licences_are_copies() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let git = std::process::Command::new("git").args(["ls-files", "-s"]).current_dir(&top).output();
+    let Some(output) = git.ok().filter(|output| output.status.success()) else { return };
+    let files = String::from_utf8(output.stdout).unwrap();
+    assert!(files.lines().count() > 100);
+    for (about, path) in files.lines().map(|line| line.split_once('\t').unwrap()) {
+        assert!(!about.starts_with("120000"), "{path} is a link");
+        if let Some((_, name)) = path.rsplit_once("/LICENSE-") {
+            let read = |path: &str| std::fs::read(top.join(path)).unwrap();
+            assert_eq!(read(path), read(&format!("LICENSE-{name}")), "{path}");
+        }
+    }
 }

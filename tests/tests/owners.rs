@@ -8,7 +8,7 @@ use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// Rooms that are tried; `linestereo demo --seed N` shows one.
-const SEEDS: core::ops::RangeInclusive<u64> = 1..=40;
+const SEEDS: core::ops::RangeInclusive<u64> = 1..=12;
 
 /// The room of a seed, its truth and its matches.
 fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
@@ -40,20 +40,23 @@ fn the_most_probable_segment_of_each_object_has_its_depth() {
     assert!(answers > 7 * SEEDS.count(), "{answers} answers prove little");
 }
 
-/// Rooms in which an edge of the leaning pole, 3.5 px wide, was matched at the disparity of the board behind it.
+/// Rooms whose poles are easily matched at the disparity of what is behind them: they are narrower
+/// than the window of a support point, which knows the background alone.
 const POLES: [u64; 8] = [13, 72, 82, 101, 106, 118, 142, 180];
 
 #[test]
-fn an_edge_of_a_thin_pole_is_not_where_the_board_behind_it_is() {
+fn an_edge_of_a_thin_pole_is_not_where_the_background_is() {
     let mut edges = 0;
     for seed in POLES {
         let (room, pair, truth, matches) = matched(seed);
-        let label = 1 + room.objects.iter().position(|&name| name == "leaning pole").unwrap() as u8;
-        for middle in matches.iter().map(OwnedMiddle::new).filter(|middle| pair.label(middle.pixel) == Some(label)) {
+        let is_pole = |label: u8| label > 0 && room.objects[usize::from(label) - 1].ends_with("pole");
+        for middle in
+            matches.iter().map(OwnedMiddle::new).filter(|middle| pair.label(middle.pixel).is_some_and(is_pole))
+        {
             let error = middle.error(&truth).unwrap();
             assert!(error.abs() <= 1.0, "seed {seed}: {error:+.2} px, {middle:?}");
             edges += 1;
         }
     }
-    assert!(edges >= POLES.len(), "{edges} edges prove little");
+    assert!(edges >= 2 * POLES.len(), "{edges} edges prove little");
 }

@@ -1,7 +1,6 @@
 //! The rig as bytes: the same bits back, and nothing else is taken for a rig. Then its two slots in a flash that loses power.
 
 use core::fmt::Debug;
-use core::panic::AssertUnwindSafe;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Dims, Params};
 use linestereo_firmware::settings::KeptSettings;
@@ -9,23 +8,11 @@ use linestereo_firmware::slot_store::{BoardStore, Keeper as _, LayoutError, RigS
 use linestereo_rig::{
     Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View,
 };
+use linestereo_tests::drawn::Random;
 use linestereo_wire::{RegionBox, Regions, SETTINGS};
-use std::panic::catch_unwind;
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 const VGA: Dims = Dims { width: 640, height: 480 };
-
-/// xorshift64, as everywhere in these tests: the same numbers on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-}
 
 fn barrel() -> Camera {
     let lens = Lens::BrownConrady { k: [-0.28, 0.07, 1e-3], p: [1e-4, -2e-5] };
@@ -94,7 +81,7 @@ fn an_image_comes_back_with_the_same_bits() {
 fn a_rotation_that_was_made_a_unit_one_stays_as_it_is() {
     let mut random = Random(5);
     for _ in 0..20_000 {
-        let mut part = || (random.next() % 2001) as f64 / 4000.0 - 0.25;
+        let mut part = || (random.bits() % 2001) as f64 / 4000.0 - 0.25;
         let rotation = [0.9 + part() / 10.0, part(), part(), part()];
         let Ok(once) = Calibration::new(barrel(), barrel(), rotation, [-0.1, 0.0, 0.0]) else { continue };
         let twice = Calibration::new(barrel(), barrel(), once.rotation(), [-0.1, 0.0, 0.0]).unwrap();
@@ -188,29 +175,6 @@ fn erased_foreign_and_later_images_have_names() {
 }
 
 #[test]
-fn random_bytes_are_no_images() {
-    let mut random = Random(3);
-    let mut bytes = vec![0; RigImage::BYTES];
-    for _ in 0..20_000 {
-        bytes.fill_with(|| random.next() as u8);
-        assert!(RigImage::decode(&bytes).is_err());
-        bytes[..8].copy_from_slice(b"LSRG\x02\x00\xd4\x00"); // as if they began well
-        assert_eq!(RigImage::decode(&bytes), Err(RigImageError::Damaged));
-        let sealed = resealed(bytes.clone(), 0, b"LSRG");
-        assert!(RigImage::decode(&sealed).is_err(), "sizes, kinds and 46 numbers by chance: {sealed:?}");
-    }
-    // One number by chance, the rest is good: refused, or a rig that can be used and comes back the same.
-    let good = image(View::Alpha(0.0)).encode(0).to_vec();
-    for _ in 0..2000 {
-        let at = 12 + (random.next() % 49) as usize * 4;
-        let sealed = resealed(good.clone(), at, &random.next().to_le_bytes()[..4]);
-        if let Ok(image) = RigImage::decode(&sealed) {
-            assert_eq!(RigImage::decode(&image.encode(0)), Ok(image));
-        }
-    }
-}
-
-#[test]
 fn the_number_that_is_refused_has_a_name() {
     let good = image(View::Alpha(0.0)).encode(0).to_vec();
     let cases: [(usize, &[u8], &str); 16] = [
@@ -282,8 +246,8 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> Flash<READ, WRIT
 
     fn garbage(&mut self, range: core::ops::Range<usize>) {
         let mut random = Random(self.random);
-        self.bytes[range].fill_with(|| random.next() as u8);
-        self.random = random.next();
+        self.bytes[range].fill_with(|| random.bits() as u8);
+        self.random = random.bits();
     }
 
     /// The image that lies at this address, written there by somebody else.
@@ -596,28 +560,4 @@ fn slots_lie_where_the_flash_can_erase_them() {
     assert_eq!(small([256, 0]), Ok(()));
     assert_eq!(small([896, 0]), Err(LayoutError::OutOfBounds(Slot::First)));
     assert_eq!(RigStore::new(Flash::<1, 1024, 4096>::new(2), [0, 4096]).map(drop), Err(LayoutError::Granularity));
-}
-
-/// The fake itself: it must not forgive.
-#[test]
-fn the_flash_of_these_tests_is_strict() {
-    let refuses = |action: &dyn Fn(&mut Pages)| {
-        catch_unwind(AssertUnwindSafe(|| {
-            let mut flash = Pages::new(2);
-            flash.erase(0, 2048).unwrap();
-            action(&mut flash);
-        }))
-        .is_err()
-    };
-    assert!(!refuses(&|flash| flash.write(8, &[0; 16]).unwrap()));
-    assert!(refuses(&|flash| flash.write(4, &[0; 16]).unwrap()), "unaligned");
-    assert!(refuses(&|flash| flash.write(8, &[0; 12]).unwrap()), "unaligned");
-    assert!(refuses(&|flash| flash.write(2048, &[0; 8]).unwrap()), "not erased");
-    assert!(refuses(&|flash| [0, 1].iter().for_each(|_| flash.write(8, &[0; 8]).unwrap())), "written twice");
-    assert!(refuses(&|flash| flash.write(4096, &[0; 8]).unwrap()), "beyond");
-    assert!(refuses(&|flash| flash.erase(1024, 2048).unwrap()), "unaligned");
-    assert!(refuses(&|flash| flash.erase(2048, 8192).unwrap()), "beyond");
-    let mut flash = Pages::new(2);
-    flash.power = 100;
-    assert!(flash.erase(0, 2048).is_err() && flash.read(0, &mut [0; 8]).is_err());
 }

@@ -6,9 +6,7 @@ use linestereo::diagnostics::Stage;
 use linestereo::{Dims, Params};
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::rectify::{self, BuiltIn};
-use linestereo_frames::GrayImage;
 use linestereo_frames::statistics::upper_median;
-use linestereo_frames::{find_scenes, load_scene};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
@@ -57,8 +55,6 @@ pub(crate) struct Builtin {
     pub(crate) autopilot: Vec<(String, Autopilot)>,
     /// Instructions of every kernel on work of the usual size.
     pub(crate) kernels: Vec<(String, KernelCost)>,
-    /// Largest depth of the stack in bytes.
-    pub(crate) stack: u64,
 }
 
 /// Runs the program `bench`, as it is without logs.
@@ -68,7 +64,7 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
     let folder = tempfile::tempdir()?;
     qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
     let table = std::fs::read_to_string(folder.path().join("table"))?;
-    let (mut pairs, mut autopilot, mut kernels, mut stack) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    let (mut pairs, mut autopilot, mut kernels) = (Vec::new(), Vec::new(), Vec::new());
     for line in table.lines() {
         let line_of = || format!("the table of bench has an unknown line: {line}");
         match line.split('\t').collect::<Vec<_>>()[..] {
@@ -83,11 +79,11 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
             ["kernel", name, chosen, portable] => {
                 kernels.push((name.to_owned(), KernelCost { chosen: chosen.parse()?, portable: portable.parse()? }));
             }
-            ["stack", bytes] => stack = bytes.parse()?,
+            ["stack", _] => {}
             _ => anyhow::bail!(line_of()),
         }
     }
-    Ok(Builtin { pairs, autopilot, kernels, stack })
+    Ok(Builtin { pairs, autopilot, kernels })
 }
 
 /// Cost of rectifying a pair with a built-in rig.
@@ -172,7 +168,7 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
                 "{name:30} set-up {set_up:>7} both images {rows:>6} most expensive row {worst_row:>4} band {band_bytes:>6}"
             );
         }
-        let Builtin { pairs, autopilot, kernels, .. } = builtin(board)?;
+        let Builtin { pairs, autopilot, kernels } = builtin(board)?;
         println!("{}, kernels, instructions, and of the portable ones", board.name);
         for (name, KernelCost { chosen, portable }) in kernels {
             println!("{name:30} {chosen:>6} {portable:>6}");
@@ -213,9 +209,9 @@ fn print_objects(board: &Board, frames: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Instructions of every one of these [`scenes`] with default parameters, 64 disparities.
+/// Instructions of every one of these [scenes](board::captured) with default parameters, 64 disparities.
 pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Costs)>> {
-    let (names, images): (Vec<_>, Vec<_>) = scenes(folder, dims)?.into_iter().unzip();
+    let (names, images): (Vec<_>, Vec<_>) = board::captured(folder, dims)?.into_iter().unzip();
     let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).collect();
     let replayed = Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found = names.into_iter().zip(replayed.pairs);
@@ -295,7 +291,7 @@ pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Object
 }
 
 fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs> {
-    let (names, images): (Vec<_>, Vec<_>) = scenes(folder, dims)?.into_iter().unzip();
+    let (names, images): (Vec<_>, Vec<_>) = board::captured(folder, dims)?.into_iter().unzip();
     // One after the other: a camera that shows the same twice is taken for a frozen one.
     let ask = |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
     let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).chain(ask(one_box(dims))).collect();
@@ -305,28 +301,6 @@ fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs>
     let mut group = || groups.by_ref().take(names.len()).collect();
     let (eight, tenth, one_box) = (group(), group(), group());
     Ok(ObjectPairs { names, eight, tenth, one_box })
-}
-
-/// Names and pairs of every scene below a folder: reduced to the width of `dims`, and of that as many rows from the middle as `dims` has.
-/// Scenes that are smaller are left out.
-pub(crate) fn scenes(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
-    let mut list = Vec::new();
-    for path in find_scenes(folder)? {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
-        if scene.left.dims.height >= dims.height {
-            list.push((name, (middle(&scene.left, dims), middle(&scene.right, dims))));
-        }
-    }
-    Ok(list)
-}
-
-/// Rows from the middle of an image.
-fn middle(image: &GrayImage, dims: Dims) -> GrayImage {
-    let width = usize::from(dims.width);
-    let first = usize::from(image.dims.height - dims.height) / 2;
-    let rows = image.pixels.chunks(width).skip(first).take(dims.height.into());
-    GrayImage { dims, pixels: rows.flatten().copied().collect() }
 }
 
 /// Median of the totals, or of one stage.

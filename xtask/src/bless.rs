@@ -3,23 +3,23 @@
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
 use linestereo_boards::Board;
+use linestereo_boards::built_in::Case;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
-use linestereo_firmware::cases::Case;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::programs::selftest;
 use std::path::Path;
 
-/// Writes `firmware/src/programs/expected.rs`, or compares with it.
+/// Writes `crates/boards/src/built_in/digests.rs`, or compares with it.
 pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
         "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated on a PC by `cargo xtask bless`.\n\n\
-         use linestereo::diagnostics::Stage;\nuse linestereo_boards::Board;\n\n\
+         use crate::Board;\nuse linestereo::diagnostics::Stage;\n\n\
          /// One digest per stage, and one of what an autopilot gets.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);
     write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
     write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
-    let path = top.join("firmware/src/programs/expected.rs");
+    let path = top.join("crates/boards/src/built_in/digests.rs");
     let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
     if check {
         if !same {

@@ -1,4 +1,4 @@
-//! `cargo xtask footprint`: what the program `live` takes of every board, compared with `docs/board-sizes.toml`.
+//! `cargo xtask footprint`: what the program `live` takes of every board, compared with `xtask/board-sizes.toml`.
 //!
 //! In: every board's `live`, built without logs, as it is flashed. Out: a table of flash and RAM, and whether each number is within 1 % of the
 //! committed one.
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-const FILE: &str = "docs/board-sizes.toml";
+const FILE: &str = "xtask/board-sizes.toml";
 const PROGRAM: &str = "live";
 
 const HEAD: &str = "\

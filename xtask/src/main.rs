@@ -7,7 +7,7 @@ mod bless;
 mod footprint;
 mod image;
 mod measure;
-mod rival;
+mod nightly;
 mod silicon;
 mod sizes;
 
@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};
 use core::time::Duration;
 use linestereo_boards::Device;
-use linestereo_sim::board::firmware::{self, Logs};
+use linestereo_sim::board::firmware::{self, Images, Logs};
 use linestereo_sim::board::qemu::{self, Ended};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board};
@@ -57,10 +57,10 @@ impl Boards {
         self.or(&Board::emulated().collect::<Vec<_>>())
     }
 
-    /// The one that is named, whether a PC can run it or not, else every board.
-    fn all(&self) -> Result<Vec<Board>> {
+    /// The one that is named, whether a PC can run it or not, else these.
+    fn any_or(&self, boards: Vec<Board>) -> Result<Vec<Board>> {
         match &self.board {
-            None => Ok(Board::ALL.into()),
+            None => Ok(boards),
             Some(name) => Ok(vec![Board::named(name).with_context(|| {
                 let names = Board::ALL.map(|board| board.name);
                 format!("there is no board {name}; give {}", names.join(" or "))
@@ -94,11 +94,14 @@ enum Command {
         #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
         features: Vec<String>,
     },
-    /// Build what tests, measure and footprint run or read: a call of cargo for each board, with logs and without.
+    /// Build what tests, measure and footprint run or read, two calls of cargo for each board.
     ///
-    /// They build it by themselves where it is missing, a program at a time.
+    /// They build it by themselves where it is missing. Without --board: the two measured boards and
+    /// one of each family of chips; all with LINESTEREO_LONG=1.
     Images(Boards),
-    /// Have clippy read the firmware as each board builds it, with logs, and one board without; warnings are errors.
+    /// Have clippy read the firmware as boards build it; warnings are errors.
+    ///
+    /// Without --board: one of each family of processors and chips; all with LINESTEREO_LONG=1.
     Lint(Boards),
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
     ///
@@ -129,9 +132,6 @@ enum Command {
         /// Only what the depth of objects costs, and matching around them alone.
         #[arg(long, requires = "frames")]
         objects: bool,
-        /// The core beside block matching, every pixel and on a grid, instead.
-        #[arg(long, conflicts_with = "objects")]
-        rival: bool,
     },
     /// Flash and RAM of a program, by symbol.
     Sizes {
@@ -141,7 +141,9 @@ enum Command {
         #[arg(long, default_value = sizes::PROGRAM)]
         program: String,
     },
-    /// Flash and RAM of every board's `live`, compared with docs/board-sizes.toml: fails on a change of more than 1 %.
+    /// Flash and RAM of `live`, compared with xtask/board-sizes.toml: fails on a change of more than 1 %.
+    ///
+    /// Without --board: of the boards that `images` builds.
     Footprint {
         #[command(flatten)]
         boards: Boards,
@@ -149,9 +151,7 @@ enum Command {
         #[arg(long)]
         bless: bool,
     },
-    /// The largest depth of the stack over the built-in pairs.
-    Stack(Boards),
-    /// Compare instructions, RAM, stack and flash with docs/board-numbers.toml: fails on a loss or a gain of more than 1 %.
+    /// Compare instructions, RAM, stack and flash with xtask/board-numbers.toml: fails on a loss or a gain of more than 1 %.
     Measure {
         /// Write the file instead.
         #[arg(long)]
@@ -160,9 +160,11 @@ enum Command {
         #[arg(long, conflicts_with = "bless")]
         check: bool,
     },
+    /// Long forms of what .ci/run checks: every board, tests of minutes, packages, the oldest compiler.
+    Nightly,
     /// Build the page for browsers, bindings/web, into target/web/index.html: one file.
     Web,
-    /// Print the numbers of real boards that their owners sent: docs/silicon.
+    /// Print the numbers of real boards that their owners sent: xtask/silicon.
     Silicon,
     /// Compute the digests that the boards are compared with.
     Bless {
@@ -188,24 +190,16 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Setup => setup(),
         Command::Build { boards, program, no_logs, features } => build(&boards, program.as_deref(), no_logs, &features),
-        Command::Images(boards) => boards.all()?.iter().try_for_each(images),
-        Command::Lint(boards) => lint(&boards.all()?),
+        Command::Images(boards) => boards.any_or(board::tested())?.iter().try_for_each(images),
+        Command::Lint(boards) => lint(&boards.any_or(linted())?),
         Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
-        Command::Bench { boards, frames, rival: true, .. } => {
-            boards.list()?.iter().try_for_each(|board| rival::run(board, frames.as_deref()))
-        }
-        Command::Bench { boards, frames, objects, .. } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
+        Command::Bench { boards, frames, objects } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
         Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
-        Command::Footprint { boards, bless } => footprint::run(&top, &boards.all()?, bless),
-        Command::Stack(boards) => {
-            for board in boards.list()? {
-                println!("{}: {} bytes", board.name, bench::builtin(&board)?.stack);
-            }
-            Ok(())
-        }
+        Command::Footprint { boards, bless } => footprint::run(&top, &boards.any_or(board::tested())?, bless),
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
+        Command::Nightly => nightly::run(&top),
         Command::Web => web(&top),
         Command::Silicon => silicon::run(&top),
         Command::Bless { check } => bless::run(&top, check),
@@ -251,13 +245,15 @@ fn setup() -> Result<()> {
 }
 
 fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[String]) -> Result<()> {
-    let boards = if boards.board.is_some() { boards.all()? } else { boards.list()? };
+    let boards = boards.any_or(Board::MEASURED.into())?;
+    let features: Vec<&str> = features.iter().map(String::as_str).collect();
     for board in boards {
         let programs = program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
         let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
         let toolchain = Toolchain::for_board(&board)?;
         let logs = if no_logs { Logs::None } else { Logs::of(&board) };
-        for elf in firmware::build_all(&toolchain, &board, &programs, logs, features)? {
+        let images = Images { features: &features, ..Images::of_firmware(&programs, logs) };
+        for elf in images.build(&toolchain, &board)? {
             let found = sizes::read(&elf)?;
             let ram = found.static_ram() + found.stack;
             println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
@@ -273,34 +269,51 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
 /// Builds the programs of a board that tests, `measure` and `footprint` use.
 fn images(board: &Board) -> Result<()> {
     let toolchain = Toolchain::for_board(board)?;
-    for (programs, logs) in firmware::images(board) {
+    for images in firmware::images(board) {
         let started = Instant::now();
-        firmware::build_all(&toolchain, board, programs, logs, &[])?;
-        println!("{:14} {:4.0} s  {}", board.name, started.elapsed().as_secs_f64(), programs.join(" "));
+        images.build(&toolchain, board)?;
+        let programs = [images.programs, images.features].concat().join(" ");
+        println!("{:14} {:4.0} s  {programs}", board.name, started.elapsed().as_secs_f64());
     }
     Ok(())
 }
 
+/// One board of each family of processors and chips, or all in the long form.
+fn linted() -> Vec<Board> {
+    let families = [Board::MPS2_AN500, Board::RISCV_VIRT, Board::PICO2, Board::STM32H743];
+    if board::is_long() { Board::ALL.into() } else { families.into() }
+}
+
 fn lint(boards: &[Board]) -> Result<()> {
-    // With and without logs differ in two macros alone, which use their values either way: one board without them stands for all.
-    let without = boards.iter().take(1).map(|board| (board, Logs::None));
-    for (board, logs) in boards.iter().map(|board| (board, Logs::of(board))).chain(without) {
-        println!("clippy: {}{}", board.name, if logs == Logs::None { " without logs" } else { "" });
-        firmware::lint(&Toolchain::for_board(board)?, board, &programs(board)?, logs, &[])?;
-    }
-    // Code that one board has with a feature alone.
-    for board in boards.iter().filter(|board| **board == Board::PORTENTA_H7) {
-        println!("clippy: {} with ahead", board.name);
-        firmware::lint(
-            &Toolchain::for_board(board)?,
-            board,
-            &programs(board)?,
-            Logs::of(board),
-            &["ahead".to_owned()],
-        )?;
+    for (number, board) in boards.iter().enumerate() {
+        let toolchain = Toolchain::for_board(board)?;
+        let names = programs(board)?;
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let logged = Images::of_firmware(&names, Logs::of(board));
+        let mut all = vec![logged];
+        // With and without logs differ in two macros alone, which use their values either way: one board without them stands for all.
+        if number == 0 {
+            all.push(Images { logs: Logs::None, ..logged });
+        }
+        if *board == Board::PORTENTA_H7 {
+            all.push(Images { features: &["ahead"], ..logged });
+        }
+        if *board == Board::MPS2_AN500 {
+            all.push(LABORATORY);
+        }
+        for images in all {
+            let Images { package, logs, features, .. } = images;
+            let logs = if logs == Logs::None { "without logs" } else { "with logs" };
+            println!("clippy: {}, {package} {logs} {}", board.name, features.join(" "));
+            images.lint(&toolchain, board)?;
+        }
     }
     Ok(())
 }
+
+/// The laboratory's program for a board.
+const LABORATORY: Images<'static> =
+    Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
 
 /// On hardware; the others read and write files of a PC.
 const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];

@@ -1,4 +1,4 @@
-//! `cargo xtask measure`: the numbers of `docs/board-numbers.toml`, measured again and compared.
+//! `cargo xtask measure`: the numbers of `xtask/board-numbers.toml`, measured again and compared.
 //!
 //! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is for reading.
 
@@ -10,13 +10,15 @@ use linestereo::{Dims, Params};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
-use linestereo_sim::board::{Board, Costs, Machine, update};
+use linestereo_sim::board::{self, Board, Costs, Machine, update};
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const FILE: &str = "docs/board-numbers.toml";
+const FILE: &str = "xtask/board-numbers.toml";
+/// Of it the program has the instructions of the built-in pairs.
+const PAIRS_FILE: &str = "host-sim/src/board/instructions.toml";
 /// Larger differences are a loss or a gain.
 pub(crate) const TOLERANCE_PERCENT: u64 = 1;
 
@@ -25,9 +27,9 @@ const HEAD: &str = "\
 # an error, a gain of more than 1 % asks for a new blessing.
 #
 # Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states. Cycles of
-# real boards are in docs/silicon, a file a board as its owner sent it.
+# real boards are in xtask/silicon, a file a board as its owner sent it.
 # All pairs: default parameters, 64 disparities; \"worst_case\" ones: parameters that find and report as much as any can.
-# built_in: frames painted on the board (firmware/src/painter.rs), the same everywhere; all but blocks and rows_off are worst cases.
+# built_in: frames painted on the board (crates/boards/src/built_in), the same everywhere; all but blocks and rows_off are worst cases.
 # kernels: work of the usual size (firmware/src/programs/kernel_costs.rs) by the kernels that the core uses on this processor, and by the
 # portable ones compiled for it.
 # The boards that stand for other families of processors have what one program, bench, gives.
@@ -78,7 +80,7 @@ struct RawPair {
 }
 
 /// Of the pairs of one size.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Instructions {
     median: u64,
     largest: u64,
@@ -111,20 +113,24 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
         Err(_) if bless => None,
         Err(error) => bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless"),
     };
-    let mut new = measure(top, frames.as_deref())?;
+    let boards = if bless { Board::emulated().collect() } else { board::tested() };
+    let boards: Vec<_> = boards.into_iter().filter(Board::is_emulated).collect();
+    let mut new = measure(top, &boards, frames.as_deref())?;
     if bless {
         for (name, board) in &mut new.boards {
             // Numbers that cannot be measured here stay.
             if let Some(before) = old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none()) {
-                board.captured = before.captured.iter().map(|(size, of)| (size.clone(), of.copy())).collect();
+                board.captured.clone_from(&before.captured);
                 board.objects.clone_from(&before.objects);
             }
         }
         std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&new)?))?;
-        println!("{FILE}: blessed; commit it");
+        std::fs::write(top.join(PAIRS_FILE), instructions(&new)?)?;
+        println!("{FILE} and {PAIRS_FILE}: blessed; commit them");
         return Ok(());
     }
-    let old = old.with_context(|| format!("{FILE} is not there"))?;
+    let mut old = old.with_context(|| format!("{FILE} is not there"))?;
+    old.boards.retain(|name, _| boards.iter().any(|board| board.name == name));
     if old.compiler != new.compiler {
         println!("measured with {}, the file was with {}", new.compiler, old.compiler);
     }
@@ -134,26 +140,36 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     compare(&compared(&old, frames.is_some()), &compared(&new, frames.is_some()))
 }
 
-impl Instructions {
-    fn copy(&self) -> Self {
-        let Self { median, largest, by_stage, by_pair } = self;
-        Self { median: *median, largest: *largest, by_stage: by_stage.clone(), by_pair: by_pair.clone() }
+/// The instructions of each built-in pair on the emulated boards whose processors real boards have, as the program reads them.
+fn instructions(numbers: &Numbers) -> Result<String> {
+    let real: Vec<&str> = Board::ALL.iter().filter(|board| !board.is_emulated()).map(|board| board.processor).collect();
+    let mut boards = BTreeMap::new();
+    for twin in Board::emulated().filter(|twin| real.contains(&twin.processor)) {
+        let built_in =
+            &numbers.boards.get(twin.name).with_context(|| format!("{} was not measured", twin.name))?.built_in;
+        let of_size = |(size, of): (&String, &Instructions)| {
+            of.by_pair.iter().map(|(scene, &count)| (format!("{scene}_{size}"), count)).collect::<Vec<_>>()
+        };
+        boards.insert(twin.name, built_in.iter().flat_map(of_size).collect::<BTreeMap<_, _>>());
     }
+    let head =
+        format!("# Instructions of the built-in pairs, of {FILE}: written with it by `cargo xtask measure --bless`.");
+    Ok(format!("{head}\n\n{}", toml::to_string(&boards)?))
 }
 
-fn measure(top: &Path, frames: Option<&Path>) -> Result<Numbers> {
-    Board::emulated().try_for_each(|board| crate::images(&board))?;
-    let measure_board = |board: Board| {
-        let mut numbers = built_in(&board)?;
-        if Board::MEASURED.contains(&board) {
-            measure_all(&board, &mut numbers, frames)?;
+fn measure(top: &Path, boards: &[Board], frames: Option<&Path>) -> Result<Numbers> {
+    boards.iter().try_for_each(crate::images)?;
+    let measure_board = |board: &Board| {
+        let mut numbers = built_in(board)?;
+        if Board::MEASURED.contains(board) {
+            measure_all(board, &mut numbers, frames)?;
         }
         eprintln!("measured {}", board.name);
         anyhow::Ok((board.name.to_owned(), numbers))
     };
     // Side by side: what QEMU counts does not depend on what else runs.
     let boards: BTreeMap<_, _> = std::thread::scope(|scope| {
-        let running: Vec<_> = Board::emulated().map(|board| scope.spawn(move || measure_board(board))).collect();
+        let running: Vec<_> = boards.iter().map(|board| scope.spawn(move || measure_board(board))).collect();
         running
             .into_iter()
             .map(|one| one.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?)
@@ -201,7 +217,7 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
 
 /// Results of the program `bench`.
 fn built_in(board: &Board) -> Result<BoardNumbers> {
-    let Builtin { pairs, autopilot, kernels, .. } = bench::builtin(board)?;
+    let Builtin { pairs, autopilot, kernels } = bench::builtin(board)?;
     let groups = bench::by_size(board, pairs)?;
     Ok(BoardNumbers {
         bytes: BTreeMap::new(),
@@ -327,6 +343,13 @@ mod tests {
         assert!(compare(&list(10_000), &list(10_101)).unwrap_err().to_string().contains("worse"));
         assert!(compare(&list(10_000), &list(9_900)).is_ok());
         assert!(compare(&list(10_000), &list(9_899)).unwrap_err().to_string().contains("--bless"));
+    }
+
+    #[test]
+    fn the_program_has_the_same_instructions() {
+        let top = linestereo_sim::board::top().unwrap();
+        let read = |file: &str| std::fs::read_to_string(top.join(file)).unwrap();
+        assert_eq!(instructions(&toml::from_str(&read(FILE)).unwrap()).unwrap(), read(PAIRS_FILE));
     }
 
     #[test]

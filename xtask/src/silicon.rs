@@ -5,7 +5,7 @@ use linestereo_sim::board::numbers::BoardNumbers;
 use std::path::Path;
 
 /// One file a board; nothing here writes them.
-const FOLDER: &str = "docs/silicon";
+const FOLDER: &str = "xtask/silicon";
 
 /// Prints all.
 pub(crate) fn run(top: &Path) -> Result<()> {
@@ -39,7 +39,7 @@ fn read(folder: &Path) -> Result<Vec<(String, BoardNumbers)>> {
             let numbers = BoardNumbers::parse(&std::fs::read_to_string(&path)?)
                 .with_context(|| format!("{name} is no file of linestereo bench-board"))?;
             if numbers.unit != "cycles" {
-                bail!("{name} holds {} of an emulated board, which are in docs/board-numbers.toml", numbers.unit);
+                bail!("{name} holds {} of an emulated board, which are in xtask/board-numbers.toml", numbers.unit);
             }
             all.push((name, numbers));
         }

@@ -7,7 +7,7 @@
 //! most 31 points are summed per curve before widening: 248 fits `u8`; more points wrap.
 //!
 //! # Cost
-//! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards, `docs/board-numbers.toml` lists them.
+//! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards, `xtask/board-numbers.toml` lists them.
 
 use core::cell::Cell;
 

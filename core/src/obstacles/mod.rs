@@ -36,7 +36,7 @@
 //! direction) is below 2^19 in 1/64 px; f*B in Q16 times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
 //!
 //! # Cost
-//! 300 bytes of state, 2 KB of stack. Instructions: `docs/board-numbers.toml`.
+//! 300 bytes of state, 2 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
 mod plan;
 

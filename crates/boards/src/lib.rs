@@ -1,10 +1,12 @@
-//! Descriptions of the boards: name, target, what runs their programs, what they hold, how programs end.
+//! Descriptions of the boards: name, target, what runs their programs, what they hold, how programs end; and the pairs that are built
+//! into those programs.
 //!
 //! Their peripherals and their memory are `firmware/src/boards`; `docs/porting.md` adds one.
-#![no_std]
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 #![deny(missing_debug_implementations)]
 
+pub mod built_in;
 mod exit;
 
 pub use exit::Exit;

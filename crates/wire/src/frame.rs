@@ -70,7 +70,9 @@ pub struct FrameTimes {
     pub port_us: u32,
 }
 
-/// The core's [`Counts`](linestereo::Counts), and the number of points: a record of its own, since that stands before the rejections.
+/// The core's [`Counts`](linestereo::Counts), and the number of points.
+///
+/// Not the core's own type, since the points stand before the rejections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {

@@ -135,7 +135,7 @@ impl fmt::Debug for Health {
     }
 }
 
-/// The numbers of a [`PairHealth`]; its flags are in the [`Health`] beside it.
+/// The numbers of a [`PairHealth`]. Its flags are in the [`Health`] beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PairReport {
@@ -159,7 +159,9 @@ pub struct PairReport {
     pub tear: Option<Tear>,
 }
 
-/// The core's [`RangeCheck`], without what only its search needs.
+/// The public numbers of the core's [`RangeCheck`].
+///
+/// Not the core's own type, which also has the largest disparity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeReport {

@@ -31,8 +31,9 @@
 //! ```
 //!
 //! # Versions
-//! Postcard's bytes carry no names: any change of a record, of a type of the core in one, of the order of its fields or of
-//! [`linestereo::Rejection::ALL`] is another [`VERSION`]. A test holds the bytes of this one.
+//! Postcard's bytes carry no names: any change of a record, of a type of the core in it, of the
+//! order of fields or of [`linestereo::Rejection::ALL`] is another [`VERSION`]. A test holds the
+//! bytes of this one.
 //!
 //! # Bounds
 //! Decoding costs a bounded number of steps per byte and one pass per packet. No allocation, no panic path.

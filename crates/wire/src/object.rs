@@ -69,7 +69,10 @@ pub struct Objects {
     pub list: Vec<ObjectRecord, OBJECTS_PER_PACKET>,
 }
 
-/// An [`ObjectDepth`] in plain numbers: its three depths are there together or not at all, and a reason of a later version can be read.
+/// An [`ObjectDepth`] in plain numbers.
+///
+/// Not the core's own type: the three depths share one byte that says whether they are known, and
+/// the reasons of later versions can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectRecord {

@@ -225,23 +225,6 @@ fn whole_packets_without_a_record_are_malformed() {
 }
 
 #[test]
-fn payloads_of_any_bytes_do_no_harm() {
-    let mut random = Random(15);
-    let mut decoded = 0;
-    for _ in 0..200_000 {
-        let mut payload = vec![VERSION];
-        payload.extend((0..random.below(40)).map(|_| random.byte() >> (random.next() % 8)));
-        let (results, counters) = decode::<Message>(&enclose(&payload));
-        assert_eq!((results.len(), counters.good + counters.malformed), (1, 1));
-        if let Ok(message) = &results[0] {
-            decoded += 1;
-            assert_eq!(decode(&packet(message)).0, [Ok(message.clone())], "what is decoded can be encoded");
-        }
-    }
-    assert!(decoded > 0, "some bytes are records");
-}
-
-#[test]
 fn a_decoder_with_too_little_memory_says_so() {
     let (_, _, bytes, _) = example();
     let mut decoder: Decoder<Message, 32> = Decoder::new();

@@ -6,13 +6,12 @@ fn bench() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
     use linestereo::Matcher;
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::{Case, Scene};
     use linestereo_firmware::boards::{
         self,
         selected::{self, InstructionClock},
     };
-    use linestereo_firmware::cases::Case;
     use linestereo_firmware::memory::Memory as _;
-    use linestereo_firmware::painter::Scene;
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};

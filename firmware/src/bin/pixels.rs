@@ -4,11 +4,11 @@
 #[cfg(target_os = "none")]
 fn pixels() -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::Case;
     use linestereo_firmware::boards::{
         self,
         selected::{self, InstructionClock},
     };
-    use linestereo_firmware::cases::Case;
     use linestereo_firmware::programs::pixels;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
 

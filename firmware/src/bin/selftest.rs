@@ -6,10 +6,10 @@
 #[cfg(target_os = "none")]
 fn selftest() -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::digests;
     use linestereo_firmware::boards::{self, selected};
     use linestereo_firmware::ports::Watchdog as _;
     use linestereo_firmware::programs::case_server::CaseServer;
-    use linestereo_firmware::programs::expected;
 
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     #[cfg(feature = "emulated")]
@@ -18,7 +18,7 @@ fn selftest() -> linestereo_boards::Exit {
     }
     let Some(parts) = selected::bare() else { return Exit::Usage };
     let rest = parts.rest;
-    let expected = expected::of(&selected::BOARD);
+    let expected = digests::of(&selected::BOARD);
     let (mut server, mut watchdog) = CaseServer::start(selected::BOARD, expected, parts);
     loop {
         if !server.turn(memory) {
@@ -31,11 +31,12 @@ fn selftest() -> linestereo_boards::Exit {
 #[cfg(all(target_os = "none", feature = "emulated"))]
 fn by_log(memory: &mut impl linestereo_firmware::memory::Memory) -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
+    use linestereo_boards::built_in::digests;
     use linestereo_firmware::boards::selected::BOARD;
-    use linestereo_firmware::programs::{expected, selftest};
+    use linestereo_firmware::programs::selftest;
     use linestereo_firmware::{error, info};
 
-    let all_equal = selftest::run(memory, &BOARD, expected::of(&BOARD), |outcome| {
+    let all_equal = selftest::run(memory, &BOARD, digests::of(&BOARD), |outcome| {
         let (scene, dims) = (outcome.case.scene.name(), outcome.case.dims);
         let kind = if outcome.case.worst_case { ", worst case" } else { "" };
         match outcome.differs_in() {

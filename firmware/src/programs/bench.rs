@@ -76,9 +76,9 @@ pub fn line(out: &mut impl core::fmt::Write, name: impl core::fmt::Display, cost
 mod tests {
     use super::*;
     use crate::boards::mps2_an386::{BOARD, Workspace};
-    use crate::painter::Scene;
     use core::cell::Cell;
     use linestereo::{Dims, Params};
+    use linestereo_boards::built_in::Scene;
 
     /// Counts how often it was asked.
     struct Asked(Cell<u32>);

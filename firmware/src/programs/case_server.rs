@@ -7,13 +7,14 @@
 //! ```
 //! A host asks for one pair after the other: what was lost on the way it asks for again, and a watchdog is fed in between.
 
-use super::{bench, expected::Digests, selftest};
-use crate::cases::Case;
+use super::{bench, selftest};
 use crate::memory::Memory;
 use crate::ports::{BarePeripherals, ByteSink, ByteSource, Clock, packets};
 use crate::session::{Session, out_of_range};
 use linestereo::diagnostics::Fnv;
 use linestereo_boards::Board;
+use linestereo_boards::built_in::Case;
+use linestereo_boards::built_in::digests::Digests;
 use linestereo_wire::{
     Answer, CaseReport, Command, DELIMITER, Decoder, MAX_COMMAND, MachineReport, Message, Refusal, Request, Reset,
     Silicon, send,

@@ -1,10 +1,7 @@
 //! The programs, over any board.
 
 pub mod bench;
-pub mod block_kernels;
-pub mod blocks;
 pub mod case_server;
-pub mod expected;
 pub mod kernel_costs;
 pub mod kernels;
 pub mod live;

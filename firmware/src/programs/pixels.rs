@@ -3,12 +3,12 @@
 //! In: a built-in pair that was matched. Out: for pixels on a grid, how many are answered, a digest of all answers and reasons, the mean
 //! and the largest cost of one.
 
-use crate::cases::Case;
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
 use core::fmt;
 use linestereo::diagnostics::Fnv;
 use linestereo::{Matcher, PixelDepth, PixelRejection};
+use linestereo_boards::built_in::Case;
 
 /// Columns and rows of the grid.
 const GRID: [u16; 2] = [13, 9];

@@ -1,9 +1,7 @@
 //! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of what an autopilot gets, against those of
-//! [`super::expected`].
+//! [`digests`](linestereo_boards::built_in::digests).
 
-use super::expected::Digests;
 use crate::autopilot::Autopilot;
-use crate::cases::Case;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
@@ -11,9 +9,8 @@ use linestereo::diagnostics::{Fnv, Stage, StageDigests};
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
 use linestereo_boards::Board;
-
-/// The digest behind those of the stages: sectors and the bytes of MAVLink.
-pub const AUTOPILOT: &str = "autopilot";
+use linestereo_boards::built_in::digests::Digests;
+use linestereo_boards::built_in::{Case, first_difference};
 
 /// Result of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +24,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The name of the first stage that differs, or [`AUTOPILOT`].
+    /// The name of the first stage that differs, or [`AUTOPILOT`](linestereo_boards::built_in::AUTOPILOT).
     #[must_use]
     pub fn differs_in(&self) -> Option<&'static str> {
-        let names = Stage::ALL.into_iter().map(Stage::name).chain([AUTOPILOT]);
-        let (Some(found), Some(expected)) = (self.found, self.expected) else { return Some(Stage::LinesLeft.name()) };
-        let mut pairs = names.zip(found.iter().zip(&expected));
-        pairs.find(|(_, (found, expected))| found != expected).map(|(name, _)| name)
+        match (&self.found, &self.expected) {
+            (Some(found), Some(expected)) => first_difference(found, expected),
+            _ => Some(Stage::LinesLeft.name()),
+        }
     }
 }
 
@@ -96,7 +93,7 @@ impl ByteSink for Digest {
 mod tests {
     use super::*;
     use crate::boards::{mps2_an386, mps2_an500};
-    use crate::programs::expected;
+    use linestereo_boards::built_in::{Scene, digests as expected};
 
     #[test]
     fn this_machine_computes_what_is_expected_of_the_boards() {
@@ -143,6 +140,6 @@ mod tests {
         let mut wrong = Vec::new();
         let report = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
         assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, report));
-        assert_eq!(wrong, [(crate::painter::Scene::ALL[3], Stage::Matching.name())]);
+        assert_eq!(wrong, [(Scene::ALL[3], Stage::Matching.name())]);
     }
 }

@@ -1,4 +1,4 @@
-//! Builds a board program, and has clippy read it.
+//! Builds board programs, and has clippy read them.
 
 use super::toolchain::Toolchain;
 use super::{Board, top};
@@ -14,6 +14,8 @@ use std::sync::{Mutex, PoisonError};
 const LIMIT: Duration = Duration::from_secs(900);
 /// Of boards alone, in the workspace's `Cargo.toml`.
 const PROFILE: &str = "board";
+/// The package whose features are the boards.
+const FIRMWARE: &str = "linestereo-firmware";
 
 /// Where a program's logs go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,89 +36,131 @@ impl Logs {
     }
 }
 
-/// Builds a program for a board as it is flashed and returns the path of its ELF file.
+/// Programs of a board that one call of cargo builds or has clippy read.
+#[derive(Clone, Copy, Debug)]
+pub struct Images<'a> {
+    /// Their package: the firmware, or one that stands on it without a default board.
+    pub package: &'a str,
+    /// Their names.
+    pub programs: &'a [&'a str],
+    /// Where their logs go.
+    pub logs: Logs,
+    /// More features of the firmware.
+    pub features: &'a [&'a str],
+}
+
+impl<'a> Images<'a> {
+    /// Programs of the firmware without further features.
+    #[must_use]
+    pub const fn of_firmware(programs: &'a [&'a str], logs: Logs) -> Self {
+        Self { package: FIRMWARE, programs, logs, features: &[] }
+    }
+
+    /// Builds them as they are flashed; their paths are in the order of their names.
+    ///
+    /// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo
+    /// leaves a program's file at one place for all boards, from where it is copied. What this process has built before is not looked
+    /// at again.
+    pub fn build(&self, toolchain: &Toolchain, board: &Board) -> Result<Vec<PathBuf>> {
+        static BUILT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+        let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
+        let target = target_folder(toolchain)?;
+        let kind = if self.logs == Logs::None { "no-logs" } else { "logs" };
+        let folder = target.join(board.name).join([&[kind], self.features].concat().join("-"));
+        let elfs: Vec<PathBuf> = self.programs.iter().map(|program| folder.join(program)).collect();
+        if elfs.iter().all(|elf| built.contains(elf)) {
+            return Ok(elfs);
+        }
+        fs::create_dir_all(&folder)?;
+        let lock = fs::File::create(target.join("lock"))?;
+        lock.lock()?;
+        let mut command = toolchain.cargo();
+        command.arg("build");
+        self.finish(&mut command, &target, board)?;
+        run(&mut command, &format!("cannot build {} for {}", self.programs.join(", "), board.name))?;
+        for (program, elf) in self.programs.iter().zip(&elfs) {
+            // Renamed into place: another process may be running the one before it.
+            let copy = tempfile::NamedTempFile::new_in(&folder)?;
+            fs::copy(target.join(board.target).join(PROFILE).join(program), copy.path())
+                .with_context(|| format!("cannot write {}", elf.display()))?;
+            copy.persist(elf)?;
+            built.insert(elf.clone());
+        }
+        Ok(elfs)
+    }
+
+    /// Has clippy read them and their package's library as the board builds them: much of both is for boards only, and nothing on a PC
+    /// sees it. Warnings are errors.
+    pub fn lint(&self, toolchain: &Toolchain, board: &Board) -> Result<()> {
+        let mut command = toolchain.clippy()?;
+        self.finish(&mut command, &target_folder(toolchain)?, board)?;
+        command.args(["--lib", "--", "-D", "warnings"]);
+        run(&mut command, &format!("clippy for {}", board.name))
+    }
+
+    /// Arguments of every command.
+    fn finish(&self, command: &mut Command, target: &Path, board: &Board) -> Result<()> {
+        let logs = match self.logs {
+            Logs::None => None,
+            Logs::Semihosting => Some("log-semihosting"),
+            Logs::Rtt => Some("log-rtt"),
+        };
+        let features = [board.name].into_iter().chain(logs).chain(self.features.iter().copied());
+        let features: Vec<String> = features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
+        command
+            .current_dir(top()?)
+            .args(["--quiet", "--profile", PROFILE, "--locked", "-p", self.package, "--no-default-features"])
+            .args(["--config", INLINING])
+            .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
+            .arg(target)
+            .args(self.programs.iter().flat_map(|program| ["--bin", program]))
+            .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
+        Ok(())
+    }
+}
+
+/// Builds a program of the firmware for a board and returns the path of its ELF file.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
-    let mut built = build_all(toolchain, board, &[program], logs, &[])?;
+    let mut built = Images::of_firmware(&[program], logs).build(toolchain, board)?;
     built.pop().with_context(|| format!("{program} was not built"))
 }
 
-/// The programs of a board that tests and `cargo xtask measure` run, with where their logs go. Emulated boards report by log what they check
-/// themselves; the rest is measured, and so without logs.
+/// The programs of a board that tests, `cargo xtask measure` and `cargo xtask footprint` use.
+///
+/// Emulated boards report by log what they check themselves; the rest is measured, and so without
+/// logs.
 #[must_use]
-pub fn images(board: &Board) -> Vec<(&'static [&'static str], Logs)> {
-    if !board.is_emulated() {
-        return vec![(&["live"], Logs::None)];
+pub fn images(board: &Board) -> Vec<Images<'static>> {
+    let of = |programs, logs, features| Images { features, ..Images::of_firmware(programs, logs) };
+    let live = of(&["live"], Logs::None, &[]);
+    if *board == Board::STM32H743 {
+        return vec![live, of(&["live", "selftest"], Logs::None, &["still-scene"])];
     }
-    let measured: &[&str] = if Board::MEASURED.contains(board) {
+    if *board == Board::PORTENTA_H7 {
+        return vec![live, of(&["live"], Logs::None, &["ahead"])];
+    }
+    if !board.is_emulated() {
+        return vec![live];
+    }
+    let without_logs: &[&str] = if *board == Board::MPS2_AN500 {
         &["bench", "faults", "live", "pixels", "rectify", "replay"]
+    } else if Board::MEASURED.contains(board) {
+        &["bench", "faults", "live", "rectify", "replay"]
     } else {
         &["bench", "faults", "live"]
     };
-    vec![(&["kernels", "selftest"], Logs::Semihosting), (measured, Logs::None)]
+    vec![of(&["kernels", "selftest"], Logs::Semihosting, &[]), of(without_logs, Logs::None, &[])]
 }
 
 /// One of [`images`], built in one call of cargo with all that stand beside it there.
-pub fn image(board: &Board, program: &str) -> Result<PathBuf> {
+pub fn image(board: &Board, program: &str, features: &[&str]) -> Result<PathBuf> {
     let toolchain = Toolchain::for_board(board)?;
-    for (programs, logs) in images(board) {
-        if let Some(place) = programs.iter().position(|&one| one == program) {
-            return Ok(build_all(&toolchain, board, programs, logs, &[])?.swap_remove(place));
+    for images in images(board).into_iter().filter(|images| images.features == features) {
+        if let Some(place) = images.programs.iter().position(|&one| one == program) {
+            return Ok(images.build(&toolchain, board)?.swap_remove(place));
         }
     }
     bail!("{program} is no image of {}", board.name)
-}
-
-/// The same of several programs in one call of cargo, with more features of the firmware; their paths are in the order of their names.
-///
-/// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo leaves a
-/// program's file at one place for all boards, from where it is copied. What this process has built before is not looked at again.
-pub fn build_all(
-    toolchain: &Toolchain,
-    board: &Board,
-    programs: &[&str],
-    logs: Logs,
-    features: &[String],
-) -> Result<Vec<PathBuf>> {
-    static BUILT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
-    let target = target_folder(toolchain)?;
-    let kind = if logs == Logs::None { "no-logs" } else { "logs" };
-    let kind = [&[kind.to_owned()], features].concat().join("-");
-    let folder = target.join(board.name).join(kind);
-    let elfs: Vec<PathBuf> = programs.iter().map(|program| folder.join(program)).collect();
-    if elfs.iter().all(|elf| built.contains(elf)) {
-        return Ok(elfs);
-    }
-    fs::create_dir_all(&folder)?;
-    let lock = fs::File::create(target.join("lock"))?;
-    lock.lock()?;
-    let mut command = toolchain.cargo();
-    command.arg("build");
-    finish(&mut command, &target, board, logs, features)?;
-    command.args(programs.iter().flat_map(|program| ["--bin", program]));
-    run(&mut command, &format!("cannot build {} for {}", programs.join(", "), board.name))?;
-    for (program, elf) in programs.iter().zip(&elfs) {
-        // Renamed into place: another process may be running the one before it.
-        let copy = tempfile::NamedTempFile::new_in(&folder)?;
-        fs::copy(target.join(board.target).join(PROFILE).join(program), copy.path())
-            .with_context(|| format!("cannot write {}", elf.display()))?;
-        copy.persist(elf)?;
-        built.insert(elf.clone());
-    }
-    Ok(elfs)
-}
-
-/// Has clippy read the library and these programs as a board builds them with these features: much of both is for boards only, and nothing on a PC sees it.
-/// Warnings are errors.
-pub fn lint(toolchain: &Toolchain, board: &Board, programs: &[String], logs: Logs, features: &[String]) -> Result<()> {
-    let mut command = toolchain.clippy()?;
-    finish(&mut command, &target_folder(toolchain)?, board, logs, features)?;
-    command.arg("--lib");
-    for program in programs {
-        command.args(["--bin", program]);
-    }
-    command.args(["--", "-D", "warnings"]);
-    run(&mut command, &format!("clippy for {}", board.name))
 }
 
 /// Cargo does not notice another library of the same compiler version: a folder per way.
@@ -131,25 +175,6 @@ fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
 /// `.cargo/config.toml`.
 const INLINING: &str = "target.'cfg(target_os = \"none\")'.rustflags = \
     [\"-Cllvm-args=-inlinehint-threshold=30\", \"-Cllvm-args=-inlinedefault-threshold=120\"]";
-
-/// Arguments of every command about a board's programs.
-fn finish(command: &mut Command, target: &Path, board: &Board, logs: Logs, features: &[String]) -> Result<()> {
-    let logs: &[&str] = match logs {
-        Logs::None => &[],
-        Logs::Semihosting => &["log-semihosting"],
-        Logs::Rtt => &["log-rtt"],
-    };
-    let features: Vec<&str> =
-        [board.name].into_iter().chain(logs.iter().copied()).chain(features.iter().map(String::as_str)).collect();
-    command
-        .current_dir(top()?)
-        .args(["--quiet", "--profile", PROFILE, "--locked", "-p", "linestereo-firmware", "--no-default-features"])
-        .args(["--config", INLINING])
-        .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
-        .arg(target)
-        .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
-    Ok(())
-}
 
 fn run(command: &mut Command, what: &str) -> Result<()> {
     let outcome = process::run(command, LIMIT)?;

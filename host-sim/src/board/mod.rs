@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! toolchain   a compiler for boards: rustup's target, or Debian's packages (debian)
-//! firmware    a program of the firmware package as an ELF file
+//! firmware    programs of the firmware, or of another package for boards, as ELF files
 //! qemu        a run of it: files in a folder, log, exit code
 //! pairs       pairs to the program replay, results back
 //! numbers     what built-in pairs cost on a board, as the program selftest says: a table, and a file to send
@@ -17,7 +17,7 @@ pub mod toolchain;
 
 use anyhow::{Context, Result, bail};
 pub use linestereo_boards::Board;
-pub use pairs::{BoardResult, Costs, Machine, Replayed, push, push_pair, push_raw_pair, update};
+pub use pairs::{BoardResult, Costs, Machine, Replayed, captured, push, push_pair, push_raw_pair, update};
 use std::path::{Path, PathBuf};
 
 /// The top of the repository: the firmware is built from its source.
@@ -29,6 +29,21 @@ pub fn top() -> Result<PathBuf> {
     Ok(top)
 }
 
+/// True when long forms of tests run and every board is built: `cargo xtask nightly` sets `LINESTEREO_LONG`.
+#[must_use]
+pub fn is_long() -> bool {
+    std::env::var_os("LINESTEREO_LONG").is_some()
+}
+
+/// Boards that are built, tested and measured: the two measured ones and one of each family of
+/// chips, or all of them in the long form.
+#[must_use]
+pub fn tested() -> Vec<Board> {
+    let on_every_change = [Board::MPS2_AN500, Board::MPS2_AN386, Board::PICO2, Board::STM32H743];
+    if is_long() { Board::ALL.into() } else { on_every_change.into() }
+}
+
+/// The emulated board of this name.
 pub fn named(name: &str) -> Result<Board> {
     let names = || Board::emulated().map(|board| board.name).collect::<Vec<_>>().join(" or ");
     let board = Board::named(name).with_context(|| format!("there is no board {name}; give {}", names()))?;

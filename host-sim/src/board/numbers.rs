@@ -1,22 +1,20 @@
 //! Costs of the built-in pairs on a board, and its digests beside the PC's: as a table, and as a file that its owner sends.
 //!
-//! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU counted
-//! for the same pairs on the same kind of processor, `docs/board-numbers.toml`), and of each pair the first stage whose digest is another.
+//! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU
+//! counted for the same pairs on the same kind of processor), and of each pair the first stage whose digest is another.
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
 use linestereo::diagnostics::Stage;
 use linestereo_boards::Board;
-use linestereo_firmware::cases::Case;
-use linestereo_firmware::programs::expected;
-use linestereo_firmware::programs::selftest::Outcome;
+use linestereo_boards::built_in::{Case, digests, first_difference};
 use linestereo_frames::statistics::upper_median;
 use linestereo_wire::{CaseReport, Hello, MachineReport, Silicon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Instructions of the built-in pairs.
-const INSTRUCTIONS: &str = include_str!("../../board-numbers.toml");
+/// Instructions of each built-in pair on the emulated boards whose processors real boards have, by board and pair.
+const INSTRUCTIONS: &str = include_str!("instructions.toml");
 /// The core's clock by its own counter may differ so much from the one it was set to: both come from one oscillator.
 const CLOCK_TOLERANCE: f64 = 0.01;
 
@@ -105,14 +103,13 @@ impl BoardNumbers {
         let is_in_cycles = machine.unit == "cycles";
         let counted = instructions(&board)?.filter(|_| is_in_cycles);
         let mut pairs = BTreeMap::new();
-        for (number, case) in Case::all(&board).enumerate() {
+        for (number, (case, expected)) in Case::all(&board).zip(digests::of(&board)).enumerate() {
             let name = case.to_string();
             let report = reports.iter().find(|report| usize::from(report.case) == number && *report.name == *name);
             let report = report.with_context(|| format!("the board said nothing of {name}"))?;
-            let expected = expected::of(&board).get(number).copied();
-            let outcome = Outcome { case, found: Some(report.digests), expected };
+            let differs_in = first_difference(&report.digests, expected);
             let counted = counted.as_ref().and_then(|(_, counted)| counted.get(&name)).copied();
-            pairs.insert(name, PairNumbers::new(report, outcome.differs_in(), counted));
+            pairs.insert(name, PairNumbers::new(report, differs_in, counted));
         }
         let ratios: Vec<f64> = pairs.values().filter_map(|pair| pair.cycles_per_instruction).collect();
         let per_instruction = upper_median(ratios.clone(), f64::total_cmp).zip(counted).map(|(median, (of, _))| {
@@ -249,25 +246,7 @@ fn assumed(board: &Board) -> [f64; 2] {
 
 /// Instructions of each built-in pair on the emulated board that has this board's processor, and the name of that board.
 fn instructions(board: &Board) -> Result<Option<(&'static str, BTreeMap<String, u64>)>> {
-    #[derive(Deserialize)]
-    struct File {
-        boards: BTreeMap<String, Counted>,
-    }
-    #[derive(Deserialize)]
-    struct Counted {
-        built_in: BTreeMap<String, Pairs>,
-    }
-    #[derive(Deserialize)]
-    struct Pairs {
-        by_pair: BTreeMap<String, u64>,
-    }
     let Some(twin) = Board::emulated().find(|twin| twin.processor == board.processor) else { return Ok(None) };
-    let file: File = toml::from_str(INSTRUCTIONS).context("docs/board-numbers.toml cannot be read")?;
-    let Some(Counted { built_in }) = file.boards.get(twin.name) else { return Ok(None) };
-    let of = |case: &Case| {
-        let size = case.dims.to_string() + if case.worst_case { "_worst_case" } else { "" };
-        built_in.get(&size)?.by_pair.get(case.scene.name()).copied()
-    };
-    let counted = Case::all(&twin).filter_map(|case| Some((case.to_string(), of(&case)?))).collect();
-    Ok(Some((twin.name, counted)))
+    let mut boards: BTreeMap<String, BTreeMap<String, u64>> = toml::from_str(INSTRUCTIONS)?;
+    Ok(boards.remove(twin.name).map(|counted| (twin.name, counted)))
 }

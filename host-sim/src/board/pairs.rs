@@ -8,14 +8,14 @@ use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo::diagnostics::Stage;
 use linestereo::{Dims, ObjectDepth, Params};
-use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
+use linestereo_frames::{GrayImage, find_scenes, load_scene};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
     Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, ParamUpdate, Refusal,
     Regions, Request, RigReport, RigUpdate, encode,
 };
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Longest run over a list of pairs.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -177,6 +177,28 @@ impl Machine {
             (untrusted::read_text(&at("table"), RESULT_BYTES)?, untrusted::read(&at("output"), RESULT_BYTES)?);
         collect(&output, &table).with_context(|| format!("what {} answered cannot be used", self.board.name))
     }
+}
+
+/// Names and pairs of every captured scene below a folder: reduced to the width of `dims`, and of that as many rows from the middle as
+/// `dims` has. Scenes that are smaller are left out.
+pub fn captured(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
+    let mut list = Vec::new();
+    for path in find_scenes(folder)? {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
+        if scene.left.dims.height >= dims.height {
+            list.push((name, (middle(&scene.left, dims), middle(&scene.right, dims))));
+        }
+    }
+    Ok(list)
+}
+
+/// Rows from the middle of an image.
+fn middle(image: &GrayImage, dims: Dims) -> GrayImage {
+    let width = usize::from(dims.width);
+    let first = usize::from(image.dims.height - dims.height) / 2;
+    let rows = image.pixels.chunks(width).skip(first).take(dims.height.into());
+    GrayImage { dims, pixels: rows.flatten().copied().collect() }
 }
 
 /// The id of the command that sends pair number `n`; ids wrap.

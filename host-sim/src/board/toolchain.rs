@@ -51,6 +51,11 @@ impl Toolchain {
         }
     }
 
+    /// The one in use, for this machine.
+    pub const fn in_use() -> Self {
+        Self { way: "rustup", folder: None }
+    }
+
     fn debian(target: &str) -> Result<Self> {
         Ok(Self { way: "apt", folder: Some(debian::toolchain(target)?) })
     }
@@ -117,7 +122,7 @@ fn host() -> Result<String> {
 
 /// The compiler in use, with the target added if need be. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
 pub(crate) fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
-    let toolchain = Toolchain { way: "rustup", folder: None };
+    let toolchain = Toolchain::in_use();
     let has_target = || {
         let sysroot = sysroot(Command::new("rustc").current_dir(top))?;
         sysroot.join("lib/rustlib").join(target).join("lib").is_dir().then_some(())

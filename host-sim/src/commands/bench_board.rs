@@ -8,7 +8,7 @@ use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo::diagnostics::Fnv;
 use linestereo_boards::Board;
-use linestereo_firmware::programs::expected;
+use linestereo_boards::built_in::digests;
 use linestereo_wire::{
     CaseReport, Command, DecodeError, Decoder, Hello, MAX_PACKET, MachineReport, Message, Outcome, Request, VERSION,
 };
@@ -69,7 +69,7 @@ fn verdict(numbers: &BoardNumbers, machine: &MachineReport) -> Result<()> {
     }
     let mut expected = Fnv::EMPTY;
     if let Some(board) = Board::named(&numbers.board) {
-        expected::of(&board).as_flattened().iter().for_each(|digest| expected.write(&digest.to_le_bytes()));
+        digests::of(&board).as_flattened().iter().for_each(|digest| expected.write(&digest.to_le_bytes()));
     }
     let why = if machine.expected == expected.value() {
         "the board computes something else than a PC: send the file"

@@ -1,8 +1,8 @@
 //! `linestereo frames`: real pairs for a machine that has none.
 
 use super::pairs::timed_bar;
-use crate::input::registry::{Package, packages};
 use crate::output::{print, say};
+use crate::registry::{Package, packages};
 use anyhow::{Result, bail};
 use clap::Subcommand;
 use std::fs;

@@ -2,14 +2,13 @@
 //!
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
 
-use crate::input::Footage;
-use crate::input::recording::is_recording;
-use crate::input::video::{Video, is_video};
+use crate::interruption;
 use crate::output::is_quiet;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo_frames::untrusted::printable;
 use linestereo_frames::{PairFiles, StoredPair};
+use linestereo_recordings::{Footage, Video, is_recording, is_video};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use std::path::Path;
@@ -39,7 +38,7 @@ pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) ->
     if !left.is_dir() && !is_recording(left) && !is_video(left) {
         bail!("{} is no folder; give a left and a right image, a folder, an .mcap file, or videos", left.display());
     }
-    Ok((Footage::open(left, side_by_side)?, name(left)))
+    Ok((Footage::open(left, side_by_side, interruption::requested)?, name(left)))
 }
 
 /// No more pairs come of a video, though there should be.

@@ -4,14 +4,13 @@ use super::input::Setup;
 use super::objects::Asked;
 use super::video::CameraArgs;
 use crate::engine::FrameResult;
-use crate::input::Footage;
-use crate::input::recording::{Choice, DEFAULT_WINDOW_MS, Recording, is_recording};
-use crate::input::video::is_video;
+use crate::interruption;
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
-use crate::ros::sent::{Header, Label};
 use anyhow::{Result, bail};
 use linestereo_frames::{GrayImage, StoredPair};
+use linestereo_recordings::ros::sent::{Label, Stamp};
+use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_recording, is_video};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +65,7 @@ impl RecordingArgs {
         }
         if !is_recording(root) || root.is_dir() {
             self.refuse_options()?;
-            return Ok(Footage::open(root, side_by_side)?);
+            return Ok(Footage::open(root, side_by_side, interruption::requested)?);
         }
         if side_by_side {
             bail!("--side-by-side is for folders; images of a recording have a topic for each camera");
@@ -149,17 +148,17 @@ impl Sink {
         let To::Messages(file) = &mut self.to else { return Ok(()) };
         let stamp_ns = pair.images.time_ns();
         self.first_ns += STEP_NS;
-        let header = Header { stamp_ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
+        let stamp = Stamp { ns: stamp_ns.unwrap_or(self.first_ns), frame_id: &self.frame_id };
         let named = (number, &*pair.name);
         let sent = match (played, setup) {
             (Ok(played), Some(setup)) => {
                 let objects = played.objects.as_ref().map(|_| labels(setup, played));
                 let Played { images, result, .. } = played;
                 let (params, rig_numbers) = (&setup.params, setup.rig_numbers);
-                file.frame(header, named, &Frame { images, result, params, rig_numbers, objects })
+                file.frame(stamp, named, &Frame { images, result, params, rig_numbers, objects })
             }
             (Ok(_), None) => Ok(()),
-            (Err(error), _) => file.failure(header, named, error),
+            (Err(error), _) => file.failure(stamp, named, error),
         };
         sent.map_err(|error| cannot_write(&self.path, &error))
     }

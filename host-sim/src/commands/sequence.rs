@@ -6,8 +6,6 @@ use super::objects::ObjectArgs;
 use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
-use crate::input::Footage;
-use crate::input::video::Video;
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputPath, is_quiet, say, spare};
 use crate::results::health;
@@ -15,6 +13,7 @@ use crate::results::ros::Extra;
 use anyhow::{Result, bail};
 use linestereo_frames::untrusted::printable;
 use linestereo_frames::{StoredPair, layouts};
+use linestereo_recordings::{Footage, Video};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +21,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/sequence.txt"))]
 pub struct Args {
-    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m, .mjpeg; by ffmpeg .mp4, .mkv, .avi, .mov, .webm)
+    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4, .mkv, .avi, .mov, .webm, .mjpeg)
     /// with both views side by side, or of the left camera.
     #[arg(required_unless_present = "camera", conflicts_with = "camera")]
     folder: Option<PathBuf>,

@@ -1,9 +1,8 @@
 //! Videos and cameras as input of a sequence.
 
-use crate::input::Footage;
-use crate::input::video::is_video;
-use crate::video::Camera;
+use crate::interruption;
 use anyhow::{Result, bail};
+use linestereo_recordings::{Camera, Footage, is_video};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -52,13 +51,13 @@ impl CameraArgs {
     pub(super) fn open(&self) -> Result<Footage> {
         let Some(device) = self.camera.clone() else { bail!("give a folder, an .mcap file, a video or --camera") };
         let (size, rate, format) = (self.camera_size, self.camera_fps, self.camera_format.clone());
-        Ok(Footage::camera(&Camera { device, size, rate, format })?)
+        Ok(Footage::camera(&Camera { device, size, rate, format }, interruption::requested)?)
     }
 }
 
 /// Pairs of a video with both views side by side, or of a left and a right one.
 pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<Footage> {
-    let Some(right) = right else { return Ok(Footage::video(&[left])?) };
+    let Some(right) = right else { return Ok(Footage::video(&[left], interruption::requested)?) };
     if let Some(other) = [left, right].into_iter().find(|path| !is_video(path) || path.is_dir()) {
         bail!(
             "{} is no video; of two paths both are videos, a left and a right one: of images give the folder above both",
@@ -68,5 +67,5 @@ pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Res
     if side_by_side {
         bail!("--side-by-side is for one video with both views; leave it out, or give that one alone");
     }
-    Ok(Footage::video(&[left, right])?)
+    Ok(Footage::video(&[left, right], interruption::requested)?)
 }

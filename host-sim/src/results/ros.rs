@@ -13,12 +13,14 @@
 
 use super::health;
 use crate::engine::FrameResult;
-use crate::mcap::Writer;
-use crate::ros::schema;
-use crate::ros::sent::{self, Disparities, Header, Label, Level, Line, Projection, Topic};
 use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
 use linestereo_frames::GrayImage;
+use linestereo_recordings::mcap::Writer;
+use linestereo_recordings::ros::messages::{DisparityImage, Image, RegionOfInterest};
+use linestereo_recordings::ros::sent::{self, Label, Level, Line, Projection, Stamp, Topic};
+use linestereo_recordings::ros::{cdr, schema};
 use linestereo_wire::RigUpdate;
+use serde::Serialize;
 use std::io::{self, Write};
 
 const POINTS: Topic = Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
@@ -61,41 +63,39 @@ pub struct Frame<'a> {
 }
 
 /// The file, which grows.
-#[derive(Debug)]
-pub struct RosFile<W> {
+pub struct RosFile<W: Write> {
     writer: Writer<W>,
     extras: Vec<Extra>,
-    schemas: Vec<(Topic, u16)>,
     channels: Vec<(Topic, u16)>,
 }
 
 impl<W: Write> RosFile<W> {
     pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
-        Ok(Self { writer, extras: extras.to_vec(), schemas: Vec::new(), channels: Vec::new() })
+        Ok(Self { writer, extras: extras.to_vec(), channels: Vec::new() })
     }
 
     /// The messages of a pair.
-    pub fn frame(&mut self, header: Header<'_>, named: (u64, &str), frame: &Frame<'_>) -> io::Result<()> {
+    pub fn frame(&mut self, stamp: Stamp<'_>, named: (u64, &str), frame: &Frame<'_>) -> io::Result<()> {
         let (result, size) = (frame.result, [frame.images[0].dims.width, frame.images[0].dims.height]);
         let rig = frame.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some());
         if let Some(rig) = rig {
-            self.send(POINTS, header, &sent::point_cloud(header, &points(rig, result)))?;
-            self.send(SEGMENTS, header, &sent::lines(header, &lines(rig, result)))?;
+            self.send(POINTS, stamp, &sent::point_cloud(stamp, &points(rig, result)))?;
+            self.send(SEGMENTS, stamp, &sent::lines(stamp, &lines(rig, result)))?;
             if let Some(labels) = &frame.objects {
-                self.send(OBJECTS, header, &sent::labels(header, labels))?;
+                self.send(OBJECTS, stamp, &sent::labels(stamp, labels))?;
             }
         }
         if self.extras.contains(&Extra::Disparity) {
-            self.send(DISPARITY, header, &disparity_image(header, frame))?;
+            self.send(DISPARITY, stamp, &disparity_image(stamp, frame))?;
         }
         if self.extras.contains(&Extra::Images) {
             let projection = rig.map(|rig| projection(rig, frame.rig_numbers));
             for eye in 0..2 {
-                self.send(IMAGES[eye], header, &sent::image(header, size, &frame.images[eye].pixels))?;
+                self.send(IMAGES[eye], stamp, &sent::image(stamp, size, &frame.images[eye].pixels))?;
                 if let Some(projection) = &projection {
-                    let info = sent::camera_info(header, size, projection, eye == 1);
-                    self.send(INFOS[eye], header, &info)?;
+                    let info = sent::camera_info(stamp, size, projection, eye == 1);
+                    self.send(INFOS[eye], stamp, &info)?;
                 }
             }
         }
@@ -110,12 +110,12 @@ impl<W: Write> RosFile<W> {
         let counts = super::listing::counts(&result.counts);
         values.extend(counts.into_iter().map(|(name, count)| (name.to_owned(), count.to_string())));
         let message = if flags.is_empty() { "good".to_owned() } else { flags.join(", ") };
-        self.state(header, named, level, &message, values)
+        self.state(stamp, named, level, message, values)
     }
 
     /// The message of one that cannot be matched.
-    pub fn failure(&mut self, header: Header<'_>, named: (u64, &str), error: &str) -> io::Result<()> {
-        self.state(header, named, Level::Error, error, Vec::new())
+    pub fn failure(&mut self, stamp: Stamp<'_>, named: (u64, &str), error: &str) -> io::Result<()> {
+        self.state(stamp, named, Level::Error, error.to_owned(), Vec::new())
     }
 
     /// Anything had a place in space.
@@ -129,20 +129,20 @@ impl<W: Write> RosFile<W> {
 
     fn state(
         &mut self,
-        header: Header<'_>,
+        stamp: Stamp<'_>,
         (number, name): (u64, &str),
         level: Level,
-        message: &str,
+        message: String,
         values: Vec<(String, String)>,
     ) -> io::Result<()> {
         let named = [("frame".to_owned(), number.to_string()), ("name".to_owned(), name.to_owned())];
-        let values: Vec<_> = named.into_iter().chain(values).collect();
-        self.send(HEALTH, header, &sent::diagnostics(header, level, message, &values))
+        let values = named.into_iter().chain(values).collect();
+        self.send(HEALTH, stamp, &sent::diagnostics(stamp, level, message, values))
     }
 
-    fn send(&mut self, topic: Topic, header: Header<'_>, message: &[u8]) -> io::Result<()> {
+    fn send(&mut self, topic: Topic, stamp: Stamp<'_>, message: &impl Serialize) -> io::Result<()> {
         let channel = self.channel(topic)?;
-        self.writer.message(channel, header.stamp_ns, message)
+        self.writer.message(channel, stamp.ns, &cdr::write(message)?)
     }
 
     /// A topic and its definition are written before its first message.
@@ -150,18 +150,9 @@ impl<W: Write> RosFile<W> {
         if let Some((_, id)) = self.channels.iter().find(|(known, _)| *known == topic) {
             return Ok(*id);
         }
-        let is_same = |known: &Topic| [known.package, known.message] == [topic.package, topic.message];
-        let schema = match self.schemas.iter().find(|(known, _)| is_same(known)) {
-            Some((_, id)) => *id,
-            None => {
-                let Topic { package, message, .. } = topic;
-                let definition = schema::definition(&format!("{package}/{message}"));
-                let id = self.writer.schema(&format!("{package}/msg/{message}"), &definition)?;
-                self.schemas.push((topic, id));
-                id
-            }
-        };
-        let id = self.writer.channel(schema, topic.name)?;
+        let Topic { name, package, message } = topic;
+        let definition = schema::definition(&format!("{package}/{message}"));
+        let id = self.writer.channel(name, &format!("{package}/msg/{message}"), &definition)?;
         self.channels.push((topic, id));
         Ok(id)
     }
@@ -206,20 +197,29 @@ fn projection(rig: &Rig, numbers: Option<RigUpdate>) -> Projection {
     Projection { focal_px, centres: [[x, y], [x + offset_px, y]], baseline_m }
 }
 
-fn disparity_image(header: Header<'_>, frame: &Frame<'_>) -> Vec<u8> {
+fn disparity_image(stamp: Stamp<'_>, frame: &Frame<'_>) -> DisparityImage<'static> {
     let Dims { width, height } = frame.images[0].dims;
     let projection = frame.params.rig.as_ref().map(|rig| projection(rig, frame.rig_numbers));
     let offset = projection.map_or(0.0, |rig| (rig.centres[1][0] - rig.centres[0][0]) as f32);
     let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)].map(|end| end + offset);
     // As OpenCV marks them.
-    let mut values = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
+    let mut values: Vec<f32> = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
     for point in &frame.result.points {
         let at = usize::from(point.y) * usize::from(width) + usize::from(point.x);
         if let Some(value) = values.get_mut(at) {
             *value = point.disparity.to_num::<f32>() + offset;
         }
     }
-    let rig = projection.map_or([0.0; 2], |rig| [rig.focal_px as f32, rig.baseline_m as f32]);
-    let size = [width, height];
-    sent::disparity_image(header, &Disparities { size, values: &values, rig, range, step: DISPARITY_STEP })
+    let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let (encoding, step) = ("32FC1".to_owned(), 4 * u32::from(width));
+    DisparityImage {
+        header: stamp.into(),
+        image: Image { encoding, step, data: data.into(), ..sent::image(stamp, [width, height], &[]) },
+        f: projection.map_or(0.0, |rig| rig.focal_px as f32),
+        t: projection.map_or(0.0, |rig| rig.baseline_m as f32),
+        valid_window: RegionOfInterest { height: height.into(), width: width.into(), ..RegionOfInterest::default() },
+        min_disparity: range[0],
+        max_disparity: range[1],
+        delta_d: DISPARITY_STEP,
+    }
 }

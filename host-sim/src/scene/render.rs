@@ -5,7 +5,7 @@
 
 use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
-use super::texture::{hash, unit_from};
+use super::texture::{Grain, hash, unit_from};
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
 
@@ -112,10 +112,11 @@ impl Camera {
         let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(count) - 0.5;
         let lattice: Vec<[f64; 2]> = (0..count).map(|i| [offset(i), offset(i * step % count)]).collect();
         let mut greys = Vec::with_capacity(usize::from(dims.width) * usize::from(dims.height));
+        let mut grain = Grain::default();
         self.for_each_pixel(dims, |x, y, candidates| {
             let grey = |&[dx, dy]: &[f64; 2]| {
                 self.nearest(candidates, self.ray(x + dx, y + dy))
-                    .map_or(0.0, |(number, _, [u, v])| surfaces[number].texture.grey(u, v))
+                    .map_or(0.0, |(number, _, [u, v])| surfaces[number].texture.grey_near(&mut grain, u, v))
             };
             greys.push(lattice.iter().map(grey).sum::<f64>() / f64::from(count));
         });

@@ -54,14 +54,15 @@ impl Texture {
         Self { pattern, grain, grain_size, seed }
     }
 
-    /// The grey at `u, v` metres from the surface's origin.
-    pub fn grey(&self, u: f64, v: f64) -> f64 {
+    /// The grey at `u, v` metres from the surface's origin. Positions close to each other share what
+    /// they have in common where they are asked for one after the other with the same `grain`.
+    pub(super) fn grey_near(&self, grain: &mut Grain, u: f64, v: f64) -> f64 {
         let base = match self.pattern {
             Pattern::Blank(grey) => grey,
             Pattern::Stripes { greys, period } => greys[usize::from(is_odd(2.0 * u / period))],
             Pattern::Checker { greys, side } => greys[usize::from(is_odd(u / side) != is_odd(v / side))],
             Pattern::Mosaic { greys, cell } => {
-                let unit = unit_from(hash(self.seed, (u / cell[0]).floor(), (v / cell[1]).floor()));
+                let unit = unit_from(hash(self.seed, floor(u / cell[0]), floor(v / cell[1])));
                 greys[0] + (greys[1] - greys[0]) * unit
             }
             Pattern::Edge(greys) => greys[usize::from(v >= 0.0)],
@@ -70,26 +71,70 @@ impl Texture {
         if self.grain == 0.0 {
             return base;
         }
-        let octave =
-            |scale: f64, seed: u64| value_noise(seed, u * scale / self.grain_size, v * scale / self.grain_size);
-        let noise =
-            0.5 * octave(1.0, self.seed ^ 1) + 0.3 * octave(2.0, self.seed ^ 2) + 0.2 * octave(4.0, self.seed ^ 3);
+        let [coarse, middle, fine] = &mut grain.0;
+        let octave = |cell: &mut NoiseCell, scale: f64, seed: u64| {
+            cell.value(seed, u * scale / self.grain_size, v * scale / self.grain_size)
+        };
+        let noise = 0.5 * octave(coarse, 1.0, self.seed ^ 1)
+            + 0.3 * octave(middle, 2.0, self.seed ^ 2)
+            + 0.2 * octave(fine, 4.0, self.seed ^ 3);
         base + self.grain * noise
+    }
+
+    /// The grey at `u, v` metres from the surface's origin.
+    #[must_use]
+    pub fn grey(&self, u: f64, v: f64) -> f64 {
+        self.grey_near(&mut Grain::default(), u, v)
+    }
+}
+
+/// The cells of the grain's three octaves in which the last grey lay.
+#[derive(Default)]
+pub(super) struct Grain([NoiseCell; 3]);
+
+/// A unit square of smooth noise.
+#[derive(Default)]
+struct NoiseCell {
+    /// Seed, column and row, once it is known.
+    place: Option<(u64, f64, f64)>,
+    /// Values at its corners, -1 ..= 1: two above, two below.
+    corners: [f64; 4],
+}
+
+impl NoiseCell {
+    /// Smooth noise in -1 ..= 1 with one independent value per unit square.
+    fn value(&mut self, seed: u64, x: f64, y: f64) -> f64 {
+        let (column, row) = (floor(x), floor(y));
+        if self.place != Some((seed, column, row)) {
+            let at = |dx: f64, dy: f64| 2.0 * unit_from(hash(seed, column + dx, row + dy)) - 1.0;
+            *self = Self {
+                place: Some((seed, column, row)),
+                corners: [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)],
+            };
+        }
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (fx, fy) = (smooth(x - column), smooth(y - row));
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        let [a, b, c, d] = self.corners;
+        mix(mix(a, b, fx), mix(c, d, fx), fy)
+    }
+}
+
+/// The same as `f64::floor`, which is a call of a library for the oldest processors of a PC.
+fn floor(value: f64) -> f64 {
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    let toward_zero = value as i64 as f64;
+    if value.abs() >= WHOLE || value.is_nan() {
+        value
+    } else if toward_zero > value {
+        toward_zero - 1.0
+    } else {
+        toward_zero
     }
 }
 
 fn is_odd(value: f64) -> bool {
-    (value.floor() as i64) & 1 != 0
-}
-
-/// Smooth noise in -1 ..= 1 with one independent value per unit square.
-fn value_noise(seed: u64, x: f64, y: f64) -> f64 {
-    let (column, row) = (x.floor(), y.floor());
-    let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
-    let (fx, fy) = (smooth(x - column), smooth(y - row));
-    let at = |dx: f64, dy: f64| 2.0 * unit_from(hash(seed, column + dx, row + dy)) - 1.0;
-    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    mix(mix(at(0.0, 0.0), at(1.0, 0.0), fx), mix(at(0.0, 1.0), at(1.0, 1.0), fx), fy)
+    (floor(value) as i64) & 1 != 0
 }
 
 /// 64 well mixed bits for one cell of an integer grid (the finalizer of SplitMix64, once per coordinate).

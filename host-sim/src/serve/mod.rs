@@ -11,8 +11,11 @@
 //! served at once. 64 events or 16 MiB wait for a visitor: who is slower loses the oldest, and is told how many. Who takes nothing for 10 s is let go.
 //!
 //! # Source
-//! HTTP/1.1 (RFC 9112) by the crate `httparse`, one request a connection; server-sent events (HTML Living Standard, 9.2).
-//! Not `tiny_http`: it reads a head of any length. Not `hyper`: it needs a runtime, for one page and eight visitors.
+//! HTTP/1.1 (RFC 9112) by the crate `httparse`, one request a connection; server-sent events (HTML
+//! Living Standard, 9.2). No blocking server on crates.io keeps these bounds: `tiny_http` and
+//! `touche` read a head of any length, and `tiny_http` waits for ever for who sends or takes nothing;
+//! `oxhttp` holds events back until there are 1024 bytes of them. `hyper` needs a runtime, for one
+//! page and eight visitors.
 
 mod request;
 mod server;

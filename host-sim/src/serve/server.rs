@@ -1,7 +1,7 @@
 //! Connections: one thread takes them, each is answered on its own.
 
 use super::AskedBox;
-use super::request::{Door, Refusal, Wanted};
+use super::request::{Door, Refusal, TOO_MANY, Wanted};
 use super::visitors::{Next, Queue, Visitors};
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write as _;
@@ -123,7 +123,8 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             continue; // gone already
         }
         if shared.connections.load(Ordering::Relaxed) == MOST_CONNECTIONS {
-            let _ = say(&mut stream, Refusal::TooMany); // to nobody, at worst
+            let (status, text) = TOO_MANY;
+            let _ = respond(&mut stream, status, "text/plain", "", text); // to nobody, at worst
             continue;
         }
         shared.connections.fetch_add(1, Ordering::Relaxed);
@@ -164,7 +165,7 @@ fn answer(stream: &mut TcpStream, shared: &Shared) -> io::Result<()> {
                 shared.visitors.leave(&queue);
                 outcome
             }
-            None => refuse(stream, Refusal::TooMany),
+            None => refuse(stream, TOO_MANY),
         },
         Err(refusal) => refuse(stream, refusal),
     }
@@ -182,17 +183,12 @@ fn tell(stream: &mut TcpStream, queue: &Queue) -> io::Result<()> {
     }
 }
 
-fn refuse(stream: &mut TcpStream, refusal: Refusal) -> io::Result<()> {
-    say(stream, refusal)?;
+fn refuse(stream: &mut TcpStream, (status, text): Refusal) -> io::Result<()> {
+    respond(stream, status, "text/plain", "", text)?;
     // What is left unread would have the other end see a reset before the answer.
     stream.shutdown(Shutdown::Write)?;
     stream.set_read_timeout(Some(Duration::from_secs(1)))?;
     io::copy(&mut Read::take(stream, UNREAD_BYTES), &mut io::sink()).map(drop)
-}
-
-fn say(stream: &mut TcpStream, refusal: Refusal) -> io::Result<()> {
-    let (status, text) = refusal.says();
-    respond(stream, status, "text/plain", "", text)
 }
 
 fn respond(stream: &mut TcpStream, status: &str, kind: &str, fields: &str, text: &str) -> io::Result<()> {

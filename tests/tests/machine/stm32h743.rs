@@ -9,27 +9,20 @@ mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
 use linestereo::{Confidence, Depth, HealthFlags, Margin, Match, Parts};
-use linestereo_firmware::programs::expected::QVGA;
+use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
-use linestereo_sim::board::{firmware, toolchain::Toolchain};
-use linestereo_tests::board::or_skip;
+use linestereo_tests::board::image_with;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, RegionBox, Regions,
-    Request, ResetCause, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
+    Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
 
 /// Runs an image for a still scene: without the feature such cameras' pairs are refused.
 fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
-    let image = || {
-        let board = linestereo_boards::Board::STM32H743;
-        let toolchain = or_skip(Toolchain::for_board(&board))?;
-        let features = ["still-scene".to_owned()];
-        let built = firmware::build_all(&toolchain, &board, &["live", "selftest"], firmware::Logs::None, &features);
-        or_skip(built)?.into_iter().find(|image| image.ends_with(program))
-    };
+    let image = || image_with(&linestereo_boards::Board::STM32H743, program, &["still-scene"]);
     let mut scenario = scenario.clone();
     scenario["board"] = json!("stm32h743");
     Run::of("stm32h7.py", image, &scenario)
@@ -93,10 +86,6 @@ static AGAIN: LazyLock<Option<Run>> = LazyLock::new(|| {
     flash[3 * kept::SECTOR..][..newer.len()].copy_from_slice(&newer);
     execute("live", &json!({ "until_us": 1_400_000, "flash": hex(&flash), "host": host, "faults": faults }))
 });
-static HARD_FAULT: LazyLock<Option<Run>> = LazyLock::new(|| {
-    let faults = json!({ "until_us": 750_000, "hard_fault_us": 300_000, "overflow_us": 550_000, "resets": 2 });
-    execute("live", &faults)
-});
 
 /// Ten seconds of a board: pairs, three bad frames, a photograph, a rig that is erased and written, objects by their boxes, an autopilot. Then
 /// power is lost, and comes back, and frames are bad again.
@@ -156,15 +145,6 @@ fn ten_seconds_of_a_board() {
     again.assert_bad_frames(&frames, &bad, FAULTS_AGAIN.len(), 60_000);
     let last = frames.last().unwrap();
     assert!(last.segments > 0 && last.capture_time_us > 1_250_000, "{last:?}");
-}
-
-/// A fault of the processor ends the program, a stack that overflows does too, and the next run names it.
-#[test]
-fn a_hard_fault_is_named_after_the_reset() {
-    let Some(run) = &*HARD_FAULT else { return };
-    let causes = [ResetCause::PowerOn, ResetCause::Fault, ResetCause::StackOverflow];
-    assert_eq!(run.reset_causes(), causes.map(Some));
-    assert_eq!(run.result["resets_us"].as_array().map(Vec::len), Some(2));
 }
 
 fn boxes(boxes: &[RegionBox], only: bool) -> Request {
@@ -402,18 +382,16 @@ fn most_of_the_code_runs() {
     let runs = [
         &TEN_SECONDS,
         &AGAIN,
-        &HARD_FAULT,
         &BY_USB,
         &BAD_PICTURES,
         &scenes::SCENES,
         &cameras::SENSORS,
         &usb::ASKED,
         &kept::DAMAGED,
+        &kept::RESETS,
     ];
-    let runs = runs.iter().map(|run| run.as_ref()).chain(kept::RESETS.iter().map(Option::as_ref));
-    let Some(code) = runs.map(|run| run.map(Run::code)).reduce(|all, more| Some(all?.and(more?))).flatten() else {
-        return;
-    };
+    let codes = runs.iter().map(|run| run.as_ref().map(Run::code));
+    let Some(code) = codes.reduce(|all, more| Some(all?.and(more?))).flatten() else { return };
     code.assert_executed(150_000);
 }
 

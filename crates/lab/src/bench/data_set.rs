@@ -287,18 +287,18 @@ mod tests {
 
     #[test]
     fn sets_are_found_by_their_scenes() {
-        let root = std::env::temp_dir().join(format!("linestereo-lab-{}", std::process::id()));
+        let root = tempfile::tempdir().unwrap();
         for (name, info) in [("b/1", r#"{"ground_truth":{"file":"gt.png","disparity_scale":4}}"#), ("a/x/1", "{}")] {
-            let folder = root.join(name);
+            let folder = root.path().join(name);
             fs::create_dir_all(&folder).unwrap();
-            ["left.png", "right.png"].map(|image| fs::write(folder.join(image), "").unwrap());
-            fs::write(folder.join("scene.json"), info).unwrap();
+            for (file, content) in [("left.png", ""), ("right.png", ""), ("scene.json", info)] {
+                fs::write(folder.join(file), content).unwrap();
+            }
         }
-        let sets = find(&root).unwrap();
+        let sets = find(root.path()).unwrap();
         assert_eq!(sets.iter().map(|set| set.name.as_str()).collect::<Vec<_>>(), ["b"]);
         assert!(!sets[0].is_rooms);
-        let empty = find(&root.join("a")).unwrap_err().to_string();
+        let empty = find(&root.path().join("a")).unwrap_err().to_string();
         assert!(empty.contains("holds no scenes with ground truth"), "{empty}");
-        fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -23,17 +23,18 @@ mod scoring;
 mod sectors;
 mod seen;
 
+use crate::rivals::OpenCv;
 use anyhow::{Context, Result, bail};
+use core::num::NonZero;
 use core::sync::atomic::{AtomicUsize, Ordering};
-use data_set::DataSet;
+use data_set::{DataSet, Known, SceneFolder};
 use figures::{Group, Report, SetReport};
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo_frames::untrusted;
-use linestereo_sim::output::{OutputFiles, OutputPath, print};
-use opencv::{OpenCv, Worker};
+use linestereo_sim::output::{OutputFiles, OutputPath, is_quiet, print};
+use opencv::Worker;
 use scoring::{DAMAGES, Scores, Task};
 use std::fs;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::thread;
@@ -121,7 +122,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scored = score(&tasks, opencv.as_ref(), args)?;
     let pairs: usize = scored.iter().map(|done| done.scenes).sum();
     let report = Report {
-        opencv: opencv.as_ref().map(|opencv| opencv.version.clone()),
+        opencv: opencv.as_ref().map(|opencv| opencv.version().to_owned()),
         sets: sets.iter().map(|set| set_report(set, &tasks, &scored, args)).collect(),
     };
 
@@ -137,7 +138,9 @@ pub fn run(args: &Args) -> Result<()> {
     if !args.json.as_ref().is_some_and(OutputPath::is_stdout) {
         print(&text)?;
     }
-    eprintln!("{pairs} pairs in {:.0} s", begin.elapsed().as_secs_f64());
+    if !is_quiet() {
+        eprintln!("{pairs} pairs in {:.0} s", begin.elapsed().as_secs_f64());
+    }
     Ok(())
 }
 
@@ -163,9 +166,9 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
     }
     match OpenCv::find(args.python.as_deref()) {
         Ok(opencv) => Ok(Some(opencv)),
-        Err(error) if args.python.is_some() => Err(error),
+        Err(error) if args.python.is_some() => Err(error.into()),
         Err(error) => {
-            eprintln!("linestereo alone is scored, and no damaged images: {error:#}");
+            eprintln!("linestereo alone is scored, and no damaged images: {error}");
             Ok(None)
         }
     }
@@ -194,10 +197,10 @@ fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec
     let cache = cache.as_deref().map(std::path::absolute).transpose()?;
     let pairs: usize = tasks.iter().map(|task| task.set.scenes.len()).sum();
     let style = ProgressStyle::with_template("{bar:30} {pos} of {len} pairs, {msg}, {eta} left")?;
-    let progress = ProgressBar::new(pairs as u64).with_style(style);
+    let progress = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(pairs as u64).with_style(style) };
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> Result<()> {
-        let mut worker = opencv.map(OpenCv::worker).transpose()?;
+        let mut worker = opencv.map(Worker::start).transpose()?;
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(task) = tasks.get(index) else { return Ok(()) };
@@ -225,15 +228,23 @@ fn score_task(
     cache: Option<&Path>,
     progress: &ProgressBar,
 ) -> Result<Done> {
-    let known = task.set.scenes.iter().map(|scene| task.known(scene)).collect::<Result<Vec<_>>>()?;
-    if let Some(worker) = &mut worker {
-        worker.ask(&task.request(&known, cache)?)?;
+    let (mut scenes, mut notes) = (Vec::<(&SceneFolder, Known)>::new(), Vec::new());
+    let left_out = |scene: &SceneFolder, why: &anyhow::Error| format!("{} is left out: {why:#}", scene.name());
+    for scene in &task.set.scenes {
+        let known = task.known(scene)?;
+        match product::check([known.truth.width(), known.truth.height()], known.max_disparity) {
+            Ok(()) => scenes.push((scene, known)),
+            Err(error) => notes.push(left_out(scene, &error)),
+        }
     }
-    let (mut scores, mut notes) = (Scores::default(), Vec::new());
-    for (scene, known) in task.set.scenes.iter().zip(&known) {
+    if let Some(worker) = &mut worker {
+        worker.ask(&task.request(&scenes, cache)?)?;
+    }
+    let mut scores = Scores::default();
+    for (scene, known) in &scenes {
         let answer = worker.as_mut().map(|worker| worker.answer()).transpose()?;
         if let Err(error) = scores.add(task, scene, known, answer.as_ref()) {
-            notes.push(format!("{} is left out: {error:#}", scene.name()));
+            notes.push(left_out(scene, &error));
         }
         progress.inc(1);
     }
@@ -253,5 +264,61 @@ fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done], args: &Args) -
         scenes: done.first().map_or(0, |done| done.scenes),
         notes: done.iter().flat_map(|done| done.notes.iter().cloned()).collect(),
         groups: done.iter().flat_map(|done| done.groups.iter().cloned()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::product::Pair;
+    use std::collections::HashSet;
+
+    /// Two scenes of a set of captured frames, by linestereo alone.
+    fn first_two(set: &str) -> (DataSet, Done) {
+        let beside = || PathBuf::from("../../../shared/frames");
+        let frames = std::env::var_os("LINESTEREO_FRAMES").map_or_else(beside, PathBuf::from);
+        let mut set = data_set::find(&frames).unwrap().into_iter().find(|found| found.name == set).unwrap();
+        set.scenes.truncate(2);
+        let task = Task { set: &set, damage: DAMAGES[0], width: None };
+        let done = score_task(&task, None, None, &ProgressBar::hidden()).unwrap();
+        (set, done)
+    }
+
+    fn value(done: &Done, group: &str, figure: &str) -> f64 {
+        let group = done.groups.iter().find(|found| found.name.starts_with(group)).unwrap();
+        let figure = group.figures.iter().find(|found| found.name == figure).unwrap();
+        assert_eq!((figure.values.sgbm, figure.values.bm), (None, None), "OpenCV was not asked");
+        figure.values.linestereo.unwrap()
+    }
+
+    #[test]
+    #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+    fn real_scenes_are_scored() {
+        let (set, done) = first_two("qvga");
+        assert_eq!((done.scenes, done.notes.len()), (2, 0));
+        let (mut cells, mut all) = (0, 0);
+        for scene in &set.scenes {
+            let [left, right] = scene.images().unwrap();
+            let pair = Pair::load(&left, &right).unwrap();
+            let points = pair.points(scene.known().unwrap().max_disparity).unwrap();
+            cells += points.iter().map(|point| (point.x / 16, point.y / 16)).collect::<HashSet<_>>().len();
+            all += pair.left.width().div_ceil(16) * pair.left.height().div_ceil(16);
+        }
+        let covered = value(&done, "one hypothesis per", "cells with a hypothesis, %");
+        assert_eq!(covered, 100.0 * cells as f64 / all as f64);
+        assert!(value(&done, "one hypothesis per", "first 50 % of all cells: off by > 1 px, %") < 5.0);
+        assert!(value(&done, "seen", "answered, %") > 50.0);
+        assert!(value(&done, "said against right", "mean |said - right|, %") < 10.0);
+    }
+
+    #[test]
+    #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+    fn rendered_rooms_are_scored_by_class() {
+        let (set, done) = first_two("robot_world");
+        assert!(set.is_rooms && done.notes.is_empty());
+        let names: Vec<&str> = done.groups.iter().filter_map(|group| group.name.split([':', ' ']).next()).collect();
+        assert_eq!(names, ["one", "seen", "objects", "obstacles", "said"]);
+        assert!(value(&done, "seen by class", "floor: cells") > 500.0);
+        assert!(value(&done, "obstacles", "sectors with an obstacle") > 10.0);
     }
 }

@@ -6,27 +6,18 @@
 use super::cells::Hypothesis;
 use super::grid::Grid;
 use super::product::Pair;
-use anyhow::{Context, Result, bail};
+use crate::rivals::OpenCv;
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
 const SCRIPT: &str = include_str!("opencv.py");
-/// Which Python runs it, where no option says so.
-const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 /// Steps of OpenCV's disparities in one px.
 const STEPS: f64 = 16.0;
 /// Part of the distance between two levels that a draw adds to a confidence.
 const TIE: f64 = 0.5;
-
-/// A Python with OpenCV and NumPy.
-#[derive(Clone, Debug)]
-pub(crate) struct OpenCv {
-    python: OsString,
-    pub(crate) version: String,
-}
 
 /// One pair of a request.
 #[derive(Clone, Debug, Serialize)]
@@ -68,35 +59,6 @@ struct Head {
     answered: usize,
 }
 
-impl OpenCv {
-    /// Looks for OpenCV in this Python, else in that of the environment variable, else in `python3`.
-    pub(crate) fn find(python: Option<&Path>) -> Result<Self> {
-        let python = python
-            .map(|path| path.as_os_str().to_owned())
-            .or_else(|| std::env::var_os(PYTHON_VARIABLE))
-            .unwrap_or_else(|| "python3".into());
-        let shown = python.display();
-        let advice = format!("name another Python by --python or {PYTHON_VARIABLE}");
-        let command = ["-c", "import cv2, numpy; print(cv2.__version__)"];
-        let output = Command::new(&python).args(command).output();
-        let output = output.with_context(|| format!("cannot run {shown}; install Python, or {advice}"))?;
-        if !output.status.success() {
-            bail!("{shown} has no OpenCV; pip install opencv-python-headless numpy, or {advice}");
-        }
-        let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-        Ok(Self { python, version })
-    }
-
-    /// Starts a process that matches pairs.
-    pub(crate) fn worker(&self) -> Result<Worker> {
-        let mut command = Command::new(&self.python);
-        command.args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut process = command.spawn().with_context(|| format!("cannot run {}", self.python.display()))?;
-        let answers = process.stdout.take().map(BufReader::new).context("Python has no stdout")?;
-        Ok(Worker { process, answers })
-    }
-}
-
 /// A process that matches pairs on one core.
 #[derive(Debug)]
 pub(crate) struct Worker {
@@ -105,6 +67,15 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
+    /// Starts the process.
+    pub(crate) fn start(opencv: &OpenCv) -> Result<Self> {
+        let mut command = Command::new(opencv.python());
+        command.args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut process = command.spawn().with_context(|| format!("cannot run {}", opencv.python().display()))?;
+        let answers = process.stdout.take().map(BufReader::new).context("Python has no stdout")?;
+        Ok(Self { process, answers })
+    }
+
     /// Asks for the pairs of a request; [`Worker::answer`] gives them in their order.
     pub(crate) fn ask(&mut self, request: &Request) -> Result<()> {
         let line = serde_json::to_string(request)? + "\n";

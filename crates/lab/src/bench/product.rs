@@ -41,15 +41,11 @@ impl Pair {
     }
 
     fn dims(&self) -> Result<Dims> {
-        let [width, height] = [self.left.width(), self.left.height()].map(u16::try_from);
-        Ok(Dims { width: width?, height: height? })
+        dims([self.left.width(), self.left.height()])
     }
 
     fn run(&self, params: &Params) -> Result<(Engine, FrameResult)> {
         let dims = self.dims()?;
-        if params.max_disparity >= dims.width {
-            bail!("a disparity range of {} does not fit images of {dims}", params.max_disparity);
-        }
         let mut engine = Engine::new(params, dims)?;
         let view = |image| Gray::new(Grid::values(image), dims, dims.width.into());
         let result = engine.run(view(&self.left)?, view(&self.right)?)?;
@@ -104,6 +100,21 @@ impl Pair {
         };
         Ok(directions.list().into_iter().filter_map(said).collect())
     }
+}
+
+fn dims(sides: [usize; 2]) -> Result<Dims> {
+    let [width, height] = sides.map(u16::try_from);
+    Ok(Dims { width: width?, height: height? })
+}
+
+/// Refuses images of a size, or a range, that the core does not take.
+pub(crate) fn check(sides: [usize; 2], max_disparity: u16) -> Result<()> {
+    let dims = dims(sides)?;
+    if max_disparity >= dims.width {
+        bail!("a disparity range of {max_disparity} does not fit images of {dims}");
+    }
+    Params { max_disparity, ..Params::default() }.matcher(dims)?;
+    Ok(())
 }
 
 /// Reads an image of plain numbers.

@@ -10,6 +10,9 @@ use super::grid::Grid;
 /// Lower end of each bin, percent; the last one ends at certainty.
 const BINS: [u32; 10] = [50, 55, 60, 65, 70, 75, 80, 85, 90, 95];
 
+/// What a user is given without asking for more; a short table shows these bins.
+const SURE_PERCENT: u32 = 90;
+
 /// Points of one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Bin {
@@ -63,11 +66,10 @@ impl Reliability {
             let range = format!("p {:.2} to {:.2}", f64::from(from) / 100.0, f64::from(from + 5) / 100.0);
             let of_bin =
                 |what: &str, value: f64| Figure::new(format!("{range}: {what}"), Better::Neither, 1, of(value));
-            figures.extend([
-                of_bin("said, %", bin.said_percent()),
-                of_bin("right, %", bin.right_percent()),
-                Figure { decimals: 0, ..of_bin("points", bin.points as f64) }.minor(),
-            ]);
+            let said_and_right = [of_bin("said, %", bin.said_percent()), of_bin("right, %", bin.right_percent())];
+            let is_main = from >= SURE_PERCENT;
+            figures.extend(said_and_right.map(|figure| if is_main { figure } else { figure.minor() }));
+            figures.push(Figure { decimals: 0, ..of_bin("points", bin.points as f64) }.minor());
         }
         Group::new(name, figures)
     }

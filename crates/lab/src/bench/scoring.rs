@@ -62,14 +62,14 @@ impl Task<'_> {
     }
 
     /// What OpenCV is asked for.
-    pub(crate) fn request(&self, known: &[Known], cache: Option<&Path>) -> Result<Request> {
-        let pair = |(scene, known): (&SceneFolder, &Known)| {
+    pub(crate) fn request(&self, scenes: &[(&SceneFolder, Known)], cache: Option<&Path>) -> Result<Request> {
+        let pair = |(scene, known): &(&SceneFolder, Known)| {
             let [left, right] = scene.images()?;
             let size = self.width.map(|_| [known.truth.width(), known.truth.height()]);
             Ok(PairRequest { left, right, disparities: known.max_disparity, size })
         };
         Ok(Request {
-            pairs: self.set.scenes.iter().zip(known).map(pair).collect::<Result<_>>()?,
+            pairs: scenes.iter().map(pair).collect::<Result<_>>()?,
             damage: self.damage,
             generator_per_pair: self.set.is_rooms,
             cache: cache.map(Path::to_path_buf),

@@ -137,7 +137,7 @@ impl Sectors {
         };
         let figures = vec![
             Figure::new("sectors with an obstacle", Better::Neither, 0, of(obstacles as f64)).minor(),
-            share("obstacle: told within 25 %", Better::Higher, right, obstacles),
+            share("obstacle: told right", Better::Higher, right, obstacles),
             share("obstacle: told farther", Better::Lower, farther, obstacles),
             share("obstacle: called free", Better::Lower, called_free, obstacles),
             share("obstacle: a ghost nearer", Better::Lower, ghost_nearer, obstacles),

@@ -5,7 +5,6 @@
 //! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
 
 use core::fmt::Write;
-use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use linestereo_frames::statistics::{interpolated_quantile, median};

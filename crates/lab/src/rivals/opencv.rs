@@ -6,7 +6,7 @@ use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -100,6 +100,12 @@ impl OpenCv {
             return Err(OpenCvError::NoOpenCv(python));
         }
         Ok(Self { python, version: String::from_utf8_lossy(&output.stdout).trim().to_owned() })
+    }
+
+    /// The program that runs it.
+    #[must_use]
+    pub fn python(&self) -> &OsStr {
+        &self.python
     }
 
     /// Its version.

@@ -63,7 +63,8 @@ fn damaged_slots_and_a_flash_that_fails_are_named() {
 
 const PIN: u32 = 1 << 22;
 /// Flags of RCC_RSR (RM0433: 8.7.39), of which every reset sets that of its pin, and the cause that a host is told.
-const CAUSES: [(u32, ResetCause); 6] = [
+const CAUSES: [(u32, ResetCause); 7] = [
+    (0x00ee_0000, ResetCause::PowerOn),
     (PIN | 1 << 21, ResetCause::BrownOut),
     (PIN, ResetCause::Pin),
     (PIN | 1 << 26, ResetCause::Watchdog),
@@ -71,14 +72,24 @@ const CAUSES: [(u32, ResetCause); 6] = [
     (PIN | 1 << 24, ResetCause::Software),
     (0, ResetCause::Unknown),
 ];
-pub(super) static RESETS: LazyLock<[Option<Run>; CAUSES.len()]> =
-    LazyLock::new(|| CAUSES.map(|(flags, _)| execute("live", &json!({ "until_us": 150_000, "reset_flags": flags }))));
+/// From one reset to the next.
+const RESET_US: usize = 150_000;
+/// One reset behind the other from outside, then a fault of the processor and a stack that overflows.
+pub(super) static RESETS: LazyLock<Option<Run>> = LazyLock::new(|| {
+    let at = |reset: usize| RESET_US * reset;
+    let outside: Vec<_> = (1..CAUSES.len()).map(at).collect();
+    let fault_us = at(CAUSES.len());
+    let scenario = json!({
+        "until_us": fault_us + 500_000, "reset_flags": CAUSES.map(|(flags, _)| flags), "resets_us": outside,
+        "hard_fault_us": fault_us, "overflow_us": fault_us + 250_000, "resets": CAUSES.len() + 1,
+    });
+    execute("live", &scenario)
+});
 
 #[test]
 fn each_cause_of_a_reset_is_told() {
-    for (run, (flags, cause)) in RESETS.iter().zip(CAUSES) {
-        let Some(run) = run else { return };
-        run.assert_whole();
-        assert_eq!(run.reset_causes(), [Some(cause)], "{flags:#x}");
-    }
+    let Some(run) = &*RESETS else { return };
+    run.assert_whole();
+    let causes = CAUSES.iter().map(|&(_, cause)| cause).chain([ResetCause::Fault, ResetCause::StackOverflow]);
+    assert_eq!(run.reset_causes(), causes.map(Some).collect::<Vec<_>>());
 }

@@ -1,0 +1,279 @@
+//! A recording of ROS 2 or Foxglove (`.mcap`): which of its images are pairs, what their calibration says, and the images themselves.
+//!
+//! ```text
+//! topics    every topic with images or a calibration -> the left and the right one
+//! pairing   times of both -> pairs; the rest is counted
+//! rig       CameraInfo of both -> focal length, baseline, principal points; of raw images the rig that rectifies them
+//! images    a message -> grey values
+//! ```
+//!
+//! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
+//!
+//! # Bounds
+//! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
+
+mod fault;
+mod images;
+mod pairing;
+mod rig;
+mod topics;
+
+use crate::mcap::{Place, Reader, Record};
+use crate::ros::kind::{Content, Kind};
+use crate::ros::messages::CameraInfo;
+use core::fmt;
+use linestereo_frames::grey::StoredGray;
+use linestereo_frames::untrusted::printable;
+use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, StoredPair, Views};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use tempfile::TempDir;
+
+pub use fault::RecordingFault;
+pub use topics::{Choice, DEFAULT_WINDOW_MS};
+
+/// Most images of a recording: two hours and a half of a pair thirty times a second.
+const MOST_IMAGES: usize = 1 << 19;
+/// Most topics, and bytes of a name.
+const MOST_TOPICS: usize = 4096;
+const MOST_NAME_BYTES: usize = 1024;
+
+/// An image of a topic.
+#[derive(Clone, Copy, Debug)]
+struct Stored {
+    place: Place,
+    stamp_ns: i64,
+    kind: Kind,
+}
+
+/// A topic with what was found of it.
+#[derive(Debug)]
+struct Topic {
+    name: String,
+    content: Content,
+    images: Vec<Stored>,
+    /// The first one.
+    info: Option<CameraInfo>,
+    info_changes: bool,
+    frame_id: String,
+}
+
+/// A recording that was scanned.
+pub struct Recording {
+    path: PathBuf,
+    reader: Mutex<Reader>,
+    pairs: Vec<[Stored; 2]>,
+    topics: [String; 2],
+    frame_id: String,
+    window_ms: f64,
+    rig: String,
+    /// Files with the rig of raw images, for as long as somebody may read them.
+    _files: Option<TempDir>,
+}
+
+/// A pair of a recording: places of messages, read when it is loaded.
+#[derive(Clone, Debug)]
+struct RecordedPair {
+    recording: Arc<Recording>,
+    index: usize,
+}
+
+impl fmt::Debug for Recording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Recording").field("path", &self.path).field("pairs", &self.pairs.len()).finish_non_exhaustive()
+    }
+}
+
+/// Is this a recording, by its name?
+#[must_use]
+pub fn is_recording(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
+}
+
+/// Pairs of a recording in the order of their times, and the number of images without a partner.
+pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
+    let fault = |fault| FrameError::Source(path.to_path_buf(), Box::new(fault));
+    let mut reader = Reader::open(path).map_err(|error| fault(error.into()))?;
+    let all = scanned(&mut reader).map_err(fault)?;
+    let chosen = choice.topics(&all).map_err(fault)?;
+    let counts = chosen.map(|topic| topic.images.len());
+    let (pairs, alone) = pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
+    if pairs.is_empty() {
+        return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
+    }
+    let infos = choice.infos(&all, chosen);
+    let (rig, told, files) = rig::of(path, chosen.map(|topic| topic.name.as_str()), infos).map_err(fault)?;
+    let recording = Arc::new(Recording {
+        path: path.to_path_buf(),
+        reader: Mutex::new(reader),
+        pairs,
+        topics: chosen.map(|topic| topic.name.clone()),
+        frame_id: chosen[0].frame_id.clone(),
+        window_ms: choice.window_ms,
+        rig: told,
+        _files: files,
+    });
+    let pairs = (0..recording.pairs.len()).map(|index| {
+        let stamp = recording.pairs[index][0].stamp_ns;
+        let name = format!("{}.{:09}", stamp.div_euclid(1_000_000_000), stamp.rem_euclid(1_000_000_000));
+        let pair = RecordedPair { recording: Arc::clone(&recording), index };
+        let mut stored = StoredPair::alone(name, PairFiles::Source(Arc::new(pair)));
+        stored.rig = rig.clone();
+        stored
+    });
+    Ok((pairs.collect(), alone, recording))
+}
+
+/// Every topic with images or a calibration.
+fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
+    let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+    let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
+    let (mut images, mut foreign) = (0, None);
+    reader.scan(|record, place| -> Result<(), RecordingFault> {
+        match record {
+            Record::Schema { header, .. } => {
+                _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
+            }
+            Record::Channel(channel) => {
+                let (schema, encoding) =
+                    (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
+                let Some(kind) = Kind::of(schema, &encoding) else {
+                    if schema.ends_with("Image") && foreign.is_none() {
+                        foreign = Some(format!("{schema} in {encoding}"));
+                    }
+                    channels.remove(&channel.id);
+                    return Ok(());
+                };
+                let name = channel.topic;
+                if name.len() > MOST_NAME_BYTES {
+                    return Err(RecordingFault::TooMany("bytes in the name of a topic"));
+                }
+                let at = names.get(&name).copied().unwrap_or(topics.len());
+                if at == MOST_TOPICS {
+                    return Err(RecordingFault::TooMany("topics"));
+                }
+                if at == topics.len() {
+                    names.insert(name.clone(), at);
+                    topics.push(Topic::new(name, kind.content));
+                }
+                channels.insert(channel.id, (at, kind));
+            }
+            Record::Message { header, data } => {
+                let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
+                let topic = &mut topics[at];
+                if kind.content == Content::Calibration {
+                    return topic.calibrated(&data, kind);
+                }
+                images += 1;
+                if images > MOST_IMAGES {
+                    return Err(RecordingFault::TooMany("images"));
+                }
+                topic.take(&data, header.log_time, place, kind)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    })?;
+    if !topics.iter().any(Topic::has_images) {
+        let found = foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
+        return Err(RecordingFault::Topics(format!(
+            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
+        )));
+    }
+    Ok(topics)
+}
+
+impl Topic {
+    fn new(name: String, content: Content) -> Self {
+        let frame_id = String::new();
+        Self { name, content, images: Vec::new(), info: None, info_changes: false, frame_id }
+    }
+
+    fn has_images(&self) -> bool {
+        self.content != Content::Calibration
+    }
+
+    fn broken(&self) -> RecordingFault {
+        RecordingFault::Image(
+            self.name.clone(),
+            "the message ends early, or is none of its kind; record it again".to_owned(),
+        )
+    }
+
+    fn take(&mut self, data: &[u8], log_time: u64, place: Place, kind: Kind) -> Result<(), RecordingFault> {
+        let header = kind.header(data).ok_or_else(|| self.broken())?;
+        if self.images.is_empty() {
+            self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
+        }
+        // Nobody set it: the time of the recorder.
+        let stamp_ns = header.stamp_ns();
+        let stamp_ns = if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
+        self.images.push(Stored { place, stamp_ns, kind });
+        Ok(())
+    }
+
+    fn calibrated(&mut self, data: &[u8], kind: Kind) -> Result<(), RecordingFault> {
+        let info = kind.calibration(data).ok_or_else(|| self.broken())?;
+        match &self.info {
+            None => self.info = Some(info),
+            Some(first) => self.info_changes |= *first != info,
+        }
+        Ok(())
+    }
+}
+
+impl PairSource for RecordedPair {
+    fn layout(&self) -> Layout {
+        Layout::Recording
+    }
+
+    fn paths(&self) -> [&Path; 2] {
+        [&self.recording.path; 2]
+    }
+
+    fn times_us(&self) -> Option<[u64; 2]> {
+        self.stamps_ns().map(|stamps| stamps.map(|stamp| stamp / 1000))
+    }
+
+    fn time_ns(&self) -> Option<u64> {
+        self.stamps_ns().map(|[left, _]| left)
+    }
+
+    fn grey(&self) -> Result<Views<StoredGray>, FrameError> {
+        Ok(Views::Two([self.image(0)?, self.image(1)?]))
+    }
+}
+
+impl RecordedPair {
+    /// When the images were captured, ns; `None` before 1970.
+    fn stamps_ns(&self) -> Option<[u64; 2]> {
+        let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
+        Some([left?, right?])
+    }
+
+    fn image(&self, eye: usize) -> Result<StoredGray, FrameError> {
+        let recording = &self.recording;
+        let fault = |fault| FrameError::Source(recording.path.clone(), Box::new(fault));
+        let Stored { place, kind, .. } = recording.pairs[self.index][eye];
+        let message = recording.reader.lock().unwrap_or_else(PoisonError::into_inner).message(place);
+        let message = message.map_err(|error| fault(error.into()))?;
+        images::grey(&message, kind).map_err(|what| fault(RecordingFault::Image(recording.topics[eye].clone(), what)))
+    }
+}
+
+impl Recording {
+    /// Topics, window and rig, in words.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let [left, right] = &self.topics;
+        let text = format!("{left} and {right}, paired within {} ms; {}", self.window_ms, self.rig);
+        printable(&text).into_owned()
+    }
+
+    /// Name of the left camera's frame.
+    #[must_use]
+    pub fn frame_id(&self) -> &str {
+        &self.frame_id
+    }
+}

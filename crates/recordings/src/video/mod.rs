@@ -1,0 +1,201 @@
+//! Videos: frames by their numbers, as grey values, and the pairs that they make.
+//!
+//! ```text
+//! pairs    one video with both views side by side, or two
+//! y4m      raw frames with a header, the luma plane of each; of a file by their places, of a pipe one after the other
+//! ffmpeg   all others, and cameras: the system's program decodes to Y4M, which is read from a pipe
+//! ```
+//!
+//! No codec is linked. A Y4M file is scanned once for the places of its frames; one of ffmpeg's is
+//! counted once without being decoded.
+//!
+//! # Bounds
+//! At most 524 288 frames are known, 8 bytes each. A line of a header has at most 1 KiB, a frame
+//! 33 554 432 px. Three frames of a pipe are held at most.
+
+mod ffmpeg;
+mod pairs;
+mod y4m;
+
+use core::fmt;
+use linestereo_frames::untrusted::{PIXELS, printable};
+use std::io;
+use std::path::Path;
+
+pub use ffmpeg::{Camera, Stop};
+pub use pairs::Video;
+pub(crate) use pairs::{camera, pair, pairs};
+
+/// Most frames of a video: four hours and a half, thirty times a second.
+const MOST_FRAMES: usize = 1 << 19;
+/// Endings of the names of videos: the one that is read here, and those that ffmpeg reads.
+const OWN: &str = "y4m";
+const FFMPEG: [&str; 8] = ["mp4", "m4v", "mkv", "avi", "mov", "webm", "mjpeg", "mjpg"];
+
+/// Grey values, row by row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Luma {
+    /// Width and height, px.
+    sides: [u32; 2],
+    /// Bits of a value: of more than 8 it takes two bytes, the lower one first.
+    bits: u32,
+    bytes: Vec<u8>,
+}
+
+/// A video, or a camera.
+enum Source {
+    Y4m(y4m::Stored),
+    Decoded(ffmpeg::Decoder),
+}
+
+/// Is this a video, by its name?
+#[must_use]
+pub fn is_video(path: &Path) -> bool {
+    ending(path).is_some_and(|ending| ending == OWN || FFMPEG.contains(&&*ending))
+}
+
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+}
+
+impl Source {
+    /// Finds the frames of a file.
+    fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
+        if ending(path).is_some_and(|ending| ending == OWN) {
+            y4m::Stored::open(path).map(Self::Y4m)
+        } else {
+            ffmpeg::Decoder::open(path, stop).map(Self::Decoded)
+        }
+    }
+
+    /// Starts a camera, which has no last frame.
+    fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
+        ffmpeg::Decoder::camera(camera, stop).map(Self::Decoded)
+    }
+
+    /// Number of frames; of a camera none is known.
+    fn frames(&self) -> Option<usize> {
+        match self {
+            Self::Y4m(stored) => Some(stored.frames()),
+            Self::Decoded(decoder) => decoder.frames(),
+        }
+    }
+
+    /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame arrived, of the last one alone.
+    fn time_ns(&self, index: usize) -> Option<u64> {
+        match self {
+            Self::Y4m(stored) => stored.time_ns(index),
+            Self::Decoded(decoder) => decoder.time_ns(index),
+        }
+    }
+
+    /// The frame of this number. What ffmpeg decodes is decoded anew for one before the last.
+    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
+        match self {
+            Self::Y4m(stored) => stored.frame(index),
+            Self::Decoded(decoder) => decoder.frame(index),
+        }
+    }
+
+    /// No frame comes any more: the number of those that did.
+    fn ended(&self) -> Option<usize> {
+        if let Self::Decoded(decoder) = self { decoder.ended() } else { None }
+    }
+
+    /// A warning for the summary; `None` where every frame was read without one.
+    fn note(&self) -> Option<String> {
+        match self {
+            Self::Y4m(stored) => stored.note(),
+            Self::Decoded(decoder) => decoder.note(),
+        }
+    }
+}
+
+/// Why a video, or a frame of it, cannot be used.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum VideoFault {
+    /// The file system says so.
+    Read(io::Error),
+    /// The first line is none of Y4M.
+    Header(&'static str),
+    /// Samples of a kind that is not read.
+    Samples(String),
+    /// Frames of this size are not read.
+    Size([u64; 2]),
+    /// It holds no whole frame.
+    Empty,
+    /// More frames than are counted.
+    TooMany,
+    /// A frame does not begin as it has to.
+    Frame(usize),
+    /// Both views in an image of this odd width.
+    OddWidth(u16),
+    /// It ends behind so many frames, and what ffmpeg said.
+    EndsEarly(usize, String),
+    /// There is no ffmpeg.
+    NoFfmpeg(io::Error),
+    /// ffmpeg failed, and what it said.
+    Ffmpeg(String),
+    /// ffmpeg wrote something else than it was asked for.
+    Output(&'static str),
+    /// ffmpeg wrote nothing for so long, s.
+    Silent(u64),
+    /// Somebody wants the program to end.
+    Interrupted,
+    /// There is no such camera, or none on this system.
+    Camera(String),
+}
+
+impl fmt::Display for VideoFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(error) => write!(f, "it cannot be read ({error}); check the path"),
+            Self::Header(what) => {
+                write!(f, "it is no Y4M video ({what}); it starts with YUV4MPEG2, W and H; make it anew")
+            }
+            Self::Samples(name) => write!(
+                f,
+                "its samples are \"{}\"; mono, 411, 420, 422 and 444 of 8 to 16 bits are read: ffmpeg -pix_fmt gray makes mono",
+                printable(name)
+            ),
+            Self::Size([width, height]) => write!(
+                f,
+                "frames of {width}x{height} px are not read; give 1 to 65535 px a side and at most {} million of them",
+                PIXELS / 1_000_000
+            ),
+            Self::Empty => f.write_str("it holds no whole frame; copy or record it again"),
+            Self::TooMany => write!(f, "it has more than {MOST_FRAMES} frames; split it"),
+            Self::Frame(index) => write!(f, "frame {index} does not begin with FRAME; copy or record it again"),
+            Self::OddWidth(width) => write!(
+                f,
+                "its width {width} is odd, so it is not two views side by side; give such a video, or one for each camera"
+            ),
+            Self::EndsEarly(frames, said) if said.is_empty() => write!(f, "it ends behind {frames} frames"),
+            Self::EndsEarly(frames, said) => write!(f, "it ends behind {frames} frames ({})", printable(said)),
+            Self::NoFfmpeg(error) => write!(
+                f,
+                "ffmpeg, which is needed for it, cannot be started ({error}); install it (apt install ffmpeg, brew install ffmpeg), \
+                 or give Y4M"
+            ),
+            Self::Ffmpeg(said) if said.is_empty() => f.write_str("ffmpeg cannot read it; look at it with ffprobe"),
+            Self::Ffmpeg(said) => write!(f, "ffmpeg cannot read it ({}); look at it with ffprobe", printable(said)),
+            Self::Output(what) => {
+                write!(f, "ffmpeg does not write what it was asked for ({what}); install another one")
+            }
+            Self::Silent(seconds) => {
+                write!(f, "ffmpeg gave nothing for {seconds} s and was ended; see if it reads it alone")
+            }
+            Self::Interrupted => f.write_str("interrupted"),
+            Self::Camera(what) => f.write_str(&printable(what)),
+        }
+    }
+}
+
+impl core::error::Error for VideoFault {}
+
+impl From<io::Error> for VideoFault {
+    fn from(error: io::Error) -> Self {
+        Self::Read(error)
+    }
+}
