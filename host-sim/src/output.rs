@@ -14,6 +14,7 @@ use crate::interruption;
 use anyhow::{Result, anyhow, bail};
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
+use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png::PngEncoder};
 use linestereo_frames::untrusted::printable;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -250,6 +251,13 @@ impl Write for LineFile {
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
+}
+
+/// Samples as the bytes of a PNG file; those of 16 bits are in the machine's byte order.
+pub(crate) fn png_file(samples: &[u8], [width, height]: [u32; 2], colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(samples, width, height, colour)?;
+    Ok(bytes)
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {

@@ -36,15 +36,12 @@ mod shell;
 mod video;
 pub mod view;
 
-use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
 use crate::output::OutputPath;
 use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
-use linestereo_frames::resampled_height;
 use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -179,23 +176,6 @@ pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
         }
         ParamError::MarginNeedsRig => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
     })
-}
-
-/// The board of this name with its firmware built, if it holds images of this size.
-fn machine_for(name: &str, dims: Dims) -> Result<Machine> {
-    let board = board::named(name)?;
-    if !board.fits(dims) {
-        bail!("{}", does_not_fit(&board, dims));
-    }
-    Machine::new(board)
-}
-
-/// Error text for a size that the board has no memory for, with the widest reduction that fits.
-pub fn does_not_fit(board: &Board, dims: Dims) -> String {
-    let Board { name, largest, .. } = board;
-    let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
-    let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
-    format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
 }
 
 pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {

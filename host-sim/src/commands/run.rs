@@ -1,11 +1,11 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
+use super::engine_with;
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::sector_options::SectorArgs;
 use super::written;
-use super::{engine_with, machine_for};
-use crate::board;
+use crate::board::{self, Board, Machine};
 use crate::draw::{self, ColourRange};
 use crate::engine::FrameResult;
 use crate::output::{OutputFiles, OutputPath};
@@ -15,9 +15,10 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
+use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, Disparity, Params, Rejection};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::{GrayImage, PairFiles, StoredPair};
+use linestereo_frames::{GrayImage, PairFiles, StoredPair, resampled_height};
 use linestereo_rig::CameraSide;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
@@ -186,12 +187,20 @@ fn on_board(
     let update = board::update(&setup.params, setup.rig_numbers);
     let dims = setup.dims();
     engine_with(&setup.params, dims)?; // what is wrong with the parameters is said in the PC's words
-    let largest = board::named(board)?.largest;
-    if setup.rig.is_some() && !board::named(board)?.fits(dims) {
-        bail!("{board} holds pairs of up to {largest}, these are {dims}; give --size {largest}");
+    let board = board::named(board)?;
+    let Board { name, largest, .. } = board;
+    if !board.fits(dims) {
+        let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
+        let remedy = match &setup.rig {
+            Some(_) => format!("give --size {largest}"),
+            None => {
+                let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
+                format!("reduce them with --width {width}")
+            }
+        };
+        bail!("{name} holds pairs of up to {largest}, these are {dims}; {remedy}");
     }
-    let machine = machine_for(board, dims)?;
-    let name = machine.board().name;
+    let machine = Machine::new(board)?;
     let boxes = args.objects.boxes(setup, &args.left)?;
     let regions = boxes.iter().map(|boxes| Regions { boxes: boxes.iter().map(|&(_, of)| of).collect(), only: false });
     let regions = regions.map(Request::SetRegions);

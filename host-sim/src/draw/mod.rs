@@ -23,8 +23,9 @@ pub use quality::quality;
 pub use space::{pcd, ply};
 
 use crate::engine::FrameResult;
+use crate::output::png_file;
 use colour::Range;
-use image::{ExtendedColorType, ImageEncoder, ImageResult, RgbImage, codecs::png::PngEncoder};
+use image::{ExtendedColorType, ImageResult, RgbImage};
 use linestereo::{Match, Owner, Rig, Source};
 use linestereo_frames::GrayImage;
 pub use rows::rows;
@@ -73,19 +74,12 @@ pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_di
 
 /// An image as the bytes of a PNG file of grey levels.
 pub fn gray_png(image: &GrayImage) -> ImageResult<Vec<u8>> {
-    encoded(&image.pixels, [image.dims.width.into(), image.dims.height.into()], ExtendedColorType::L8)
+    png_file(&image.pixels, [image.dims.width.into(), image.dims.height.into()], ExtendedColorType::L8)
 }
 
 /// A picture as the bytes of a PNG file.
 pub fn png(picture: &RgbImage) -> ImageResult<Vec<u8>> {
-    encoded(picture.as_raw(), [picture.width(), picture.height()], ExtendedColorType::Rgb8)
-}
-
-/// Samples as the bytes of a PNG file; those of 16 bits are in the machine's byte order.
-pub(crate) fn encoded(samples: &[u8], [width, height]: [u32; 2], colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes).write_image(samples, width, height, colour)?;
-    Ok(bytes)
+    png_file(picture.as_raw(), [picture.width(), picture.height()], ExtendedColorType::Rgb8)
 }
 
 struct Canvas {

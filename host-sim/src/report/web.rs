@@ -7,7 +7,7 @@
 //! ```
 
 use super::{DRAWING, SHARED_STYLE};
-use crate::board::toolchain::Toolchain;
+use crate::board::toolchain::rustup;
 use crate::results::health;
 use anyhow::{Context, Result, bail};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
@@ -48,7 +48,7 @@ pub fn vectors() -> String {
 
 /// A module of the package in this folder, built for browsers by these arguments of cargo.
 pub fn module(top: &Path, built: &Path, package: &str, name: &str, arguments: &[&str]) -> Result<PathBuf> {
-    let mut cargo = Toolchain::by_rustup(top, TARGET)?.cargo();
+    let mut cargo = rustup(top, TARGET)?.cargo();
     cargo.current_dir(top.join(package)).args(arguments).args(["--release", "--locked", "--target", TARGET]);
     cargo.arg("--target-dir").arg(built).args(["--config", "profile.release.strip=true"]);
     let output = cargo.output().context("cannot start cargo")?;

@@ -1,8 +1,8 @@
 //! The points as a map with a value, or none, for every pixel of the left image, as other programs store disparities and depths.
 
 use super::listing::finite_metres;
-use crate::draw::encoded;
 use crate::engine::FrameResult;
+use crate::output::png_file;
 use image::ExtendedColorType;
 use linestereo::{Dims, Disparity, Rig};
 
@@ -66,7 +66,7 @@ fn sixteen_bit(
         if fits { (stored as u16).max(1) } else { 0 }
     });
     let bytes: Vec<u8> = map.into_iter().flat_map(u16::to_ne_bytes).collect();
-    let png = encoded(&bytes, [dims.width.into(), dims.height.into()], ExtendedColorType::L16)?;
+    let png = png_file(&bytes, [dims.width.into(), dims.height.into()], ExtendedColorType::L16)?;
     Ok(PngMap { png, left_out })
 }
 

@@ -1,7 +1,7 @@
 //! A rendering as the files of a scene folder, the layout that `linestereo eval` reads.
 
 use super::{Pair, Rendering};
-use crate::draw::encoded;
+use crate::output::png_file;
 use image::{ExtendedColorType, ImageResult};
 use serde_json::json;
 
@@ -29,7 +29,7 @@ pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<
             "disparity_offset_px": pair.disparity_offset_px,
         },
     });
-    let png = |samples: &[u8], colour| encoded(samples, [dims.width.into(), dims.height.into()], colour);
+    let png = |samples: &[u8], colour| png_file(samples, [dims.width.into(), dims.height.into()], colour);
     Ok(vec![
         ("left.png", png(&rendering.left.pixels, ExtendedColorType::L8)?),
         ("right.png", png(&rendering.right.pixels, ExtendedColorType::L8)?),

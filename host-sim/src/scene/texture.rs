@@ -82,7 +82,6 @@ impl Texture {
     }
 
     /// The grey at `u, v` metres from the surface's origin.
-    #[must_use]
     pub fn grey(&self, u: f64, v: f64) -> f64 {
         self.grey_near(&mut Grain::default(), u, v)
     }
