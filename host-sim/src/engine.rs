@@ -39,13 +39,11 @@ pub struct FrameResult {
 
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
-    #[must_use]
     pub fn of_points(points: Vec<Point>) -> Self {
         Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
     }
 
     /// The same; without its points if asked. The counts stay.
-    #[must_use]
     pub fn without_points(&self, without: bool) -> Self {
         let points = if without { Vec::new() } else { self.points.clone() };
         Self { matches: self.matches.clone(), points, ..*self }
@@ -109,7 +107,6 @@ impl Engine {
     }
 
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
-    #[must_use]
     pub fn with_models(mut self, FittedModels { segments, support }: FittedModels) -> Self {
         let plan = self.matcher.plan().with_models(Box::leak(Box::new(segments)));
         self.matcher.set_plan(plan.with_support_model(Box::leak(Box::new(support))));
@@ -121,8 +118,6 @@ impl Engine {
         self.matcher.limits.skew_us = skew_us;
     }
 
-    /// Size of the pairs.
-    #[must_use]
     pub fn dims(&self) -> Dims {
         self.matcher.plan().dims()
     }
@@ -133,7 +128,6 @@ impl Engine {
     }
 
     /// Has a whole pair said how far the rows of both images are apart?
-    #[must_use]
     pub fn knows_rows(&self) -> bool {
         self.matcher.knows_rows()
     }
@@ -142,7 +136,6 @@ impl Engine {
     ///
     /// # Panics
     /// Never: the images were of the planned size.
-    #[must_use]
     pub fn matched(&mut self) -> Matched<'_> {
         let plan = *self.matcher.plan();
         let (summary, images) = &self.last;
@@ -151,7 +144,6 @@ impl Engine {
     }
 
     /// The depth of each region in the pair that was matched last; `fit` says whether it is healthy enough to be believed.
-    #[must_use]
     pub fn objects(&mut self, regions: &[Region<'_>], fit: bool) -> Vec<ObjectDepth> {
         let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
         if !fit {

@@ -2,7 +2,6 @@
 //!
 //! The first one is for the command to notice between two pairs; the second one ends the program at once.
 
-use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,7 +28,6 @@ pub fn watch() {
 }
 
 /// Somebody wants the program to end.
-#[must_use]
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
@@ -42,13 +40,6 @@ pub(crate) fn remove_at_once(path: &Path) {
 }
 
 /// The command ended early because somebody wanted it to; how far it came.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("interrupted {0}")]
 pub struct Interrupted(pub String);
-
-impl fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "interrupted {}", self.0)
-    }
-}
-
-impl core::error::Error for Interrupted {}

@@ -12,9 +12,9 @@
 
 use crate::interruption;
 use anyhow::{Result, anyhow, bail};
-use core::fmt;
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
+use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png::PngEncoder};
 use linestereo_frames::untrusted::printable;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -37,8 +37,6 @@ static VERBOSE: AtomicBool = AtomicBool::new(false);
 pub struct OutputPath(PathBuf);
 
 impl OutputPath {
-    /// It is stdout.
-    #[must_use]
     pub fn is_stdout(&self) -> bool {
         is_stdout(&self.0)
     }
@@ -63,16 +61,9 @@ fn is_stdout(path: &Path) -> bool {
 }
 
 /// Error of a closed stdout: nothing else is wanted.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("stdout was closed")]
 pub struct ClosedPipe;
-
-impl fmt::Display for ClosedPipe {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("stdout was closed")
-    }
-}
-
-impl core::error::Error for ClosedPipe {}
 
 /// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds those of [`detail`].
 pub fn set_verbosity(quiet: bool, verbose: bool) {
@@ -81,7 +72,6 @@ pub fn set_verbosity(quiet: bool, verbose: bool) {
 }
 
 /// Is only what was asked for printed?
-#[must_use]
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
@@ -112,7 +102,6 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
 }
 
 /// Place of a file however it is named: links followed, as far as it is there.
-#[must_use]
 pub fn place(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -159,8 +148,6 @@ pub struct OutputFiles {
 }
 
 impl OutputFiles {
-    /// Nothing yet.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -174,14 +161,18 @@ impl OutputFiles {
         self.stage(path, contents).map_err(|error| cannot_write(path, &error))
     }
 
-    /// The same of a text, made only if it is asked for.
-    pub fn add_text(&mut self, path: Option<&OutputPath>, text: impl FnOnce() -> Result<String>) -> Result<()> {
-        path.map_or(Ok(()), |path| self.add(path, text()?.as_bytes()))
+    /// The same of contents that are made only if they are asked for.
+    pub fn add_made<T: AsRef<[u8]>>(
+        &mut self,
+        path: Option<&OutputPath>,
+        contents: impl FnOnce() -> Result<T>,
+    ) -> Result<()> {
+        path.map_or(Ok(()), |path| self.add(path, contents()?.as_ref()))
     }
 
     /// The same of a value as indented JSON.
     pub fn add_json(&mut self, path: Option<&OutputPath>, value: &impl Serialize) -> Result<()> {
-        self.add_text(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
+        self.add_made(path, || Ok(serde_json::to_string_pretty(value)? + "\n"))
     }
 
     fn stage(&mut self, path: &Path, contents: &[u8]) -> io::Result<()> {
@@ -231,7 +222,6 @@ pub struct LineFile {
 }
 
 impl LineFile {
-    /// Nothing yet.
     pub fn new(path: &Path) -> Result<Self> {
         let path = place(path);
         let open = || match fs::metadata(&path) {
@@ -242,11 +232,6 @@ impl LineFile {
         let (file, temporary) = open().map_err(|error| cannot_write(&path, &error))?;
         temporary.iter().for_each(|name| interruption::remove_at_once(name));
         Ok(Self { file: io::BufWriter::new(file), temporary, path })
-    }
-
-    /// More of it.
-    pub fn push(&mut self, text: &str) -> Result<()> {
-        self.file.write_all(text.as_bytes()).map_err(|error| cannot_write(&self.path, &error))
     }
 
     /// Puts it in its place.
@@ -266,6 +251,13 @@ impl Write for LineFile {
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
+}
+
+/// Samples as the bytes of a PNG file; those of 16 bits are in the machine's byte order.
+pub(crate) fn png_file(samples: &[u8], [width, height]: [u32; 2], colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(samples, width, height, colour)?;
+    Ok(bytes)
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {

@@ -34,9 +34,7 @@ const TRIALS: u64 = 300;
 /// An answer of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallAnswer {
-    /// Pixel.
     pub at: [f64; 2],
-    /// Disparity, px.
     pub disparity: f64,
     /// Distance from the plane, px; `None` without a plane.
     pub off: Option<f64>,
@@ -56,23 +54,18 @@ impl Plane {
 /// Figures of a wall; those that nobody can know are missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Quality {
-    /// Pairs.
     pub pairs: usize,
     /// Left, top, width, height of the region, px of the images as matched.
     pub region: [u16; 4],
-    /// Cells of the support grid in the region.
     pub cells: usize,
     /// Share of them with an answer.
     pub fill_rate: f64,
     /// Share of the answers that are more than [`OFF_PLANE`] off the plane.
     pub off_plane: Option<f64>,
-    /// px.
     pub sub_pixel_rms_px: Option<f64>,
     /// Depth of the plane in the middle of the region, m.
     pub distance_m: Option<f64>,
-    /// Angle between the wall and the image plane, degrees.
     pub tilt_deg: Option<f64>,
-    /// m.
     pub plane_fit_rms_m: Option<f64>,
     /// Share of the distance.
     pub plane_fit_rms: Option<f64>,
@@ -84,9 +77,7 @@ pub struct Quality {
     pub disparity_error_px: Option<f64>,
     /// Pixels with an answer in at least half of the pairs.
     pub repeated_pixels: Option<usize>,
-    /// px.
     pub temporal_noise_px: Option<f64>,
-    /// m.
     pub temporal_noise_m: Option<f64>,
 }
 
@@ -95,7 +86,6 @@ pub struct Quality {
 pub struct Wall<'a> {
     /// Part of the left image that shows nothing but the wall.
     pub region: Area,
-    /// The rig, if it is known.
     pub rig: Option<&'a Rig>,
     /// Depth of the wall in the middle of the region, if it is known, m.
     pub distance_m: Option<f64>,
@@ -103,7 +93,6 @@ pub struct Wall<'a> {
 
 impl Wall<'_> {
     /// Figures of the points of pairs, and the answers of the last one.
-    #[must_use]
     pub fn evaluate(&self, pairs: &[Vec<Point>]) -> (Quality, Vec<WallAnswer>) {
         let mut answers = Vec::new();
         let mut each = Vec::new();

@@ -12,13 +12,13 @@
 use crate::output::OutputFiles;
 use crate::programs::process;
 use anyhow::{Context, Result, anyhow, bail};
-use core::fmt;
+use core::fmt::Display;
 use core::time::Duration;
 use linestereo_frames::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
@@ -33,9 +33,7 @@ const LIMIT: Duration = Duration::from_secs(900);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Way {
-    /// Python's packages.
     Pip,
-    /// Debian's packages.
     Apt,
 }
 
@@ -64,63 +62,12 @@ pub struct PackedScene {
 }
 
 impl PackedScene {
-    /// Its `scene.json`.
-    #[must_use]
     pub fn info(&self) -> &str {
         self.info.trim_start()
     }
 }
 
-/// Error of a package file.
-#[derive(Debug)]
-pub enum PackageError {
-    /// It cannot be read.
-    Read(PathBuf, io::Error),
-    /// It is no archive of its kind, or damaged.
-    Archive(PathBuf, String),
-    /// A file is not in it.
-    Missing(PathBuf, String),
-    /// A file is not what it was when the checksum was written down.
-    Checksum {
-        /// The package.
-        package: PathBuf,
-        /// The file in it.
-        file: String,
-        /// SHA-256 of what is there.
-        found: String,
-    },
-    /// No known package is called like this file.
-    Unknown(PathBuf),
-}
-
-impl fmt::Display for PackageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
-            Self::Archive(path, what) => {
-                write!(f, "{} is no readable package ({what}); download it again", path.display())
-            }
-            Self::Missing(path, file) => write!(f, "{} lacks {file}; download another version", path.display()),
-            Self::Checksum { package, file, found } => write!(
-                f,
-                "{file} in {} has another SHA-256 ({found}) than the one checked; download the package again, or another version",
-                package.display()
-            ),
-            Self::Unknown(path) => {
-                let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
-                write!(f, "{} is none of the packages {}; give one of them", path.display(), names.join(", "))
-            }
-        }
-    }
-}
-
-impl core::error::Error for PackageError {}
-
 /// Every package that is known.
-///
-/// # Panics
-/// Never: the list is part of the program, and tested.
-#[must_use]
 pub fn packages() -> Vec<Package> {
     parsed(LIST).unwrap_or_default()
 }
@@ -137,15 +84,17 @@ pub fn parsed(list: &str) -> Result<Vec<Package>> {
 
 impl Package {
     /// The known package that this file is, by its name.
-    pub fn of_file(path: &Path) -> Result<Self, PackageError> {
+    pub fn of_file(path: &Path) -> Result<Self> {
         // A wheel writes _ where a name has -.
         let file = path.file_name().map(|name| name.to_string_lossy().replace('_', "-")).unwrap_or_default();
         let named = |package: &Self| file.strip_prefix(&package.name).is_some_and(|rest| rest.starts_with(['-', '.']));
-        packages().into_iter().find(named).ok_or_else(|| PackageError::Unknown(path.to_path_buf()))
+        packages().into_iter().find(named).with_context(|| {
+            let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
+            format!("{} is none of the packages {}; give one of them", path.display(), names.join(", "))
+        })
     }
 
     /// How a user brings it by hand.
-    #[must_use]
     pub fn command(&self) -> String {
         match self.way {
             Way::Pip => format!("pip download --no-deps \"{}\"", self.requirement),
@@ -154,7 +103,6 @@ impl Package {
     }
 
     /// Everything of it is in `out` already, unchanged.
-    #[must_use]
     pub fn is_laid_out(&self, out: &Path) -> bool {
         self.scenes.iter().all(|scene| {
             let folder = out.join(&scene.folder);
@@ -214,11 +162,13 @@ impl Package {
             let folder = out.join(&scene.folder);
             let mut files = Vec::new();
             for (path, name, expected) in &scene.files {
-                let bytes = source.read(path)?;
+                let bytes = source.read(package, path)?;
                 let found = sha256(&bytes);
                 if found != *expected {
-                    let (package, file) = (package.to_path_buf(), path.clone());
-                    return Err(PackageError::Checksum { package, file, found }.into());
+                    bail!(
+                        "{path} in {} has another SHA-256 ({found}) than the one checked; download the package again, or another version",
+                        package.display()
+                    );
                 }
                 files.push((name, bytes));
             }
@@ -236,48 +186,50 @@ impl Package {
 
 /// A package's files.
 enum Source {
-    Wheel(PathBuf, ZipArchive<BufReader<File>>),
-    Unpacked(PathBuf, TempDir),
+    Wheel(ZipArchive<BufReader<File>>),
+    Unpacked(TempDir),
 }
 
 impl Source {
     fn open(way: Way, package: &Path) -> Result<Self> {
-        let path = package.to_path_buf();
-        let file = untrusted::open(package, PACKAGE_BYTES).map_err(|error| PackageError::Read(path.clone(), error))?;
+        let path = package.display();
+        let file = untrusted::open(package, PACKAGE_BYTES)
+            .map_err(|error| anyhow!("cannot read {path}: {error}; check the path"))?;
         match way {
-            Way::Pip => {
-                let archive = ZipArchive::new(file);
-                Ok(Self::Wheel(path.clone(), archive.map_err(|error| PackageError::Archive(path, error.to_string()))?))
-            }
+            Way::Pip => Ok(Self::Wheel(ZipArchive::new(file).map_err(|error| damaged(package, error))?)),
             Way::Apt => {
                 let folder = tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
                 let mut command = Command::new("dpkg-deb");
                 let outcome = process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
                 let outcome = outcome.context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
                 if !outcome.status.success() {
-                    return Err(PackageError::Archive(path, last_error(&outcome.stderr)).into());
+                    return Err(damaged(package, last_error(&outcome.stderr)));
                 }
-                Ok(Self::Unpacked(path, folder))
+                Ok(Self::Unpacked(folder))
             }
         }
     }
 
-    fn read(&mut self, name: &str) -> Result<Vec<u8>, PackageError> {
+    /// A file of it; `package` is the package's own path.
+    fn read(&mut self, package: &Path, name: &str) -> Result<Vec<u8>> {
+        let missing = || anyhow!("{} lacks {name}; download another version", package.display());
         match self {
-            Self::Wheel(path, archive) => {
+            Self::Wheel(archive) => {
                 let member = archive.by_name(name).map_err(|error| match error {
-                    ZipError::FileNotFound => PackageError::Missing(path.clone(), name.to_owned()),
-                    other => PackageError::Archive(path.clone(), other.to_string()),
+                    ZipError::FileNotFound => missing(),
+                    other => damaged(package, other),
                 })?;
                 let mut bytes = Vec::new();
-                let read = member.take(IMAGE_BYTES).read_to_end(&mut bytes);
-                read.map_err(|error| PackageError::Archive(path.clone(), error.to_string()))?;
+                member.take(IMAGE_BYTES).read_to_end(&mut bytes).map_err(|error| damaged(package, error))?;
                 Ok(bytes)
             }
-            Self::Unpacked(path, folder) => untrusted::read(&folder.path().join(name), IMAGE_BYTES)
-                .map_err(|_| PackageError::Missing(path.clone(), name.to_owned())),
+            Self::Unpacked(folder) => untrusted::read(&folder.path().join(name), IMAGE_BYTES).map_err(|_| missing()),
         }
     }
+}
+
+fn damaged(package: &Path, why: impl Display) -> anyhow::Error {
+    anyhow!("{} is no readable package ({why}); download it again", package.display())
 }
 
 fn sha256(bytes: &[u8]) -> String {

@@ -1,24 +1,9 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
-use crate::support::{linestereo, stderr};
+use crate::support::{refused_with, succeed};
 use linestereo_tests::captured;
 use std::fs;
 use std::path::Path;
-use std::process::Output;
-
-fn calibrate(folder: &Path, args: &[&str]) -> Output {
-    linestereo(folder, &[&["calibrate"], args].concat())
-}
-
-/// Fails with exit code 2 and one line that holds all of these words.
-fn assert_refused(output: &Output, words: &[&str]) {
-    let text = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert_eq!(text.trim().lines().count(), 1, "{text}");
-    for word in words {
-        assert!(text.contains(word), "\"{word}\" is missing in: {text}");
-    }
-}
 
 fn empty_photo(path: &Path, width: u32, height: u32) {
     image::GrayImage::from_pixel(width, height, image::Luma([128])).save(path).unwrap();
@@ -31,8 +16,7 @@ fn refused(prepare: impl Fn(&Path), words: &[&str]) {
     let photos = folder.path().join("photos");
     fs::create_dir(&photos).unwrap();
     prepare(&photos);
-    let output = calibrate(folder.path(), &[&["photos", "--out", "rig.toml"], &BOARD[..]].concat());
-    assert_refused(&output, words);
+    refused_with(folder.path(), &[&["calibrate", "photos", "--out", "rig.toml"], &BOARD[..]].concat(), words);
     assert!(!folder.path().join("rig.toml").exists());
 }
 
@@ -79,7 +63,7 @@ fn options_that_are_slips() {
         (&["--board", "9x6"], &["--square-mm"]),
     ];
     for (args, words) in words {
-        assert_refused(&calibrate(folder.path(), &[&["."], args].concat()), words);
+        refused_with(folder.path(), &[&["calibrate", "."], args].concat(), words);
     }
 }
 
@@ -102,9 +86,7 @@ fn photos_become_a_rig() {
     let folder = tempfile::tempdir().unwrap();
     let args =
         ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
-    let output = calibrate(folder.path(), &[&[photos.to_str().unwrap()], &args[..]].concat());
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = succeed(folder.path(), &[&["calibrate", photos.to_str().unwrap()], &args[..]].concat());
     let rms = text.lines().find_map(|line| line.strip_prefix("stereo RMS ")?.strip_suffix(" px")).unwrap();
     assert!(rms.parse::<f64>().unwrap() <= 0.22 && rms.len() == 5, "{rms}");
     for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "] {
@@ -124,19 +106,18 @@ fn photos_in_folders_swapped_and_of_another_board() {
     let folder = tempfile::tempdir().unwrap();
     let side = |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
     let number = |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();
-    // A few of them are enough, and of another board the finder tries most.
-    let is_early = |name: &str, end: &str| number(name).as_str() < end;
-    copied(&photos, &folder.path().join("folders"), |name| {
-        is_early(name, "08.jpg").then(|| format!("{}/{}", side(name).0, number(name)))
-    });
-    copied(&photos, &folder.path().join("swapped"), |name| {
-        is_early(name, "08.jpg").then(|| format!("{}{}", side(name).1, number(name)))
-    });
-    copied(&photos, &folder.path().join("few"), |name| is_early(name, "05.jpg").then(|| name.to_owned()));
-    let run = |name: &str, board: &str| calibrate(folder.path(), &[name, "--board", board, "--square-mm", "25"]);
-    let good = run("folders", "9x6");
-    assert!(good.status.success() && String::from_utf8_lossy(&good.stdout).contains("7 of 7 pairs"));
-    assert_refused(&run("swapped", "9x6"), &["the cameras are swapped"]);
-    assert_refused(&run("few", "10x7"), &["the board is not 10x7", "give --board 9x6"]);
-    assert_refused(&run("few", "9x6"), &["4 pairs only", "5 are needed"]);
+    copied(&photos, &folder.path().join("folders"), |name| Some(format!("{}/{}", side(name).0, number(name))));
+    copied(&photos, &folder.path().join("swapped"), |name| Some(format!("{}{}", side(name).1, number(name))));
+    let run = |name, board| ["calibrate", name, "--board", board, "--square-mm", "25"];
+    let said = succeed(folder.path(), &run("folders", "9x6"));
+    assert!(said.contains("13 of 13 pairs"), "{said}");
+    for (name, range) in [("stereo RMS ", 0.0..=0.23), ("baseline ", 82.9..=83.5), ("vertical residual ", 0.0..=0.15)] {
+        let value = said.lines().find_map(|line| line.strip_prefix(name)?.split(' ').next()?.parse::<f64>().ok());
+        assert!(range.contains(&value.unwrap()), "{name}{value:?}");
+    }
+    let fails = |name, board, words: &[&str]| refused_with(folder.path(), &run(name, board), words);
+    fails("swapped", "9x6", &["the cameras are swapped"]);
+    copied(&photos, &folder.path().join("few"), |name| (number(name).as_str() < "05.jpg").then(|| name.to_owned()));
+    fails("few", "10x7", &["the board is not 10x7", "give --board 9x6"]);
+    fails("few", "9x6", &["4 pairs only", "5 are needed"]);
 }

@@ -1,19 +1,13 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
 
-use crate::support::{linestereo, stderr, stdout};
+use crate::support::{linestereo, save, stderr, stdout};
 use linestereo::Dims;
-use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
-
-fn save(image: &GrayImage, path: &Path) {
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    image::GrayImage::from_raw(width, height, image.pixels.clone()).unwrap().save(path).unwrap();
-}
 
 /// `0001_left.png`, `0001_right.png`, ...
 fn recording(folder: &Path, frames: u64) {
@@ -80,35 +74,6 @@ fn broken_objects_cost_nothing_else() {
     let written: Value = serde_json::from_slice(&fs::read(at.join("out.json")).unwrap()).unwrap();
     assert!(!written["segments"].as_array().unwrap().is_empty());
     assert_eq!(written["objects"], Value::Array(vec![]));
-}
-
-#[test]
-fn distances_need_the_product_that_fits() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    recording(at, 3);
-    fs::write(at.join("scene.json"), r#"{"disparity_zero_px": -3}"#).unwrap();
-    let nearest = {
-        let output = linestereo(at, &["sequence", ".", "--no-points", "--frames", "2..2"]);
-        let line: Value = serde_json::from_str(&stdout(&output)).unwrap();
-        let middle =
-            |s: &Value| (s["disparity_px"][0].as_f64().unwrap() + s["disparity_px"][1].as_f64().unwrap()) / 2.0;
-        let mut found: Vec<f64> = line["segments"].as_array().unwrap().iter().map(middle).collect();
-        found.sort_by(|a, b| b.total_cmp(a));
-        found[2]
-    };
-    fs::write(at.join("frames.csv"), "frame,dist_m\n1,\n2,2.25\n").unwrap();
-    let fitted = (nearest + 3.0) * 2.0;
-    let with = |more: &[&str]| {
-        let all = ["sequence", ".", "--truth", "frames.csv", "--truth-radius-m", "0.25", "--no-points"];
-        stderr(&linestereo(at, &[&all[..], more].concat()))
-    };
-    let said = with(&[]);
-    assert!(said.contains(&format!("f*B that fits: {fitted:.3} px*m")), "{said}");
-    assert!(said.contains("1 frames: 0 missed, error median 0.0 %"), "{said}");
-    let said = with(&["--fb", &format!("{:.3}", 1.1 * fitted), "--plot", "nearest.png"]);
-    assert!(said.contains("error median 10.0 %") && said.contains("measured / surveyed 1.100"), "{said}");
-    assert!(at.join("nearest.png").is_file());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::rectify::RIG;
-use crate::support::succeed;
+use crate::support::{save, succeed};
 use linestereo_calibration::boards::{Board, Dictionary};
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, CameraSide};
@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 23] = [
+const NOT_RUN: [(&str, &str); 22] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -27,7 +27,6 @@ const NOT_RUN: [(&str, &str); 23] = [
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
     ("cargo test", "runs this test"),
     ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),
-    ("cargo bench", "minutes; measures, and asserts nothing"),
     ("cargo install", "builds the program anew"),
     ("frames get", "brings packages over the network: `frames_get` and `registry` test it with packages of their own"),
     ("pip download", "network"),
@@ -75,10 +74,8 @@ fn of_page(text: &str) -> Vec<String> {
     lines
 }
 
-/// Examples in the help of a command, as they stand in its source: two spaces before, and two before what is said of it.
-fn of_help(source: &str) -> Vec<String> {
-    let Some((_, help)) = source.split_once("Examples:\n") else { return Vec::new() };
-    let help = help.split("\";\n").next().unwrap().replace("\\\"", "\"");
+/// Examples in the help of a command: two spaces before, and two before what is said of it.
+fn of_help(help: &str) -> Vec<String> {
     let is_command = |line: &&str| {
         let programs = ["linestereo ", "cargo ", "pip "];
         line.strip_prefix("  ").is_some_and(|line| programs.iter().any(|program| line.starts_with(program)))
@@ -91,7 +88,7 @@ fn documented() -> Vec<Documented> {
     let root = root();
     let (mut pages, mut sources) = (vec![root.join("README.md")], Vec::new());
     files(&root.join("docs"), "md", &mut pages);
-    files(&root.join("host-sim/src/commands"), "rs", &mut sources);
+    files(&root.join("host-sim/src/commands/help"), "txt", &mut sources);
     let all = pages.iter().map(|path| (path, of_page as fn(&str) -> Vec<String>));
     let all = all.chain(sources.iter().map(|path| (path, of_help as fn(&str) -> Vec<String>)));
     let mut list = Vec::new();
@@ -101,11 +98,6 @@ fn documented() -> Vec<Documented> {
         list.extend(lines.into_iter().map(|line| Documented { source: source.clone(), line }));
     }
     list
-}
-
-fn save(image: &GrayImage, path: &Path) {
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    image::GrayImage::from_raw(width, height, image.pixels.clone()).unwrap().save(path).unwrap();
 }
 
 fn copied(from: &Path, to: &Path) {
@@ -169,7 +161,7 @@ fn prepared() -> TempDir {
     }
     copied(&path("FRAMES/qvga"), &path("FOLDER"));
     copied(&path("FRAMES/qvga/cards"), &path("frames/desk"));
-    for name in ["recording", "recordings", "take1"] {
+    for name in ["recording", "recordings"] {
         fs::create_dir(path(name)).unwrap();
         for (kind, number) in ["boxes", "cards", "poles"].into_iter().zip(1..) {
             for side in ["left", "right"] {
@@ -193,7 +185,6 @@ fn prepared() -> TempDir {
             "0.12",
         ],
     );
-    fs::write(path("take1/frames.csv"), "frame,dist_m\n1,2\n2,1.5\n3,2\n").unwrap();
     fs::create_dir(path("rig")).unwrap();
     fs::copy(path("scene.json"), path("rig/scene.json")).unwrap();
     for (camera, side) in [("cam0", "left"), ("cam1", "right")] {

@@ -448,6 +448,10 @@ fn damaged_arrays_are_named() {
     assert!(matches!(fault(b"\x93NUMPY\x01\x00\x05\x00{'a'}"), DisparityFault::Array(_)));
     assert!(matches!(fault(b"PK\x03\x04 and no archive"), DisparityFault::Array(_)));
     assert_eq!(fault(&npz(&[])), DisparityFault::Arrays(vec![]));
+    fault(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}");
+    for shape in ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(0, 0)", "(-1, 4)", &"(".repeat(9000)] {
+        fault(&npy("<f4", shape, &[0; 64]));
+    }
     let two = npz(&[("a", good.clone()), ("b", good)]);
     let DisparityFault::Arrays(mut names) = fault(&two) else { panic!() };
     names.sort();

@@ -1,4 +1,4 @@
-//! Tests of the simulator and its command line, a module a topic: `cargo test -p linestereo-sim TOPIC`.
+//! Tests of the program, a module a topic: `cargo test -p linestereo-sim TOPIC`.
 
 #![allow(clippy::disallowed_methods, reason = "tests read what they wrote")]
 

@@ -1,12 +1,11 @@
 //! ChArUco boards and AprilGrids: boards that OpenCV drew, drawn photos of parts of boards, and what is said of wrong ones.
 
 use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
-use crate::support::{linestereo, stderr, succeed};
+use crate::support::{refused_with, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
 };
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use linestereo_rig::{Calibration, CameraSide};
 use linestereo_tests::drawn::Random;
 use std::fs;
@@ -144,11 +143,7 @@ fn the_command_says_what_to_do() {
     }
     let refused = |args: &str, words: &[&str]| {
         let args: Vec<&str> = ["calibrate", "photos"].into_iter().chain(args.split(' ')).collect();
-        let output = linestereo(folder.path(), &args);
-        let text = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert_eq!(text.trim().lines().count(), 1, "{text}");
-        words.iter().for_each(|word| assert!(text.contains(word), "\"{word}\" is missing in: {text}"));
+        refused_with(folder.path(), &args, words);
     };
     refused(
         "--board charuco:5x4 --square-mm 40 --marker-mm 30 --dictionary DICT_6X6_50",

@@ -1,5 +1,6 @@
 //! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial port, and bad input.
 
+use crate::support::{linestereo, refused_with};
 use linestereo::diagnostics::Techniques;
 use linestereo::{Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params, Position};
 use linestereo_wire::*;
@@ -8,7 +9,7 @@ use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
 use std::path::Path;
-use std::process::{Command as Process, Output};
+use std::process::Output;
 use std::thread;
 use std::time::{SystemTime, UNIX_EPOCH};
 use tempfile::TempDir;
@@ -16,7 +17,7 @@ use tempfile::TempDir;
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
 fn monitor(folder: &Path, args: &[&str]) -> Output {
-    Process::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).arg("monitor").args(args).output().unwrap()
+    linestereo(folder, &[&["monitor"], args].concat())
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -468,10 +469,7 @@ fn bad_input_gets_one_line() {
         (&["run.bin", "--count", "-1"], "-1"),
     ];
     for (args, says) in cases {
-        let output = monitor(folder.path(), args);
-        let error = text(&output.stderr);
-        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{args:?}: {error}");
-        assert!(error.starts_with("linestereo: ") && error.contains(says), "{args:?} does not say {says}: {error}");
+        refused_with(folder.path(), &[&["monitor"], args].concat(), &[says]);
     }
     assert_eq!(fs::read(folder.path().join("run.bin")).unwrap(), frame(1, 1).concat(), "the input is as it was");
 }

@@ -1,7 +1,7 @@
 //! Packages with real pairs: what is checked of a package file before anything of it is laid out. The packages here are made up.
 
 use linestereo_frames::SceneInfo;
-use linestereo_sim::registry::{Package, PackageError, Way, packages, parsed};
+use linestereo_sim::registry::{Package, Way, packages, parsed};
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -86,25 +86,24 @@ fn a_debian_package_is_checked_and_laid_out() {
 
     fs::write(&file, "no package").unwrap();
     let error = package.lay_out(&file, &out).unwrap_err();
-    assert!(matches!(error.downcast_ref(), Some(PackageError::Archive(..))), "{error}");
+    assert!(error.to_string().contains("is no readable package"), "{error}");
 }
 
 #[test]
 fn nothing_is_laid_out_that_is_not_what_it_should_be() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
-    let fails = |package: &Package| {
-        let error = package.lay_out(&file, &out).unwrap_err();
-        assert!(error.to_string().contains("pairs-1.whl") && error.to_string().contains("; "), "{error}");
-        error.downcast::<PackageError>().unwrap()
+    let fails = |says: &str| {
+        let error = package("pip", SUMS).lay_out(&file, &out).unwrap_err().to_string();
+        assert!(error.contains("pairs-1.whl") && error.contains("; ") && error.contains(says), "{error}");
     };
-    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Read(..)));
+    fails("cannot read");
     fs::write(&file, "no archive").unwrap();
-    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Archive(..)));
+    fails("no readable package");
     wheel(&file, &FILES[..1]);
-    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Missing(_, name) if name == "data/r.png"));
+    fails("lacks data/r.png");
     wheel(&file, &[FILES[0], ("data/r.png", "right imagE"), FILES[2]]);
-    assert!(matches!(fails(&package("pip", SUMS)), PackageError::Checksum { file, .. } if file == "data/r.png"));
+    fails("data/r.png in");
     assert!(!out.exists());
 }
 
@@ -122,7 +121,7 @@ fn the_list_is_whole() {
         assert_eq!(Package::of_file(Path::new(file)).unwrap().name, name);
     }
     for file in ["numpy-2.0.whl", "stereodemos-1.whl", ""] {
-        assert!(matches!(Package::of_file(Path::new(file)), Err(PackageError::Unknown(_))), "{file}");
+        assert!(Package::of_file(Path::new(file)).unwrap_err().to_string().contains("none of the packages"), "{file}");
     }
     for scene in all.iter().flat_map(|package| &package.scenes) {
         let path = folder.path().join("scene.json");

@@ -1,13 +1,12 @@
 //! The report page in a browser: what it shows is what the run gave. Without a browser these tests say so and pass.
 
-use linestereo::Area;
-use linestereo::{Dims, Params, Rejection, Rig};
+use linestereo::{Area, Dims, Params, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_sim::explain::{CurveLog, SegmentTexts};
+use linestereo_sim::explain::{CurveLog, Rejected, SegmentTexts};
 use linestereo_sim::report::browser::Browser;
-use linestereo_sim::report::{Page, PageFrame, PageSetup, Rejected, RejectionLog};
+use linestereo_sim::report::{Page, PageFrame, PageSetup};
 use linestereo_sim::results::listing;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::drawn::rendered;
@@ -28,7 +27,7 @@ fn run(seed: u64) -> Run {
     let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
     let params = Params { rig: Some(rig), ..Params::default() };
     let mut engine = Engine::new(&params, DIMS).unwrap();
-    let mut log = RejectionLog::default();
+    let mut log = CurveLog::outcomes_only();
     let views = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let result = engine.run_next(views, None, &mut log).unwrap();
     let rejected = log.rejected(engine.matched().candidates());

@@ -75,13 +75,12 @@ fn wrong_conversions_leave_no_file_and_say_why() {
 }
 
 #[test]
-fn a_plan_is_printed_listed_and_drawn() {
+fn a_plan_is_printed_and_listed() {
     let folder = with_rig(RIG);
     let at = folder.path();
     let oak = ["plan-rig", "--focal-px", "451", "--size", "640x480", "--baseline-m", "0.075", "--max-disparity", "96"];
-    let said = succeed(at, &[&oak[..], &["--out", "plan.png"]].concat());
+    let said = succeed(at, &oak);
     assert!(said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"), "{said}");
-    assert!(image::open(at.join("plan.png")).unwrap().width() == 1280);
     let json = json(at, &[&oak[..], &["--json", "-"]].concat());
     assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
     assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);

@@ -5,22 +5,21 @@ use linestereo_sim::commands::demo::{Demonstration, RoomObject};
 /// Least mean number of answers a room: seven of its twelve objects are wide and textured.
 const LEAST_ANSWERS: usize = 7;
 
-/// Every answer about the objects of these rooms is right, at the object's centre and by its range, and the table says what is scored.
-fn check(seeds: &[u64]) {
-    let (mut answers, rooms) = (0, seeds.len());
-    let mut worst = 0.0_f32;
-    for &seed in seeds {
-        let shown = Demonstration::new(seed, 1.0).unwrap();
-        let told: Vec<_> = shown.objects.iter().filter_map(|object| Some((object, object.answer.ok()?))).collect();
-        let unsure: Vec<_> =
-            told.iter().filter(|(object, (_, probability))| object.is_wrong() || *probability < 0.9).collect();
-        assert!(unsure.is_empty(), "seed {seed}: {unsure:?}");
+/// The room that is shown, and rooms that are hard: every answer about their objects is right, at the object's centre and by its range, and the
+/// table says what is scored.
+#[test]
+fn objects_of_rooms_have_their_depth_or_none() {
+    let (rooms, mut answers) = ([1, 22, 31, 52, 96, 121], 0);
+    for seed in rooms {
+        let shown = Demonstration::new(seed).unwrap();
+        for (object, (_, probability)) in shown.objects.iter().filter_map(|object| Some((object, object.answer.ok()?)))
+        {
+            assert!(!object.is_wrong() && probability >= 0.9, "seed {seed}: {object:?}");
+            answers += 1;
+        }
         table_says_what_is_scored(&shown);
-        answers += told.len();
-        worst = told.iter().map(|(object, (at, _))| (at - object.true_at_centre).abs()).fold(worst, f32::max);
     }
-    println!("{answers} answers in {rooms} rooms, at most {worst:.2} px off at the centre");
-    assert!(answers > LEAST_ANSWERS * rooms, "{answers} answers prove little");
+    assert!(answers > LEAST_ANSWERS * rooms.len(), "{answers} answers prove little");
 }
 
 /// Rows, their numbers and the line below them are the scores.
@@ -45,18 +44,4 @@ fn table_says_what_is_scored(shown: &Demonstration) {
     let line =
         format!("Objects:  {answered} of {} have a depth; {} of them", objects.len(), count(&RoomObject::is_wrong));
     assert!(text.contains(&line), "{line:?} is not in\n{text}");
-}
-
-/// The room that is shown, and rooms with an answer that was wrong before the core was mended: two of the slanted wall, and two of the small box
-/// and one of the blank wall that are refused now.
-#[test]
-fn objects_of_rooms_have_their_depth_or_none() {
-    check(&[1, 22, 31, 52, 96, 121]);
-}
-
-/// `cargo test --release -p linestereo-sim --test topics two_hundred -- --ignored --nocapture`: some 130 s of one core.
-#[test]
-#[ignore = "two hundred rooms are rendered: minutes"]
-fn objects_of_two_hundred_rooms_have_their_depth_or_none() {
-    check(&(1..=200).collect::<Vec<u64>>());
 }

@@ -93,14 +93,6 @@ fn files_are_written_and_named() {
 }
 
 #[test]
-fn every_help_is_an_answer() {
-    let folder = TempDir::new().unwrap();
-    for command in ["demo", "run", "scene", "flash-image", "rectify"] {
-        assert!(succeed(folder.path(), &[command, "--help"]).lines().count() > 8, "{command}");
-    }
-}
-
-#[test]
 fn bad_input_gets_one_line_and_leaves_no_file() {
     let folder = cards();
     let write = |name: &str, width: u32, height: u32, grey: u8| {

@@ -266,6 +266,20 @@ fn events_of_a_board_are_the_lines_of_monitor() {
     assert_eq!(summary, String::from_utf8(monitored.stderr).unwrap().split_once('\n').unwrap().1);
 }
 
+/// A port that a board listens at, and its address.
+fn listening() -> (TcpListener, String) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    (listener, address)
+}
+
+/// The program's connection to the board.
+fn accepted(listener: &TcpListener) -> TcpStream {
+    let board = listener.accept().unwrap().0;
+    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    board
+}
+
 /// The next command, which is accepted.
 fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAND>) -> Request {
     let mut byte = [0];
@@ -281,11 +295,9 @@ fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAN
 #[test]
 fn boxes_of_the_page_are_asked_of_the_board() {
     let folder = TempDir::new().unwrap();
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let mut view = View::start(folder.path(), &["--tcp", &address, "--send", "start"]);
-    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
-    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     assert_eq!(command(&mut board, &mut decoder), Request::Describe);
     assert_eq!(command(&mut board, &mut decoder), Request::Start);
     board.write_all(&frame(1, 3).concat()).unwrap();
@@ -328,11 +340,9 @@ fn photo(board: &mut TcpStream, grey: u8, first: u32) {
 #[test]
 fn photographs_of_a_board_lie_under_its_segments() {
     let folder = TempDir::new().unwrap();
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let view = View::start(folder.path(), &["--tcp", &address, "--photograph", "1"]);
-    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
-    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     let mut events = view.events();
     assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
     photo(&mut board, 77, 0);
@@ -350,11 +360,9 @@ fn photographs_of_a_board_lie_under_its_segments() {
 #[test]
 fn a_photograph_of_another_size_than_the_rig_is_left_out() {
     let folder = with_rig(RIG);
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let view = View::start(folder.path(), &["--tcp", &address, "--photograph", "1", "--rig", "rig.toml"]);
-    let (mut board, mut decoder) = (listener.accept().unwrap().0, Decoder::new());
-    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     let mut events = view.events();
     // The second one is asked for by a program that goes on.
     for _ in 0..2 {
@@ -464,12 +472,12 @@ fn resident(process: u32) -> u64 {
     line.trim().trim_end_matches(" kB").parse().unwrap()
 }
 
-/// So many seconds of a board that sends thirty frames a second, 60 segments each: all of them arrive, in their order, and memory stays.
-fn streamed(seconds: u32) {
+/// A board sends thirty frames a second, 60 segments each: all of them arrive, in their order, and memory stays.
+#[test]
+fn thirty_frames_a_second_arrive_whole() {
     let folder = TempDir::new().unwrap();
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
-    let frames = 30 * seconds;
+    let (listener, address) = listening();
+    let frames = 120;
     let view = View::start(folder.path(), &["--tcp", &address, "--focal-px", "300", "--baseline-m", "0.1"]);
     let mut board = listener.accept().unwrap().0;
     let mut events = view.events();
@@ -494,18 +502,6 @@ fn streamed(seconds: u32) {
         }
     }
     let late = resident(view.child.id());
-    println!("{frames} frames in {seconds} s, none lost; {early} KiB after a quarter, {late} KiB at the end");
     assert!(late <= early + 2048, "memory grew from {early} to {late} KiB");
     drop(sending.join().unwrap());
-}
-
-#[test]
-fn thirty_frames_a_second_arrive_whole() {
-    streamed(4);
-}
-
-#[test]
-#[ignore = "ten minutes, or LINESTEREO_VIEW_SECONDS"]
-fn thirty_frames_a_second_arrive_whole_for_ten_minutes() {
-    streamed(std::env::var("LINESTEREO_VIEW_SECONDS").map_or(600, |text| text.parse().unwrap()));
 }

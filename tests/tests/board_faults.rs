@@ -7,7 +7,7 @@ use linestereo_firmware::boards::mps2_an500;
 use linestereo_frames::{Scene, Truth, load_scene};
 use linestereo_lab::faults::{Damage, Source};
 use linestereo_sim::board;
-use linestereo_sim::results::outline::Mask;
+use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::{Twin, machine};
 use linestereo_tests::captured;

@@ -13,7 +13,7 @@ use linestereo_lab::faults::{Damage, Source};
 use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::board::is_long;
 use linestereo_sim::engine::Engine;
-use linestereo_sim::results::outline::Mask;
+use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{self, Kind, Sensor};
 use linestereo_tests::captured;
 use linestereo_tests::drawn::painted;

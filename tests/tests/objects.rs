@@ -5,7 +5,7 @@ use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, 
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
 use linestereo_sim::engine::{Engine, FittedModels};
-use linestereo_sim::results::outline::{Mask, RefinedOutline, refine};
+use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
 use linestereo_tests::captured;
 
@@ -272,39 +272,6 @@ fn objects_leave_the_points_of_the_run_as_they_are() {
     let mut second = Vec::new();
     matched.objects(&regions, |found| second.push(found));
     assert_eq!(first, second);
-}
-
-#[test]
-fn outlines_move_to_the_edges_that_the_object_owns() {
-    let pair = pair();
-    let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
-    // Outlines move to segments: many of them.
-    let dense = Params { cell: 16, ..Params::default() };
-    let (mut engine, drawn) = drawn_with(dense, vec![object], mosaic(&pair, 6.0, 8));
-    let exact = mask_of(&drawn, &[1]);
-    for mask in [exact.grown(2), exact.grown(3), exact.eroded(2), exact.eroded(3)] {
-        let runs = mask.runs(1);
-        let region = Region::masked(1, &runs, DIMS).unwrap();
-        let found = engine.objects(&[region], true)[0];
-        let refined = refine(&region, &found, engine.matched().candidates(), DIMS);
-        let RefinedOutline::Mask(outline) = refined.outline else { panic!("a mask stays a mask") };
-        let [before, after] = [&mask, &outline].map(|mask| 1.0 - mask.overlap(&exact));
-        println!("not common: {before:.3}, refined {after:.3}, {} edges", refined.owned_edges);
-        assert!(after < 0.6 * before, "{before} {after}");
-        assert!(refined.segments.len() >= refined.owned_edges && refined.owned_edges > 0);
-    }
-    // A box stays as it is; what belongs to it is known.
-    let area = Area { left: 96, top: 73, right: 204, bottom: 174 };
-    let region = Region::boxed(1, area, DIMS).unwrap();
-    let found = engine.objects(&[region], true)[0];
-    let refined = refine(&region, &found, engine.matched().candidates(), DIMS);
-    assert!(refined.outline == RefinedOutline::Box(area) && refined.segments.len() > 20, "{refined:?}");
-    // Without a depth nothing is known of the object's edges.
-    let unknown = engine.objects(&[region], false)[0];
-    let untouched = exact.grown(2);
-    let runs = untouched.runs(1);
-    let mask = Region::masked(1, &runs, DIMS).unwrap();
-    assert_eq!(refine(&mask, &unknown, engine.matched().candidates(), DIMS).outline, RefinedOutline::Mask(untouched));
 }
 
 #[test]

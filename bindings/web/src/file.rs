@@ -1,4 +1,4 @@
-//! PNG of every kind, and binary PGM and PPM of 8 bits, to grey as the simulator reads them.
+//! PNG of every kind, and binary PGM and PPM of 8 bits, to grey as the PC reads them.
 
 use linestereo_frames::grey::{StoredGray, Values, luma};
 use crate::{IMAGE_BYTES, dims_of};

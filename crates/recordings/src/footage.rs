@@ -31,7 +31,6 @@ impl Footage {
     }
 
     /// A pair that stands alone.
-    #[must_use]
     pub fn of_pair(pair: StoredPair) -> Self {
         Self { pairs: vec![pair], ..Self::default() }
     }
@@ -55,19 +54,16 @@ impl Footage {
     }
 
     /// The video or camera that the pairs are from, if they are from one.
-    #[must_use]
     pub fn of_video(&self) -> Option<&Video> {
         self.video.as_deref()
     }
 
     /// The pair of this number of a camera; nothing of others.
-    #[must_use]
     pub fn filmed(&self, index: usize) -> Option<StoredPair> {
         self.video.as_ref().filter(|video| video.is_live()).map(|video| video::pair(video, index))
     }
 
     /// The recording that the pairs are from, if they are from one.
-    #[must_use]
     pub fn of_recording(&self) -> Option<&Recording> {
         self.recording.as_deref()
     }

@@ -30,14 +30,12 @@ pub fn top() -> Result<PathBuf> {
 }
 
 /// True when long forms of tests run and every board is built: `cargo xtask nightly` sets `LINESTEREO_LONG`.
-#[must_use]
 pub fn is_long() -> bool {
     std::env::var_os("LINESTEREO_LONG").is_some()
 }
 
 /// Boards that are built, tested and measured: the two measured ones and one of each family of
 /// chips, or all of them in the long form.
-#[must_use]
 pub fn tested() -> Vec<Board> {
     let on_every_change = [Board::MPS2_AN500, Board::MPS2_AN386, Board::PICO2, Board::STM32H743];
     if is_long() { Board::ALL.into() } else { on_every_change.into() }

@@ -26,7 +26,6 @@ pub type Costs = [u64; Stage::ALL.len()];
 /// Result and cost of a pair on a board.
 #[derive(Clone, Debug)]
 pub struct BoardResult {
-    /// The result.
     pub result: FrameResult,
     /// Cost of rectifying both images; 0 for a pair that was rectified before.
     pub rectification: u64,
@@ -45,7 +44,6 @@ pub struct Replayed {
     pub pairs: Vec<Result<BoardResult, Refusal>>,
     /// Last report of the board on its rig, if it was asked to describe itself.
     pub rig: Option<RigReport>,
-    /// Packets that the board could not read.
     pub bad_packets: u32,
     /// Largest depth of the board's stack in bytes.
     pub stack: u64,
@@ -59,7 +57,6 @@ pub struct Machine {
 }
 
 /// The update that gives a board these parameters. A rig cannot be read out of them: its numbers come beside.
-#[must_use]
 pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
     ParamUpdate {
         min_disparity: Some(params.min_disparity),
@@ -84,26 +81,13 @@ impl Machine {
         Ok(Self { board, elf: firmware::build(&toolchain, &board, "replay", Logs::None)? })
     }
 
-    /// The board.
-    #[must_use]
     pub fn board(&self) -> &Board {
         &self.board
     }
 
     /// Matches pairs on the board, all with the same parameters.
     pub fn run_pairs(&self, update: &ParamUpdate, pairs: &[(&GrayImage, &GrayImage)]) -> Result<Replayed> {
-        self.run_pairs_with([], update, pairs)
-    }
-
-    /// The same after further requests.
-    pub fn run_pairs_with(
-        &self,
-        requests: impl IntoIterator<Item = Request>,
-        update: &ParamUpdate,
-        pairs: &[(&GrayImage, &GrayImage)],
-    ) -> Result<Replayed> {
-        let settings: Vec<_> = [Request::SetParams(*update)].into_iter().chain(requests).collect();
-        self.run(&settings, pairs, false)
+        self.run(None, update, [], pairs)
     }
 
     /// Rectifies raw pairs on the board with this rig and matches them. The board has no flash: it forgets the rig.
@@ -113,20 +97,7 @@ impl Machine {
         update: &ParamUpdate,
         pairs: &[(&GrayImage, &GrayImage)],
     ) -> Result<Replayed> {
-        self.run_raw_pairs_with([], rig, update, pairs)
-    }
-
-    /// The same after further requests.
-    pub fn run_raw_pairs_with(
-        &self,
-        requests: impl IntoIterator<Item = Request>,
-        rig: &RigImage,
-        update: &ParamUpdate,
-        pairs: &[(&GrayImage, &GrayImage)],
-    ) -> Result<Replayed> {
-        let bytes = rig.encode(0).into_iter().collect();
-        let settings = [Request::SetRig(bytes), Request::SetParams(*update)].into_iter().chain(requests);
-        self.run(&settings.collect::<Vec<_>>(), pairs, true)
+        self.run(Some(rig), update, [], pairs)
     }
 
     /// Matches pairs on the board and asks for the depths of these objects; each pair with regions of its own. Where they are to be looked
@@ -150,17 +121,27 @@ impl Machine {
         }
     }
 
-    fn run(&self, settings: &[Request], pairs: &[(&GrayImage, &GrayImage)], are_raw: bool) -> Result<Replayed> {
-        let mut input = Vec::new();
+    /// Matches pairs after further requests; raw ones with a rig.
+    pub fn run(
+        &self,
+        rig: Option<&RigImage>,
+        update: &ParamUpdate,
+        requests: impl IntoIterator<Item = Request>,
+        pairs: &[(&GrayImage, &GrayImage)],
+    ) -> Result<Replayed> {
+        let set_rig = rig.map(|rig| Request::SetRig(rig.encode(0).into_iter().collect()));
+        let settings = set_rig.into_iter().chain([Request::SetParams(*update)]).chain(requests);
+        let (mut input, mut sent) = (Vec::new(), 0);
         for request in settings {
-            push(&mut input, &Command { id: 0, request: request.clone() })?;
+            push(&mut input, &Command { id: 0, request })?;
+            sent += 1;
         }
+        let push = if rig.is_some() { push_raw_pair } else { push_pair };
         for (number, (left, right)) in pairs.iter().enumerate() {
-            let id = id_of(number);
-            if are_raw { push_raw_pair(&mut input, id, left, right)? } else { push_pair(&mut input, id, left, right)? }
+            push(&mut input, id_of(number), left, right)?;
         }
         let (answers, replayed) = self.replay(&input)?;
-        for number in 0..settings.len() {
+        for number in 0..sent {
             match answers.get(number) {
                 Some((0, Outcome::Accepted)) => {}
                 Some((0, Outcome::Refused(why))) => bail!("{} refuses what it is to do: {why}", self.board.name),

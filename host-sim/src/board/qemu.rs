@@ -71,7 +71,6 @@ pub fn command(board: &Board, elf: &Path, arguments: &[&str], folder: &Path) -> 
     Ok(command)
 }
 
-/// Runs a program to its end.
 pub fn run(board: &Board, elf: &Path, arguments: &[&str], folder: &Path, limit: Duration) -> Result<Ended> {
     let mut command = command(board, elf, arguments, folder)?;
     let outcome = process::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;

@@ -38,11 +38,7 @@ impl Toolchain {
 
     /// Finds or makes one that builds for this target.
     pub fn for_target(target: &str) -> Result<Self> {
-        Self::find(&top()?, target)
-    }
-
-    /// Finds or makes one that builds for this target. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
-    fn find(top: &Path, target: &str) -> Result<Self> {
+        let top = &top()?;
         match std::env::var(VARIABLE).as_deref() {
             Err(_) | Ok("") => match rustup(top, target) {
                 Ok(toolchain) => Ok(toolchain),
@@ -56,14 +52,8 @@ impl Toolchain {
     }
 
     /// The one in use, for this machine.
-    #[must_use]
     pub const fn in_use() -> Self {
         Self { way: "rustup", folder: None }
-    }
-
-    /// The one in use, with this target added if need be: for what needs the standard library, which Debian has for PCs alone.
-    pub fn by_rustup(top: &Path, target: &str) -> Result<Self> {
-        rustup(top, target)
     }
 
     fn debian(target: &str) -> Result<Self> {
@@ -71,7 +61,6 @@ impl Toolchain {
     }
 
     /// A cargo command without what other builds left in the environment.
-    #[must_use]
     pub fn cargo(&self) -> Command {
         self.for_boards(Command::new(if self.folder.is_some() { debian::CARGO } else { "cargo" }))
     }
@@ -131,8 +120,8 @@ fn host() -> Result<String> {
     process::first_line(Command::new("rustc").args(["--print", "host-tuple"])).context("rustc does not run")
 }
 
-/// The compiler in use, with the target added if need be.
-fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
+/// The compiler in use, with the target added if need be. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
+pub(crate) fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
     let toolchain = Toolchain::in_use();
     let has_target = || {
         let sysroot = sysroot(Command::new("rustc").current_dir(top))?;

@@ -10,37 +10,14 @@ use linestereo::diagnostics::Fnv;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::digests;
 use linestereo_wire::{
-    CaseReport, Command, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, MachineReport, Message,
-    Outcome, Request, VERSION, encode,
+    CaseReport, Command, DecodeError, Decoder, Hello, MAX_PACKET, MachineReport, Message, Outcome, Request, VERSION,
 };
 use std::path::PathBuf;
 use std::time::Instant;
 
-const EXAMPLES: &str = "\
-Examples:
-  cargo xtask build --board stm32h743 --program selftest
-      the program to flash; no camera is needed, no probe after flashing
-  linestereo bench-board --serial /dev/ttyACM0
-      over the board's own USB; stm32h743.toml is the file to send
-  linestereo bench-board --serial /dev/ttyACM1 --baud 921600 --out mine.toml
-      over a UART, such as the ST-LINK's of a NUCLEO
-  cargo xtask run --program selftest --serial tcp:127.0.0.1:5599,server=on serve
-  linestereo bench-board --tcp 127.0.0.1:5599
-      the same on a board in QEMU, which counts instructions
-
-The board paints 22 pairs by itself and matches each twice, with clocks and caches as in live: once for the digest
-of every stage, which has to be the PC's, once against the counter of its core. It takes a minute or less.
-
-The file holds the chip's revision, clock, wait states and caches, and of each pair cycles by stage, time and
-digests. Nothing in it names you or your machine. Nobody has sent one yet: the cycles of real boards are not known.
-Send it with the form \"Numbers of a board\" of the project's issues, whatever the verdict.
-
-Columns: ms by the board's clock; c/i: cycles per instruction, of the instructions that QEMU counts for the same pair.
-Exit code 0 only if all digests are the PC's.";
-
 /// Measure a board that runs the program `selftest`: cycles by stage, and whether its bits are those of a PC.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/bench-board.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
 pub struct Args {
     #[command(flatten)]
@@ -58,7 +35,6 @@ const DESCRIBE_EVERY: Duration = Duration::from_secs(1);
 const MATCHED_WITHIN: Duration = Duration::from_secs(120);
 const MATCH_EVERY: Duration = Duration::from_secs(40);
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let mut host = Host { port: args.port.open()?, decoder: Decoder::new(), next_id: std::process::id() as u16 };
     let (hello, machine) = host.describe()?;
@@ -147,8 +123,7 @@ impl Host {
     /// Records up to the answer.
     fn ask(&mut self, request: Request, within: Duration, every: Duration) -> Result<Vec<Message>> {
         self.next_id = self.next_id.wrapping_add(1);
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&Command { id: self.next_id, request }, &mut packet[1..])?.len();
+        let command = Command { id: self.next_id, request };
         let (begin, mut sent, mut messages, mut buffer) = (Instant::now(), None::<Instant>, Vec::new(), [0; 4096]);
         loop {
             if begin.elapsed() > within {
@@ -160,7 +135,7 @@ impl Host {
                 bail!("no answer in {} s{reset}", within.as_secs());
             }
             if sent.is_none_or(|sent| sent.elapsed() > every) {
-                self.port.write(&packet[..=length])?;
+                self.port.send(&command)?;
                 sent = Some(Instant::now());
             }
             let Received::Bytes(count) = self.port.read(&mut buffer)? else { continue };

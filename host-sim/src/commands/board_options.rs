@@ -55,7 +55,6 @@ pub(super) struct BoardOptions {
 }
 
 impl BoardOptions {
-    /// The board of this size.
     pub(super) fn board(&self, size: BoardSize) -> Result<Board> {
         self.check(size.kind)?;
         let given = |value: Option<f64>, option: &str| {
@@ -78,15 +77,12 @@ impl BoardOptions {
                 )
             }
         };
-        board.map_err(|error| match size.kind {
-            Kind::Chessboard => anyhow!("{error}; give --board as inner corners, for example 9x6, and --square-mm"),
-            Kind::Charuco => {
-                anyhow!("{error}; give --board as squares, for example charuco:8x6, --square-mm and --marker-mm")
-            }
-            Kind::AprilGrid => {
-                anyhow!("{error}; give --board as tags, for example aprilgrid:6x6, --tag-mm and --spacing")
-            }
-        })
+        let right = match size.kind {
+            Kind::Chessboard => "inner corners, for example 9x6, and --square-mm",
+            Kind::Charuco => "squares, for example charuco:8x6, --square-mm and --marker-mm",
+            Kind::AprilGrid => "tags, for example aprilgrid:6x6, --tag-mm and --spacing",
+        };
+        board.map_err(|error| anyhow!("{error}; give --board as {right}"))
     }
 
     /// No option of another kind.
@@ -118,7 +114,6 @@ impl BoardOptions {
         Dictionary::named(name).ok_or_else(|| anyhow!("no dictionary {name}; give --dictionary as one of {}", names()))
     }
 
-    /// The board in words, for files.
     pub(super) fn described(&self, board: &Board) -> String {
         let rounded = |mm: f64| (1e6 * mm).round() / 1e6;
         let mm = rounded(1e3 * board.square());

@@ -2,12 +2,11 @@
 
 use super::asked_for;
 use super::board_options::{BoardOptions, BoardSize, parse_board};
-use super::pairs::bar;
+use super::pairs::for_each_pair;
 use crate::draw;
 use crate::output::{OutputFiles, OutputPath, spare};
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
-use core::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::ProgressBar;
 use linestereo::Dims;
 use linestereo_calibration::boards::{
@@ -15,41 +14,14 @@ use linestereo_calibration::boards::{
     NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use linestereo_calibration::rig_file::{Quality, RigFile};
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use std::path::PathBuf;
-use std::thread;
-
-const EXAMPLES: &str = "\
-Examples:
-  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
-      left01.jpg, right01.jpg and so on in photos/, 9x6 inner corners (10x7 squares)
-  linestereo calibrate photos --board 9x6 --square-mm 25 --lens fisheye --report report.png
-      a wide lens; what was seen and what is left, as a picture
-  linestereo calibrate marked --board charuco:8x6 --square-mm 28 --marker-mm 21 --dictionary DICT_5X5_100 --out rig.toml
-      a ChArUco board of 8x6 squares
-
-Boards (`linestereo print-board` writes them):
-  9x6            chessboard by its inner corners, one less than squares; all of it in both images
-  charuco:8x6    ChArUco by its squares, as OpenCV counts them: upper left square black, or --legacy-pattern. Parts of it are enough
-  aprilgrid:6x6  Kalibr's AprilGrid by its tags: family 36h11, numbered row by row from the lower left, a black square at each
-                 corner of a tag; OpenCV's GridBoard has none of these and is not found. Parts of it are enough
-
-Taking the photos:
-  Glue the printed board to something flat. Fix the focus. Take 15 to 25 pairs, both cameras at the same moment: near and far, in all
-  corners of the images, tilted by 20 to 45 degrees to all sides. A chessboard has to be whole in both images. Of a board with markers
-  8 corners in each are enough: let it reach beyond the images' borders.
-
-Verdict:
-  good      RMS up to 0.5 px, rows up to 0.25 px apart, 10 views or more, focal lengths and baseline known to 0.5 %
-  usable    twice that
-  repeat    anything worse; the reason and the remedy stand below it";
 
 /// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.
 ///
 /// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/ and right/ (cam0, cam1).
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/calibrate.txt"))]
 pub struct Args {
     /// Folder of the photos: PNG, JPEG, PGM or PPM.
     folder: PathBuf,
@@ -104,7 +76,6 @@ enum Aspect {
     One,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let board = args.board_options.board(args.board)?;
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
@@ -145,10 +116,10 @@ pub fn run(args: &Args) -> Result<()> {
         output.add(path, file.text().as_bytes())?;
     }
     output.add_json(args.json.as_ref(), &json(&estimate, &assessment))?;
-    if let Some(path) = &args.report {
+    output.add_made(args.report.as_ref(), || {
         let photos = clearest_pair(&estimate, &pairs)?;
-        output.add(path, &draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)?;
-    }
+        Ok(draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)
+    })?;
     let mut text =
         format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
     for path in alone {
@@ -175,49 +146,29 @@ fn clearest_pair(estimate: &Estimate, pairs: &[PhotoPair]) -> Result<Option<[Gra
 /// Corners, or why there are none, of both photos of a pair.
 type Found = [Result<BoardCorners, NotFound>; 2];
 
-/// Looks for the board in all photos, with as many threads as there are cores; checks that all have one size.
+/// Looks for the board in all photos, on every core; checks that all have one size.
 fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)> {
-    let files: Vec<&PathBuf> = pairs.iter().flat_map(|pair| &pair.files).collect();
-    let bar = bar(files.len(), "finding the board {wide_bar} {pos}/{len}");
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        while let Some(&path) = files.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let found = load_gray(path).map(|image| (path, image.dims, JunctionFinder.find(&image, board)));
-            let failed = found.is_err();
-            done.push(found);
-            bar.inc(1);
-            if failed {
-                break;
-            }
-        }
-        done
-    };
-    let cores = thread::available_parallelism().map_or(1, core::num::NonZero::get);
-    let done = thread::scope(|scope| {
-        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect::<Result<Vec<_>, _>>()
-    });
-    bar.finish_and_clear();
-    let mut done = done?;
-    let (first, dims) = done
-        .iter()
-        .map(|(path, dims, _)| (*path, *dims))
-        .min_by_key(|(path, _)| *path)
-        .context("there are no photos")?;
-    if let Some((path, other, _)) = done.iter().find(|(_, other, _)| *other != dims) {
+    let find = |path: &PathBuf| load_gray(path).map(|image| (image.dims, JunctionFinder.find(&image, board)));
+    let seen = for_each_pair(
+        pairs,
+        None,
+        |pair| pair.name.clone(),
+        |pair| {
+            let [left, right] = pair.files.each_ref().map(find);
+            Ok([left?, right?])
+        },
+    )?;
+    let files = pairs.iter().flat_map(|pair| &pair.files);
+    let mut sizes = files.zip(seen.iter().flatten().map(|(dims, _)| *dims));
+    let (first, dims) = sizes.next().context("there are no photos")?;
+    if let Some((path, other)) = sizes.find(|(_, other)| *other != dims) {
         bail!(
             "{} is {dims}, {} is {other}; all photos of a calibration have one size",
             first.display(),
             path.display()
         );
     }
-    let mut take = |path: &PathBuf| {
-        let at = done.iter().position(|(other, ..)| *other == path).context("a photo was not looked at")?;
-        Ok::<_, anyhow::Error>(done.swap_remove(at).2)
-    };
-    let found = pairs.iter().map(|pair| Ok([take(&pair.files[0])?, take(&pair.files[1])?]));
-    Ok((dims, found.collect::<Result<_>>()?))
+    Ok((dims, seen.into_iter().map(|pair| pair.map(|(_, found)| found)).collect()))
 }
 
 /// Pairs in which both photos show the board, and a line for each other one.

@@ -11,24 +11,11 @@ use linestereo_calibration::rig_file::rotation_vector;
 use linestereo_rig::{Camera, CameraSide, Lens};
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo convert-rig calib.xml                                   say what is in it
-  linestereo convert-rig intrinsics.yml extrinsics.yml --size 640x480 --out rig.toml
-  linestereo convert-rig stereo.yml --translation-unit 25 --out rig.toml
-      OpenCV's T in squares of 25 mm
-  linestereo convert-rig camchain.yaml --out rig.toml                Kalibr
-  linestereo convert-rig left.yaml right.yaml --out rig.toml         ROS camera_info
-  linestereo convert-rig cam0/sensor.yaml cam1/sensor.yaml --out rig.toml
-  linestereo convert-rig rig.toml --to ros --out left.yaml --out right.yaml
-
-Where there is a file for each camera, the left one's comes first.";
-
 /// Convert a calibrated rig between rig.toml, OpenCV, Kalibr, ROS and EuRoC files.
 ///
 /// The format read is told from what the files hold. Without --out nothing is written.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/convert-rig.txt"))]
 pub struct Args {
     /// Files of one rig.
     #[arg(value_name = "INPUT", required = true, num_args = 1..=3)]
@@ -70,7 +57,6 @@ impl ImportArgs {
     }
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let imported = load_rig(&args.inputs, &args.import.options())?;
     let (mut text, mut output) = (summary(&imported), OutputFiles::new());

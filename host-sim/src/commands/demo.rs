@@ -1,18 +1,16 @@
 //! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does without arguments.
 
 use super::engine_for;
-use super::scene::parse_noise;
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{OutputFiles, OutputPath};
-use crate::results::outline::Mask;
+use crate::results::mask::Mask;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
 use linestereo::{Dims, NoDepth, Region, Rejection, Rig};
-use linestereo_frames::GrayImage;
-use linestereo_frames::Truth;
 use linestereo_frames::statistics::{interpolated_quantile, median};
+use linestereo_frames::{GrayImage, Truth};
 use std::ffi::OsString;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -27,23 +25,16 @@ pub struct Args {
     /// Where to write the picture of the segments.
     #[arg(long, value_name = "FILE.png", default_value = PICTURE)]
     out: OutputPath,
-    /// Seed of textures and noise.
-    #[arg(long, value_name = "N", default_value_t = SEED)]
-    seed: u64,
-    /// Standard deviation of the noise in both images, in grey levels.
-    #[arg(long, value_name = "SIGMA", default_value_t = NOISE, allow_negative_numbers = true, value_parser = parse_noise)]
-    noise: f64,
 }
 
 impl Default for Args {
     fn default() -> Self {
-        Self { out: OsString::from(PICTURE).into(), seed: SEED, noise: NOISE }
+        Self { out: OsString::from(PICTURE).into() }
     }
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let shown = Demonstration::new(args.seed, args.noise)?;
+    let shown = Demonstration::new(SEED)?;
     let picture = shown.picture()?;
     let mut text = shown.text;
     let mut output = OutputFiles::new();
@@ -58,7 +49,6 @@ pub fn run(args: &Args) -> Result<()> {
 /// An object of the room: the answer about it, and the truth.
 #[derive(Clone, Debug)]
 pub struct RoomObject {
-    /// Its name.
     pub name: String,
     /// Its disparity, px, and the probability that this is right; or why there is none.
     pub answer: Result<(f32, f32), NoDepth>,
@@ -70,7 +60,6 @@ pub struct RoomObject {
 
 impl RoomObject {
     /// True for an answer more than 1 px off at the object's centre, or outside of its range by as much.
-    #[must_use]
     pub fn is_wrong(&self) -> bool {
         let [low, high] = self.range;
         self.answer.is_ok_and(|(disparity, _)| {
@@ -93,10 +82,10 @@ pub struct Demonstration {
 }
 
 impl Demonstration {
-    /// Renders the room of a seed with noise of this standard deviation in grey levels, and matches it.
-    pub fn new(seed: u64, noise: f64) -> Result<Self> {
+    /// Renders the room of a seed, and matches it.
+    pub fn new(seed: u64) -> Result<Self> {
         let room = scene::build(Kind::Demo, DIMS, seed);
-        let sensor = Sensor { noise, seed, ..Sensor::default() };
+        let sensor = Sensor { noise: NOISE, seed, ..Sensor::default() };
         let rendering = scene::render(&room, DIMS, &sensor);
         let max_disparity = scene::search_range(&rendering);
         let rig = room.pair.rig()?;

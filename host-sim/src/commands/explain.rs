@@ -11,21 +11,9 @@ use anyhow::{Result, bail};
 use linestereo_frames::{PairFiles, StoredPair};
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo explain left.png right.png 160,120 --scene scene.json
-      the segment next to the pixel, the support point next to it, and the pixel itself, in words
-  linestereo explain left.png right.png 160,120 --scene scene.json --picture why.png
-      with their cost curves
-
-Of a segment (within 4 px): the window shaped by it, census along it, the edge alike in the right image (feature).
-Of a support point: the cost of its window before aggregation and the sum of the semi-global paths after it.
-Costs have the units of the technique: only their ratio, best / second-best, is compared between places.
-A test says passed or FAILED with the number and its limit; what follows a failed test was not computed.";
-
 /// Explain one pixel: cost curves of each technique, best and second-best, and the test that accepted or rejected it.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/explain.txt"))]
 pub struct Args {
     /// Left image, the reference.
     left: PathBuf,
@@ -41,7 +29,6 @@ pub struct Args {
     input: InputArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let given = StoredPair::alone(String::new(), PairFiles::Two([args.left.clone(), args.right.clone()]));
     let known = args.input.known_of(&given)?;
@@ -56,9 +43,8 @@ pub fn run(args: &Args) -> Result<()> {
     let pixel = setup.as_matched(args.pixel);
     let explanation = Explanation::new(pixel, &log, &mut matcher.engine, &setup.params, &matched.result);
     let mut output = OutputFiles::new();
-    if let Some(path) = &args.picture {
-        output.add(path, &draw::png(&draw::explanation(&matched.images[0], &explanation))?)?;
-    }
+    let picture = || draw::explanation(&matched.images[0], &explanation);
+    output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
     let mut text = String::new();
     if pixel != args.pixel {
         text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));

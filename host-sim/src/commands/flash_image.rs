@@ -12,22 +12,9 @@ use std::path::{Path, PathBuf};
 /// Disparity range without an option.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo flash-image rig.toml rig.bin --size 320x240
-      for boards that hold QVGA pairs
-  linestereo flash-image rig.toml rig.bin --size 160x120 --max-disparity 32 --alpha 0.5
-      smaller, with half of the view that needs pixels without source
-  linestereo flash-image --check rig.bin
-      what is in it, or why no board would take it
-
-A board reads the image from the newer of two slots and writes new ones in turn. To flash one by hand, erase both slots
-and write it to the first. The layout is that of crates/wire/src/rig_image.rs: the numbers of rig.toml as they are, little
-endian, with a version and a CRC-32.";
-
 /// Write the rig as the image that a board keeps in its flash, or explain one.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/flash-image.txt"))]
 pub struct Args {
     /// The rig: rig.toml, or one file of OpenCV or Kalibr.
     #[arg(value_name = "rig.toml", required_unless_present = "check", requires = "out")]
@@ -48,7 +35,6 @@ pub struct Args {
     max_disparity: Option<u16>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.check {
         return print(&explain(path)?);

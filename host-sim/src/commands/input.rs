@@ -19,10 +19,9 @@ use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
 use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::GrayImage;
 use linestereo_frames::{
-    PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size, check_usable,
-    load_images, scaled_max_disparity,
+    GrayImage, PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size,
+    check_usable, load_images, scaled_max_disparity,
 };
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
@@ -125,8 +124,6 @@ pub(super) struct Setup<'a> {
     pub(super) given: Dims,
     /// Pixels of the left image with content, where the scene file says so; empty when all have.
     left_content: Vec<Span>,
-    /// Disparity of what is infinitely far, in px of the images as matched.
-    pub(super) zero: f64,
     pub(super) params: Params,
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Pairs are raw and of this rig.
@@ -241,7 +238,6 @@ impl InputArgs {
             loaded,
             given,
             left_content: scene.as_ref().and_then(|(_, info)| info.left_content(loaded)).unwrap_or_default(),
-            zero: zero * scale,
             params,
             rig_numbers,
             rig: None,
@@ -290,7 +286,6 @@ impl InputArgs {
             loaded,
             given: image.remap().dims(),
             left_content: Vec::new(),
-            zero: 0.0,
             params: image.params(params)?,
             rig_numbers: None,
             rig: Some(image),
@@ -322,7 +317,6 @@ impl Setup<'_> {
         self.rig.as_ref().map_or(self.loaded, |rig| rig.remap().dims())
     }
 
-    /// Disparity range and rig, in words.
     fn described(&self) -> String {
         let Params { min_disparity, max_disparity, rig, .. } = &self.params;
         let nearest = rig.map(|rig| rig.depth(Disparity::saturating_from_num(*max_disparity)));

@@ -36,20 +36,16 @@ mod shell;
 mod video;
 pub mod view;
 
-use crate::board::{self, Board, Machine};
 use crate::engine::Engine;
 use crate::output::OutputPath;
 use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, ParamError, Params, Rig};
-use linestereo_frames::resampled_height;
 use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Name of the program in messages.
 const NAME: &str = "linestereo";
 
 const AFTER_HELP: &str = "\
@@ -111,7 +107,6 @@ enum Command {
 }
 
 /// Parses the command line, runs the command and reports a failure in one line.
-#[must_use]
 pub fn main() -> ExitCode {
     program::run(NAME, command(), |matches| {
         let cli = Cli::from_arg_matches(matches)?;
@@ -137,10 +132,10 @@ fn command() -> clap::Command {
 
 fn run_command(cli: &Cli) -> Result<()> {
     if let Some(shell) = cli.completions {
-        return shell::completions(shell, program::prepared(command()));
+        return shell::completions(shell, arguments::prepared(command()));
     }
     if let Some(folder) = &cli.man {
-        return shell::man(folder, program::prepared(command()));
+        return shell::man(folder, arguments::prepared(command()));
     }
     match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
@@ -170,7 +165,6 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
     engine_with(&Params { max_disparity, rig, ..Params::default() }, dims)
 }
 
-/// The core with these parameters.
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;
@@ -184,24 +178,6 @@ pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     })
 }
 
-/// The board of this name with its firmware built, if it holds images of this size.
-fn machine_for(name: &str, dims: Dims) -> Result<Machine> {
-    let board = board::named(name)?;
-    if !board.fits(dims) {
-        bail!("{}", does_not_fit(&board, dims));
-    }
-    Machine::new(board)
-}
-
-/// Error text for a size that the board has no memory for, with the widest reduction that fits.
-pub fn does_not_fit(board: &Board, dims: Dims) -> String {
-    let Board { name, largest, .. } = board;
-    let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
-    let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
-    format!("{name} holds pairs of up to {largest}, these are {dims}; reduce them with --width {width}")
-}
-
-/// The outputs that are asked for.
 pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
     paths.into_iter().flatten().map(|path| &**path)
 }
@@ -223,7 +199,7 @@ mod tests {
         listed.sort_unstable();
         known.sort_unstable();
         assert_eq!(listed, known);
-        let help = program::prepared(command()).render_help().to_string();
+        let help = arguments::prepared(command()).render_help().to_string();
         assert!(
             help.contains("Match pairs:\n  run ") && help.contains("--quiet") && help.contains("Exit codes:"),
             "{help}"

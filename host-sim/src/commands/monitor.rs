@@ -6,7 +6,7 @@ use crate::monitor::link::{Event, Link};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
-use crate::output::OutputPath;
+use crate::output::{ClosedPipe, OutputPath, print};
 use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -16,59 +16,11 @@ use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo monitor --serial /dev/ttyACM0 --baud 921600
-      a table of the frames as they come, until Ctrl-C
-  linestereo monitor --tcp localhost:4444 --send max_disparity=96 --send start --count 100
-      a board in QEMU: set a parameter, start, show 100 frames
-  linestereo monitor --tcp localhost:4444 --record run.bin --json > run.jsonl
-      everything as JSON, and the bytes as they came
-  linestereo monitor --serial /dev/ttyACM0 --send rig=rig.bin --send start
-      keep a rig in the board's flash (linestereo flash-image makes it), then start
-  linestereo monitor --serial /dev/ttyACM0 --send box=1:80,60,160,180 --send start
-      the depth of an object in every frame, in px of the rectified left image; only_box= matches around the
-      boxes alone, box=none asks no more
-  linestereo monitor --serial /dev/ttyACM0 --count 0 --send range_m=6 --send policy=silent --send keep
-      change settings and keep them over a reset
-  linestereo monitor --serial /dev/ttyACM0 --count 0 --send settings
-      every setting as it is, and whether it is kept; --send defaults goes back to those the board was built with
-  linestereo monitor run.bin
-      the same bytes again
-
-Commands are sent first, one after the other, each answered before the next; before start comes describe,
-so that what the board is, which rig it has and why it was reset stands above its frames. Neighbouring NAME=VALUE
-go in one command: all of them are accepted, or none is. A refusal names the parameter and its range.
-NAME is min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, parts,
-min_confidence, margin_px, margin_nearer_m with margin_farther_m, or focal_px with baseline_m
-(and offset_px); of the vehicle yaw_deg, range_m, lowest_m, highest_m, system, rate_hz, policy (silent,
-block, unknown), block_cm (0: the rig's near limit), distance_sensor (on, off). What is not kept is lost with
-the next reset; keep erases flash, which takes up to 4 s, in which nothing is sent to an autopilot. Margins
-and focal_px with its others are not kept.
-sync has times of frames in this computer's clock (since 1970) as long as monitor runs, else they count from
-the board's start; with --json the field clock says which. bootloader ends the program for the boot
-loader, to be flashed over USB.
-
-Columns:
-  frame, time    number and capture time of the pair, since ms after the one before
-  wait, match    ms that the board waited for the pair (its rows are rectified meanwhile), and matched it
-  port           ms that it wrote to this port since the frame before
-  segments       matched; 12/20 when 8 of 20 were lost on the way
-  nearest, farthest   - without a rig
-  health         what the frame suffered: full lists, a covered or frozen camera, rows that are off, ...
-                 a flag that was not set before is explained on a line of its own
-
-At the end: frames complete, incomplete, lost; packets by kind of damage; bytes that were skipped.
-With --json that summary goes to stderr, and each complete frame is one line on stdout:
-  {\"sequence\":n, \"capture_time_us\":t, \"clock\":\"board\", \"size\":[w,h], \"health\":{...},
-   \"times_us\":{\"waiting\":t, \"matching\":t, \"port\":t}, \"segments\":[...], \"counts\":{...}}
-health, segments and counts as in linestereo run --json.";
-
 /// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
 ///
 /// Damaged and lost records are counted and skipped.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/monitor.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["file", "tcp", "serial"])))]
 pub struct Args {
     /// Read recorded bytes; "-" is stdin.
@@ -91,7 +43,6 @@ pub struct Args {
     send: Vec<String>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let wanted = requests::parse(&args.send)?;
     let mut record = match &args.record {
@@ -112,29 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
         );
     }
     let summary = monitor.end();
-    match outcome.and_then(|()| summary.map_err(Stop::from)) {
-        Err(Stop::ClosedPipe) | Ok(()) => Ok(()), // who closed it has seen enough
-        Err(Stop::Failed(error)) => Err(error),
-    }
-}
-
-/// Why following ends early.
-enum Stop {
-    /// Nobody reads stdout any more.
-    ClosedPipe,
-    Failed(anyhow::Error),
-}
-
-impl From<anyhow::Error> for Stop {
-    fn from(error: anyhow::Error) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<io::Error> for Stop {
-    fn from(error: io::Error) -> Self {
-        if error.kind() == ErrorKind::BrokenPipe { Self::ClosedPipe } else { Self::Failed(error.into()) }
-    }
+    outcome.and(summary)
 }
 
 /// The bytes as they come, for another time.
@@ -164,7 +93,6 @@ struct Monitor {
     /// Complete frames still to come.
     left: Option<u64>,
     last_capture: Option<u64>,
-    /// Flags of the last frame.
     health: Health,
     has_summary: bool,
     screen: Screen,
@@ -183,7 +111,7 @@ impl Monitor {
     }
 
     /// Until the file ends, all frames are there, the user interrupts or the port fails.
-    fn follow(&mut self, port: &mut Port, record: &mut Option<Record>) -> Result<(), Stop> {
+    fn follow(&mut self, port: &mut Port, record: &mut Option<Record>) -> Result<()> {
         interruption::watch();
         let mut buffer = [0; 4096];
         loop {
@@ -198,8 +126,8 @@ impl Monitor {
                     let received = &buffer[..length];
                     if let Some(Record { path, file }) = record {
                         file.write_all(received).map_err(|error| match error.kind() {
-                            ErrorKind::BrokenPipe => Stop::ClosedPipe,
-                            _ => cannot_record(path, &error).into(),
+                            ErrorKind::BrokenPipe => ClosedPipe.into(),
+                            _ => cannot_record(path, &error),
                         })?;
                     }
                     for &byte in received {
@@ -224,23 +152,21 @@ impl Monitor {
         self.left == Some(0) && self.link.is_answered()
     }
 
-    fn show(&mut self, event: Event) -> Result<(), Stop> {
+    fn show(&mut self, event: Event) -> Result<()> {
         match event {
             Event::Frame(_) if self.left == Some(0) => Ok(()), // came while a command is waited for
             Event::Frame(frame) => self.show_frame(&frame),
-            Event::Objects(list) => {
-                list.iter().try_for_each(|object| self.screen.note(&text::object(object))).map_err(Stop::from)
-            }
+            Event::Objects(list) => list.iter().try_for_each(|object| self.screen.note(&text::object(object))),
             Event::Photo([left, _]) => {
                 let note =
                     format!("photograph: {}; linestereo photograph saves them, linestereo view shows them", left.dims);
-                Ok(self.screen.note(&note)?)
+                self.screen.note(&note)
             }
-            Event::Note(note) => Ok(self.screen.note(&note)?),
+            Event::Note(note) => self.screen.note(&note),
         }
     }
 
-    fn show_frame(&mut self, frame: &Frame) -> Result<(), Stop> {
+    fn show_frame(&mut self, frame: &Frame) -> Result<()> {
         if frame.missing() == 0 {
             self.left = self.left.map(|left| left - 1);
         }
@@ -255,7 +181,7 @@ impl Monitor {
     }
 
     /// Counts what is left unfinished, and says what arrived.
-    fn end(&mut self) -> io::Result<()> {
+    fn end(&mut self) -> Result<()> {
         let mut outcome = Ok(());
         if self.left != Some(0)
             && let Some(frame) = self.link.finish()
@@ -269,7 +195,6 @@ impl Monitor {
     }
 }
 
-/// Where the frames are shown.
 enum Screen {
     /// One line that changes, on a terminal.
     Live(ProgressBar),
@@ -301,43 +226,42 @@ impl Screen {
         screen
     }
 
-    fn frame(&self, frame: &Frame, last: Option<u64>) -> io::Result<()> {
+    fn frame(&self, frame: &Frame, last: Option<u64>) -> Result<()> {
         match self {
             Self::Live(bar) => {
                 bar.set_message(text::line(frame, last));
                 Ok(())
             }
-            Self::Lines => writeln!(io::stdout(), "{}", text::line(frame, last)),
-            Self::Notes => Ok(()),
-            Self::Json if frame.missing() > 0 => Ok(()),
-            Self::Json => writeln!(io::stdout(), "{}", text::json(frame)?),
+            Self::Lines => print(&(text::line(frame, last) + "\n")),
+            Self::Json if frame.missing() == 0 => print(&(text::json(frame)? + "\n")),
+            Self::Json | Self::Notes => Ok(()),
         }
     }
 
     /// A note for people; lines of JSON speak for themselves.
-    fn explain(&self, note: &str) -> io::Result<()> {
+    fn explain(&self, note: &str) -> Result<()> {
         if matches!(self, Self::Json) { Ok(()) } else { self.note(note) }
     }
 
-    fn note(&self, note: &str) -> io::Result<()> {
-        let note = printable(note); // a board's name is in it
+    fn note(&self, note: &str) -> Result<()> {
+        let print = || print(&format!("{note}\n"));
         match self {
-            Self::Live(bar) => bar.suspend(|| writeln!(io::stdout(), "{note}")),
-            Self::Lines => writeln!(io::stdout(), "{note}"),
-            Self::Json | Self::Notes => writeln!(io::stderr(), "{note}"),
+            Self::Live(bar) => bar.suspend(print),
+            Self::Lines => print(),
+            Self::Json | Self::Notes => Ok(writeln!(io::stderr(), "{}", printable(note))?),
         }
     }
 
-    fn close(&self, summary: &str) -> io::Result<()> {
+    fn close(&self, summary: &str) -> Result<()> {
         match self {
             Self::Live(bar) => {
                 let last = bar.message();
                 bar.finish_and_clear();
                 let end = if last.is_empty() { "" } else { "\n" };
-                write!(io::stdout(), "{last}{end}{summary}")
+                print(&format!("{last}{end}{summary}"))
             }
-            Self::Lines => write!(io::stdout(), "{summary}"),
-            Self::Json | Self::Notes => write!(io::stderr(), "{summary}"),
+            Self::Lines => print(summary),
+            Self::Json | Self::Notes => Ok(write!(io::stderr(), "{summary}")?),
         }
     }
 }

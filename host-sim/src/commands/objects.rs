@@ -4,7 +4,6 @@ use super::input::Setup;
 use crate::engine::{Engine, FrameResult};
 use crate::results::health;
 use crate::results::listing::{self, Answers};
-use crate::results::outline::{OutlineFile, label_png, refine};
 use anyhow::{Result, bail};
 use core::fmt::Write;
 use linestereo::objects::Shape;
@@ -39,15 +38,11 @@ pub(super) struct ObjectArgs {
 pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
-    /// Their depths by the core.
-    depths: Vec<ObjectDepth>,
     pub(super) skipped: Skipped,
     /// The folder holds no file of this frame.
     pub(super) no_file: bool,
     /// Why there is no list.
     pub(super) error: Option<String>,
-    /// Their outlines as a file, where one is asked for.
-    pub(super) refined: Option<Vec<u8>>,
 }
 
 impl ObjectArgs {
@@ -90,7 +85,7 @@ impl ObjectArgs {
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
-        Some(Asked { list: list.collect(), skipped: objects.skipped, depths, no_file, ..Asked::default() })
+        Some(Asked { list: list.collect(), skipped: objects.skipped, no_file, ..Asked::default() })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -154,24 +149,6 @@ impl Asked {
             objects_error: asked.and_then(|asked| asked.error.clone()),
             ..Answers::default()
         }
-    }
-
-    /// Outlines moved to the edges that the objects own, of the pair that was matched last, as a file: a label image where its name ends in
-    /// .png, else JSON.
-    pub(super) fn refined_file(&self, path: &Path, engine: &mut Engine) -> Result<Vec<u8>> {
-        let dims = engine.dims();
-        let matched = engine.matched();
-        // One after the other: each takes a flag for each pixel.
-        let list = self.list.iter().zip(&self.depths).filter_map(|((object, _), depth)| {
-            let region = object.region(dims).ok()?;
-            Some((object, refine(&region, depth, matched.candidates(), dims)))
-        });
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-            return label_png(dims, list);
-        }
-        let mut json = serde_json::to_vec_pretty(&OutlineFile::new(dims, list))?;
-        json.push(b'\n');
-        Ok(json)
     }
 
     /// A line per object, and what was skipped.

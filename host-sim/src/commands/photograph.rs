@@ -8,31 +8,17 @@ use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use linestereo_frames::GrayImage;
-use linestereo_wire::{
-    Answer, Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Outcome, Request, encode,
-};
+use linestereo_wire::{Answer, Command, Decoder, MAX_PACKET, Message, Outcome, Request};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-const EXAMPLES: &str = "\
-Examples:
-  linestereo photograph photos --serial /dev/ttyACM0 --count 20 --every 3
-      twenty pairs, three seconds from one to the next: time to move the chessboard
-  linestereo calibrate photos --board 9x6 --square-mm 25 --out rig.toml
-      what they are for
-  linestereo photograph look --serial /dev/ttyACM0
-      one pair: is it sharp, is it bright, is left left?
-
-Photos are left01.png, right01.png and so on, behind those that are there. They are raw: before rectification, as the
-sensors deliver them. Over USB a QVGA pair takes a second, over a serial port at 115200 baud a quarter of a minute.";
 
 /// A board that says nothing for so long does not answer.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Save pairs of photos as a board's cameras deliver them, for calibration or to have a look.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/photograph.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
 pub struct Args {
     /// Folder of the photos; made if it is not there.
@@ -47,7 +33,6 @@ pub struct Args {
     every: f64,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let every = Duration::try_from_secs_f64(args.every).context("--every is no time; give seconds, as in --every 3")?;
     let mut camera = Camera { port: args.port.open()?, decoder: Decoder::new(), next_id: 0 };
@@ -108,9 +93,7 @@ impl Camera {
     fn photograph(&mut self, bar: &ProgressBar) -> Result<[GrayImage; 2]> {
         self.next_id = self.next_id.wrapping_add(1);
         let command = Command { id: self.next_id, request: Request::Photograph };
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&command, &mut packet[1..])?.len();
-        self.port.write(&packet[..=length])?;
+        self.port.send(&command)?;
         let (mut buffer, mut photos, mut last) = ([0; 4096], PhotoAssembler::default(), Instant::now());
         loop {
             let count = match self.port.read(&mut buffer)? {

@@ -1,7 +1,6 @@
 //! `linestereo plan-rig`: what two cameras will see, before they are bought.
 
 use super::written;
-use crate::draw;
 use crate::output::{OutputFiles, OutputPath};
 use crate::planning::{Focal, RigPlan, Suggestion, USUAL_SIGMA, Wish, suggest};
 use anyhow::{Result, bail};
@@ -9,20 +8,9 @@ use core::fmt::Write;
 use linestereo::Dims;
 use serde::Serialize;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96 --out plan.png
-      near limit, error and common view of a rig, and a picture of it
-  linestereo plan-rig --focal-mm 2.8 --pixel-um 3 --size 640x480 --baseline-m 0.06
-  linestereo plan-rig --hfov-deg 70 --size 320x240 --range 0.4..3 --error 5
-      the smallest baseline that measures to 5 % at 3 m, and whether 0.4 m still works with it
-
-An error is one standard deviation: two of three depths are within it, 19 of 20 within twice as much.
-Parallel cameras are assumed; rectified ones are.";
-
 /// Plan a rig: near limit, depth error and common view by distance, and the baseline for a wanted range.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/plan-rig.txt"))]
 #[command(group = clap::ArgGroup::new("focal").required(true).args(["focal_px", "focal_mm", "hfov_deg"]))]
 pub struct Args {
     /// Focal length in px of the images as matched.
@@ -55,15 +43,11 @@ pub struct Args {
     /// Error wanted at FAR.
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, requires = "range")]
     error: f64,
-    /// Draw the plan as PNG.
-    #[arg(long, value_name = "FILE.png")]
-    out: Option<OutputPath>,
     /// Write everything as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let focal = match (args.focal_px, args.focal_mm, args.pixel_um, args.hfov_deg) {
         (Some(focal), ..) => Focal::Pixels(focal),
@@ -78,12 +62,9 @@ pub fn run(args: &Args) -> Result<()> {
     let baseline = args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
     let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
     let mut output = OutputFiles::new();
-    if let Some(path) = &args.out {
-        output.add(path, &draw::png(&draw::plan(&plan, wish.as_ref()))?)?;
-    }
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
     let mut text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
-    text.push_str(&written([&args.out, &args.json]));
+    text.push_str(&written([&args.json]));
     output.commit_and_say(&text)
 }
 
@@ -92,11 +73,11 @@ fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is
     let mut text = format!(
         "focal length {:.1} px, {} ({horizontal:.0} x {vertical:.0} degrees), baseline {:.1} mm, disparities to {}, \
          sigma {} px\n",
-        plan.focal(),
-        plan.dims(),
-        1e3 * plan.baseline(),
-        plan.max_disparity(),
-        plan.sigma()
+        plan.focal,
+        plan.dims,
+        1e3 * plan.baseline,
+        plan.max_disparity,
+        plan.sigma
     );
     if let (Some(wish), Some(found)) = (wish, suggestion) {
         let Wish { near, far, error } = wish;
@@ -171,13 +152,13 @@ struct Listing<'a> {
 fn listing<'a>(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&'a Suggestion>) -> Listing<'a> {
     let [horizontal_fov_deg, vertical_fov_deg] = plan.fields_of_view();
     Listing {
-        size: [plan.dims().width, plan.dims().height],
-        focal_px: plan.focal(),
+        size: [plan.dims.width, plan.dims.height],
+        focal_px: plan.focal,
         horizontal_fov_deg,
         vertical_fov_deg,
-        baseline_m: plan.baseline(),
-        max_disparity: plan.max_disparity(),
-        sigma_px: plan.sigma(),
+        baseline_m: plan.baseline,
+        max_disparity: plan.max_disparity,
+        sigma_px: plan.sigma,
         near_limit_m: plan.near_limit(),
         views_meet_m: plan.meeting(),
         reach_5_percent_m: plan.reach(0.05),

@@ -100,12 +100,10 @@ impl<'a> Player<'a> {
         Ok(Self { args, scene, at_hand: None })
     }
 
-    /// Set-up of the last pair.
     pub(super) fn setup(&self) -> Option<&Setup<'a>> {
         self.at_hand.as_ref().map(|(_, setup, _)| setup)
     }
 
-    /// Set-up and matcher of the last pair.
     pub(super) fn at_hand(&mut self) -> Option<(&Setup<'a>, &mut Matcher)> {
         self.at_hand.as_mut().map(|(_, setup, matcher)| (&*setup, matcher))
     }

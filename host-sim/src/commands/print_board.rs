@@ -6,24 +6,9 @@ use anyhow::Result;
 use core::fmt::Write;
 use linestereo_calibration::boards::Board;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo print-board 9x6 --square-mm 25 --out board.svg
-  linestereo print-board charuco:8x6 --square-mm 28 --marker-mm 21 --dictionary DICT_5X5_100 --out board.svg
-  linestereo print-board aprilgrid:6x4 --tag-mm 30 --spacing 0.3 --out board.svg
-
-Printing:
-  Open the file in a browser or in Inkscape and print it at 100 %, \"fit to page\" off. Measure a square with a ruler: what counts for
-  `calibrate` is what you measure. Glue it to something flat.
-
-Boards:
-  9x6            chessboard by inner corners, one less than squares: it has to be whole in both images
-  charuco:8x6    ChArUco by squares, as OpenCV counts them: parts of it are enough
-  aprilgrid:6x4  Kalibr's AprilGrid by tags (36h11): parts of it are enough";
-
 /// Write a board for `calibrate` as SVG in its true size.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/print-board.txt"))]
 pub struct Args {
     /// Kind and size: inner corners of a chessboard, squares of a ChArUco board, tags of an AprilGrid.
     #[arg(value_name = "[KIND:]COLSxROWS", value_parser = parse_board)]
@@ -40,7 +25,6 @@ const RIM: f64 = 10.0;
 /// Height of the line of text below the board, mm.
 const TEXT: f64 = 5.0;
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let board = args.options.board(args.board)?;
     let described = args.options.described(&board);

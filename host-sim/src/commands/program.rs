@@ -31,15 +31,9 @@ impl Verbosity {
     }
 }
 
-/// The command as it is shown and parsed.
-#[must_use]
-pub fn prepared(command: Command) -> Command {
-    arguments::prepared(command)
-}
-
 /// Parses the command line, does the work, and reports a failure of either in one line that begins with the program's name.
 pub fn run(name: &str, command: Command, work: impl FnOnce(&ArgMatches) -> Result<()>) -> ExitCode {
-    let command = prepared(command);
+    let command = arguments::prepared(command);
     let matches = match command.clone().try_get_matches() {
         Ok(matches) => matches,
         Err(error) => return report_usage(name, &error),

@@ -16,29 +16,9 @@ use linestereo_wire::Health;
 use serde_json::json;
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo quality left.png right.png --scene scene.json --distance 1.5
-      one pair of a wall whose left-hand camera stands 1.5 m before it
-  linestereo quality recording --rig rig.toml --size 320x240 --distance 1.5 --picture quality.png --json quality.json
-      several pairs of it: temporal noise too; layouts: linestereo sequence --help
-
-The wall: flat, with texture that does not repeat (newspaper, a printed random pattern), filling the region and facing the cameras.
-The figures are those of Intel's RealSense Depth Quality Tool; medians over the pairs:
-  fill rate       share of the region's 8x8 px cells with a credible answer
-  sub-pixel RMS   of the disparities about the plane's; answers more than 1 px off are counted apart
-  plane-fit RMS   of the depths about the plane's, mm and % of the distance
-  Z accuracy      median of depth minus truth, signed: above 0 is too far; with --distance
-  temporal noise  standard deviation of a pixel over the pairs, median; with two pairs or more
-
-Verdict, by the worst figure:
-  good     fill rate 80 %, sub-pixel RMS 0.25 px, Z accuracy 2 %, off the plane 1 %, temporal noise 0.15 px, or better
-  usable   50 %, 0.5 px, 5 %, 3 %, 0.3 px
-  poor     anything worse; what to do stands below it";
-
 /// Measure depth quality on a flat wall, as RealSense's tool does: accuracy, noise, fill rate, and what to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/quality.txt"))]
 pub struct Args {
     /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
     left: PathBuf,
@@ -74,7 +54,6 @@ fn parse_distance(text: &str) -> Result<f64, String> {
     distance.ok_or_else(|| "give 0.01 to 1000 metres".to_owned())
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (found, _) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     let pairs = &found.pairs;
@@ -111,13 +90,10 @@ pub fn run(args: &Args) -> Result<()> {
     value["advice"] = json!(verdict.advice);
     value["health"] = json!(health::names(flags));
     output.add_json(args.json.as_ref(), &value)?;
-    if let Some(path) = &args.picture {
-        output.add(path, &draw::png(&draw::quality(&left, &quality, &answers, &text))?)?;
-    }
+    output.add_made(args.picture.as_ref(), || Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?))?;
     output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))
 }
 
-/// The region as matched.
 fn region(given: Option<[u16; 4]>, size: Dims, as_matched: impl Fn((u16, u16)) -> (u16, u16)) -> Result<Area> {
     let [x, y, w, h] = given.unwrap_or_else(|| {
         let (w, h) = (size.width * 2 / 5, size.height * 2 / 5);

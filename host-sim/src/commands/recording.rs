@@ -8,10 +8,10 @@ use crate::interruption;
 use crate::output::{LineFile, OutputPath, cannot_write, print};
 use crate::results::ros::{Extra, Frame, RosFile, label};
 use anyhow::{Result, bail};
-use linestereo_frames::GrayImage;
-use linestereo_frames::StoredPair;
+use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
 use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_recording, is_video};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Frame of what is not from a recording.
@@ -126,15 +126,13 @@ impl Sink {
         matches!(self.to, To::Messages(_))
     }
 
-    /// The file.
     pub(super) fn path(&self) -> Option<String> {
         (!matches!(self.to, To::Stdout)).then(|| self.path.display().to_string())
     }
 
-    /// One more line.
     pub(super) fn line(&mut self, line: &str) -> Result<()> {
         match &mut self.to {
-            To::Lines(file) => file.push(line),
+            To::Lines(file) => file.write_all(line.as_bytes()).map_err(|error| cannot_write(&self.path, &error)),
             _ => print(line),
         }
     }

@@ -6,8 +6,7 @@ use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_calibration::rectify::reduced;
-use linestereo_frames::GrayImage;
-use linestereo_frames::{area_average, resampled_height};
+use linestereo_frames::{GrayImage, area_average, resampled_height};
 use linestereo_rig::{Calibration, CameraSide, RectifyError, RigImage, RigImageError, View};
 use std::path::PathBuf;
 

@@ -6,8 +6,7 @@ use crate::draw;
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::GrayImage;
-use linestereo_frames::{Dataset, PairFiles, StoredPair, check_same_size, load_images};
+use linestereo_frames::{Dataset, GrayImage, PairFiles, StoredPair, check_same_size, load_images};
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
@@ -17,21 +16,9 @@ const ANY_RANGE: (i16, u16) = (0, 8);
 /// Files of each pair of a folder.
 const WRITTEN: [&str; 3] = ["left.png", "right.png", "rows.png"];
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo rectify left.png right.png --rig rig.toml --out-left l.png --out-right r.png
-  linestereo rectify left.png right.png --rig rig.toml --size 320x240 --picture rows.png
-      the picture alone: raw above, rectified below, a line every 32 rows
-  linestereo rectify recordings --rig rig.toml --out rectified
-      every pair in or below recordings, in any layout (linestereo sequence --help), in a folder of its name
-  linestereo rectify left.png right.png --rig cam0_sensor.yaml --rig cam1_sensor.yaml --picture rows.png
-      a rig of EuRoC; OpenCV, Kalibr and ROS files are read as well
-
-In the picture a point has to lie on one line in both lower images. Pixels without source are black.";
-
 /// Rectify raw pairs with a calibrated rig, by the same code as on a board.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/rectify.txt"))]
 pub struct Args {
     /// Raw left image; or a folder with pairs, in any layout.
     left: PathBuf,
@@ -57,7 +44,6 @@ pub struct Args {
     view: ViewArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let image = args.view.image(&args.rig, None, ANY_RANGE)?;
     let mut rectifier = PairRectifier::new(image.remap())?;
@@ -76,14 +62,10 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
     }
     let pair = Pair::load(&PairFiles::Two([args.left.clone(), right.to_path_buf()]), &args.view, rectifier)?;
     let mut output = OutputFiles::new();
-    for (path, image) in [(&args.out_left, &pair.rectified[0]), (&args.out_right, &pair.rectified[1])] {
-        if let Some(path) = path {
-            output.add(path, &draw::gray_png(image)?)?;
-        }
+    for (path, image) in [&args.out_left, &args.out_right].into_iter().zip(&pair.rectified) {
+        output.add_made(path.as_ref(), || Ok(draw::gray_png(image)?))?;
     }
-    if let Some(path) = &args.picture {
-        output.add(path, &pair.picture()?)?;
-    }
+    output.add_made(args.picture.as_ref(), || pair.picture())?;
     output.commit_and_say(&(summary + &written))
 }
 

@@ -6,26 +6,14 @@ use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
 use crate::explain::{CurveLog, SegmentTexts};
 use crate::output::{OutputFiles, OutputPath, spare};
-use crate::report::{Page, PageFrame, PageSetup, RejectionLog};
+use crate::report::{Page, PageFrame, PageSetup};
 use anyhow::{Context, Result, bail};
-use linestereo::diagnostics::{Observer, SegmentCurves, StageEvent, SupportCurves};
 use linestereo_frames::StoredPair;
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo report left.png right.png --scene scene.json -o report.html
-  linestereo report frames/desk -o desk.html
-      a folder with a pair and its scene.json
-  linestereo report recording --rig rig.toml --size 320x240 --max-frames 100 -o recording.html
-      a sequence, with a slider over its frames; layouts: linestereo sequence --help
-
-The page holds everything: images, data, script. It works offline, with mouse, touch and keyboard
-(arrow keys go through the segments of a picture that has the focus).";
-
 /// Write one HTML page that shows what was found in a pair or a sequence, and why the rest was not.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/report.txt"))]
 pub struct Args {
     /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
     left: PathBuf,
@@ -46,7 +34,6 @@ pub struct Args {
     objects: ObjectArgs,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let (found, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     let pairs = &found.pairs;
@@ -59,14 +46,8 @@ pub fn run(args: &Args) -> Result<()> {
     let mut failed = Vec::new();
     for (index, pair) in pairs.iter().enumerate() {
         progress.set_message(pair.name.clone());
-        let outcome = add(
-            args,
-            &mut player,
-            pair,
-            (shown.contains(&index), pairs.len() == 1),
-            |setup| PageSetup { title: title.clone(), many: pairs.len() > 1, ..setup },
-            &mut page,
-        );
+        let title = shown.contains(&index).then_some(&*title);
+        let outcome = add(args, &mut player, pair, (title, pairs.len() > 1), &mut page);
         if let Err(error) = outcome {
             if pairs.len() == 1 {
                 return Err(error);
@@ -106,74 +87,35 @@ fn shown(frames: usize, most: usize) -> Vec<usize> {
     (0..most).map(|i| if most > 1 { i * (frames - 1) / (most - 1) } else { 0 }).collect()
 }
 
-/// Matches a pair and, if it is to be shown, puts it on the page, which the first one begins.
+/// Matches a pair and, where it is shown under a title, puts it on the page, which the first one begins.
 fn add(
     args: &Args,
     player: &mut Player<'_>,
     pair: &StoredPair,
-    (is_shown, with_tests): (bool, bool),
-    named: impl Fn(PageSetup) -> PageSetup,
+    (title, many): (Option<&str>, bool),
     page: &mut Option<Page>,
 ) -> Result<()> {
     let (loaded, setup, matcher) = player.load(pair)?;
-    // Of many pairs the page would be too large.
-    let curves = with_tests.then(CurveLog::default);
-    let mut log = Logs { rejections: RejectionLog::default(), curves };
+    // With the tests of many pairs the page would be too large.
+    let mut log = if many { CurveLog::outcomes_only() } else { CurveLog::default() };
     let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
-    if !is_shown {
-        return Ok(());
-    }
+    let Some(title) = title else { return Ok(()) };
+    let (engine, params) = (&mut matcher.engine, &setup.params);
     let page = page.get_or_insert_with(|| {
-        Page::new(named(PageSetup {
-            title: String::new(),
-            max_disparity: setup.params.max_disparity,
-            rig: setup.params.rig,
-            many: false,
-        }))
+        let (title, max_disparity, rig) = (title.to_owned(), params.max_disparity, params.rig);
+        Page::new(PageSetup { title, max_disparity, rig, many })
     });
-    let objects = args.objects.depths(setup, pair.left(), &mut matcher.engine, &matched.result).unwrap_or_default();
+    let objects = args.objects.depths(setup, pair.left(), engine, &matched.result).unwrap_or_default();
     if let Some(error) = objects.error {
         bail!("{error}");
     }
-    let (engine, params) = (&mut matcher.engine, &setup.params);
-    let tests = log.curves.map(|log| SegmentTexts::new(&log, engine, params, &matched.result));
+    let tests = (!many).then(|| SegmentTexts::new(&log, engine, params, &matched.result));
     page.push(&PageFrame {
         name: pair.name.clone(),
         images: &matched.images,
         result: &matched.result,
-        rejected: &log.rejections.rejected(engine.matched().candidates()),
+        rejected: &log.rejected(engine.matched().candidates()),
         objects: &objects.list,
         tests: &tests.unwrap_or_default(),
     })
-}
-
-/// Both watch a run; curves are for a single pair.
-struct Logs {
-    rejections: RejectionLog,
-    curves: Option<CurveLog>,
-}
-
-impl Observer for Logs {
-    fn on_event(&mut self, step: StageEvent<'_>) {
-        self.rejections.on_event(step);
-        if let Some(curves) = &mut self.curves {
-            curves.on_event(step);
-        }
-    }
-
-    fn wants_segment_curves(&self) -> bool {
-        self.curves.is_some()
-    }
-
-    fn segment_curves(&mut self, seen: &SegmentCurves<'_>) {
-        if let Some(curves) = &mut self.curves {
-            curves.segment_curves(seen);
-        }
-    }
-
-    fn support_curves(&mut self, index: usize, seen: &SupportCurves<'_>) {
-        if let Some(curves) = &mut self.curves {
-            curves.support_curves(index, seen);
-        }
-    }
 }

@@ -1,11 +1,11 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
+use super::engine_with;
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs};
 use super::sector_options::SectorArgs;
 use super::written;
-use super::{engine_with, machine_for};
-use crate::board;
+use crate::board::{self, Board, Machine};
 use crate::draw::{self, ColourRange};
 use crate::engine::FrameResult;
 use crate::output::{OutputFiles, OutputPath};
@@ -15,92 +15,17 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
+use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, Disparity, Params, Rejection};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::GrayImage;
-use linestereo_frames::{PairFiles, StoredPair};
+use linestereo_frames::{GrayImage, PairFiles, StoredPair, resampled_height};
 use linestereo_rig::CameraSide;
 use linestereo_wire::{Regions, Request};
 use std::path::PathBuf;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo run left.png right.png --overlay depth.png
-      disparities only, and a picture of them
-  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --json -
-      with depth in metres, everything as JSON on stdout
-  linestereo run left.png right.png --focal-px 451 --baseline-m 0.075 --nearest 0.3
-      with the disparity range that reaches from infinity to 0.3 m
-  linestereo run left.png right.png --scene scene.json --width 320 --csv segments.csv
-      range and rig from a scene file, images reduced to 320 px
-  linestereo run left.png right.png --scene scene.json --ply points.ply --depth-png depth.png --pfm d.pfm
-      for other programs: geometry, depths in mm and disparities of the images as matched
-  linestereo run left.png right.png --scene scene.json --objects detections.json --json -
-      the depth of every object that a detector found
-  linestereo run left.png right.png --scene scene.json --query 160,120 --query 40,30
-      the depth of two pixels, on a segment or not
-  linestereo run left.png right.png --scene scene.json --objects boxes.csv --only-objects
-      matched in and just around the boxes alone: the same depths for less work
-  linestereo run left.png right.png --focal-px 300 --baseline-m 0.1 --sectors --fan fan.png --mavlink told.bin
-      the nearest obstacle of each direction, and what an autopilot is told of them (docs/autopilots.md)
-  linestereo run left.png right.png --width 320 --on mps2-an500
-      the same on an emulated Cortex-M7, with its instructions counted
-  linestereo run raw_left.png raw_right.png --rig rig.toml --size 320x240 --overlay depth.png
-      a raw pair of a calibrated rig, rectified first; with --on the board rectifies it
-      (where its memory for raw rows is too small: --raw-width)
-
-scene.json (README.md says what each key means):
-  {\"max_disparity\":64, \"rectified\":{\"focal_px\":451, \"baseline_m\":0.075}}
-
-Without --rig the pair has to be rectified: a point lies on one row in both images.
-Choose --max-disparity above focal_px * baseline_m / (nearest distance in m), or give --nearest and a rig.
-What is nearer than the range allows is not measured: such a pair is flagged (range_small) and its objects have no depth.
-
-JSON:
-  {\"size\":[w,h],
-   \"segments\":[{\"id\":0, \"left\":[[x0,y0],[x1,y1]], \"disparity_px\":[d0,d1], \"sigma_px\":s,
-                \"confidence\":c, \"owner\":\"left|right|both\", \"depth_m\":[z0,z1],
-                \"techniques\":{\"feature\":d, \"window\":d, \"census\":d}}],
-   \"points\":[[x,y,disparity_px,confidence]],
-   \"counts\":{...},
-   \"objects\":[{\"label\":n, \"name\":s, \"disparity_px\":d, \"sigma_px\":s, \"depth_m\":z, \"sigma_m\":s,
-               \"nearest_m\":z, \"support\":k, \"confidence\":c, \"reason\":null}],
-   \"health\":{\"flags\":[\"...\"],
-             \"left\":{\"level\":l, \"detail\":e, \"black\":b, \"white\":w, \"view\":v}, \"right\":{...},
-             \"skew_us\":t, \"rows\":{\"offset_px\":r, \"spread_px\":s, \"samples\":n},
-             \"row_offset_px\":r, \"row_drift_px\":r, \"least_disparity_px\":d,
-             \"range\":{\"windows\":n, \"beyond\":k, \"disparity_px\":d},
-             \"still\":{\"share\":s, \"pattern\":p}, \"tear\":{\"row\":y, \"shift_px\":d}},
-   \"queries\":[{\"x\":x, \"y\":y, \"disparity_px\":d|null, \"sigma_px\":s, \"depth_m\":z|null, \"sigma_m\":s,
-               \"confidence\":c, \"reason\":null|\"...\"}],
-   \"sectors\":[{\"index\":0, \"direction_deg\":a, \"state\":\"obstacle|free|unknown|outside\",
-               \"distance_m\":z, \"confidence\":c, \"age_ms\":t}]}
-  confidence  probability of being within 1 px
-  owner       side whose surface has this depth; left is above on a near-horizontal segment
-  depth_m     null without a rig; a z of null is infinite
-  feature     null when no segment of the right image is alike
-  objects     with --objects; label: the mask's value, or the object's position in the file (from 0);
-              disparity and depth at its centre, null with a reason: little_support, two_surfaces,
-              only_outline, unhealthy_pair, no_parallax; support: segments that support it
-  health      what is wrong with the pair, and the numbers behind it; null is not known
-  level       mean grey level; black and white: shares of the pixels at 0..2 and at 253..255;
-              detail: mean grey step between samples; view: share of the usable pixels
-  skew_us     between the captures: null here, files have no capture times
-  rows        row in the right image minus row in the left one, by the matches: its median, spread and
-              the number of matches that could say; row_offset_px smooths it over pairs
-  range       windows that were also compared beyond the disparity range, those that match better there, and
-              up to which disparity
-  still       share of credible support points below 0.75 px; pattern: how alike both images are at the same
-              pixels where the scene has parallax, beyond what it explains
-  tear        the row below which one image is moved sideways, and by how much
-  queries     only with --query; reason: why the depth of the pixel is not known (outside, near_border,
-              no_texture, left_right, not_unique, low_confidence, unhealthy_pair)
-  sectors     with --sectors: 0 is ahead, then clockwise; distance along the ground; free means that credible
-              segments lie behind the range and none within it, not that nothing is there";
-
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/run.txt"))]
 pub struct Args {
     /// Left image, the reference: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour.
     left: PathBuf,
@@ -115,7 +40,7 @@ pub struct Args {
     query: Vec<(u16, u16)>,
     /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7), mps2-an386 (Cortex-M4, up to 160x120), mps2-an505, mps3-an547 or
     /// riscv-virt; the others up to 320x240.
-    #[arg(long, value_name = "BOARD", conflicts_with_all = ["refine", "only_objects"])]
+    #[arg(long, value_name = "BOARD", conflicts_with = "only_objects")]
     on: Option<String>,
     /// Write segments, points and counts as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
@@ -147,10 +72,6 @@ pub struct Args {
     /// Write the objects as CSV.
     #[arg(long, value_name = "FILE", requires = "objects")]
     objects_csv: Option<OutputPath>,
-    /// Write the objects' outlines, moved to the depth edges that they own, and the segments that belong to each: as JSON, or as a label
-    /// image where FILE ends in .png.
-    #[arg(long, value_name = "FILE", requires = "objects", conflicts_with_all = ["only_objects", "on"])]
-    refine: Option<OutputPath>,
     #[command(flatten)]
     input: InputArgs,
     #[command(flatten)]
@@ -159,7 +80,6 @@ pub struct Args {
     sectors: SectorArgs,
 }
 
-/// A column and a row.
 pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
     let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
     match numbers {
@@ -171,7 +91,6 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
 /// The left image as it was matched, the result, the time in words, objects and pixels that were asked for.
 type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.objects.check([args.left.as_path()].into_iter())?;
     let left = args.left.clone();
@@ -193,24 +112,16 @@ pub fn run(args: &Args) -> Result<()> {
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
-    output.add_text(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
-    if let Some(path) = &args.csv {
-        output.add(path, listing::csv(&result).as_bytes())?;
+    output.add_made(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
+    output.add_made(args.csv.as_ref(), || Ok(listing::csv(&result)))?;
+    let overlay = || draw::overlay(&left, &result, rig.as_ref(), max_disparity);
+    output.add_made(args.overlay.as_ref(), || Ok(draw::png(&overlay())?))?;
+    if let Some(list) = &answers.objects {
+        output.add_made(args.objects_csv.as_ref(), || Ok(listing::objects_csv(list)))?;
     }
-    if let Some(path) = &args.overlay {
-        output.add(path, &draw::png(&draw::overlay(&left, &result, rig.as_ref(), max_disparity))?)?;
-    }
-    if let (Some(path), Some(list)) = (&args.objects_csv, &answers.objects) {
-        output.add(path, listing::objects_csv(list).as_bytes())?;
-    }
-    if let (Some(path), Some(directions)) = (&args.sectors.fan, &directions) {
-        output.add(path, &draw::png(&draw::fan(directions))?)?;
-    }
-    if let (Some(path), Some(directions)) = (&args.sectors.mavlink, &directions) {
-        output.add(path, &directions.mavlink(args.sectors.policy.into()))?;
-    }
-    if let (Some(path), Some(refined)) = (&args.refine, objects.as_ref().and_then(|asked| asked.refined.as_ref())) {
-        output.add(path, refined)?;
+    if let Some(directions) = &directions {
+        output.add_made(args.sectors.fan.as_ref(), || Ok(draw::png(&draw::fan(directions))?))?;
+        output.add_made(args.sectors.mavlink.as_ref(), || Ok(directions.mavlink(args.sectors.policy.into())))?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = summary(left.dims, &setup.params, &result, &cost);
@@ -218,10 +129,10 @@ pub fn run(args: &Args) -> Result<()> {
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);
     text.push_str(&sectors.map(Directions::table).unwrap_or_default());
-    let Args { json, csv, objects_csv, refine, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
+    let Args { json, csv, objects_csv, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
     let SectorArgs { fan, mavlink, .. } = &args.sectors;
     let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
-    text.push_str(&written([json, csv, objects_csv, refine, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
+    text.push_str(&written([json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
     output.commit_and_say(&text)?;
     // The other results are written by now.
     objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
@@ -233,37 +144,24 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     let mut notes = String::new();
     let colours = ColourRange::of(result, setup.params.max_disparity);
     let needs = |what: &str| anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig");
-    if let Some(path) = &args.ply {
-        let rig = setup.geometry().ok_or_else(|| needs("--ply"))?;
-        output.add(path, draw::ply(result, rig, &colours).as_bytes())?;
-    }
-    if let Some(path) = &args.pcd {
-        let rig = setup.geometry().ok_or_else(|| needs("--pcd"))?;
-        output.add(path, draw::pcd(result, rig, &colours).as_bytes())?;
-    }
-    let mut note = |map: &PngMap, what: &str| {
+    let geometry = |what: &str| setup.geometry().ok_or_else(|| needs(what));
+    let rig = |what: &str| setup.params.rig.as_ref().ok_or_else(|| needs(what));
+    let mut png = |map: PngMap, what: &str| {
         if map.left_out > 0 {
             let _ = writeln!(notes, "{} points are not in the {what}", map.left_out);
         }
+        map.png
     };
-    if let Some(path) = &args.depth_png {
-        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-png"))?;
-        let map = results::depth_png(dims, result, rig)?;
-        output.add(path, &map.png)?;
-        note(&map, "depth PNG: beyond 65.535 m");
-    }
-    if let Some(path) = &args.depth_npy {
-        let rig = setup.params.rig.as_ref().ok_or_else(|| needs("--depth-npy"))?;
-        output.add(path, &results::depth_npy(dims, result, rig))?;
-    }
-    if let Some(path) = &args.disparity_png {
-        let map = results::kitti_png(dims, result)?;
-        output.add(path, &map.png)?;
-        note(&map, "disparity PNG: below 0, or 256 px and more");
-    }
-    if let Some(path) = &args.pfm {
-        output.add(path, &results::pfm(dims, result))?;
-    }
+    output.add_made(args.ply.as_ref(), || Ok(draw::ply(result, geometry("--ply")?, &colours)))?;
+    output.add_made(args.pcd.as_ref(), || Ok(draw::pcd(result, geometry("--pcd")?, &colours)))?;
+    output.add_made(args.depth_png.as_ref(), || {
+        Ok(png(results::depth_png(dims, result, rig("--depth-png")?)?, "depth PNG: beyond 65.535 m"))
+    })?;
+    output.add_made(args.depth_npy.as_ref(), || Ok(results::depth_npy(dims, result, rig("--depth-npy")?)))?;
+    output.add_made(args.disparity_png.as_ref(), || {
+        Ok(png(results::kitti_png(dims, result)?, "disparity PNG: below 0, or 256 px and more"))
+    })?;
+    output.add_made(args.pfm.as_ref(), || Ok(results::pfm(dims, result)))?;
     Ok(notes)
 }
 
@@ -272,10 +170,7 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
-    let mut objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
-    if let (Some(path), Some(asked)) = (&args.refine, objects.as_mut().filter(|asked| asked.error.is_none())) {
-        asked.refined = Some(asked.refined_file(path, &mut matcher.engine)?);
-    }
+    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
     let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
@@ -292,22 +187,28 @@ fn on_board(
     let update = board::update(&setup.params, setup.rig_numbers);
     let dims = setup.dims();
     engine_with(&setup.params, dims)?; // what is wrong with the parameters is said in the PC's words
-    let largest = board::named(board)?.largest;
-    if setup.rig.is_some() && !board::named(board)?.fits(dims) {
-        bail!("{board} holds pairs of up to {largest}, these are {dims}; give --size {largest}");
+    let board = board::named(board)?;
+    let Board { name, largest, .. } = board;
+    if !board.fits(dims) {
+        let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
+        let remedy = match &setup.rig {
+            Some(_) => format!("give --size {largest}"),
+            None => {
+                let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
+                format!("reduce them with --width {width}")
+            }
+        };
+        bail!("{name} holds pairs of up to {largest}, these are {dims}; {remedy}");
     }
-    let machine = machine_for(board, dims)?;
-    let name = machine.board().name;
+    let machine = Machine::new(board)?;
     let boxes = args.objects.boxes(setup, &args.left)?;
     let regions = boxes.iter().map(|boxes| Regions { boxes: boxes.iter().map(|&(_, of)| of).collect(), only: false });
     let regions = regions.map(Request::SetRegions);
     let pairs = [(left, right)];
-    let (left, replayed) = match &setup.rig {
-        Some(rig) => {
-            let rectified = PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?;
-            (rectified, machine.run_raw_pairs_with(regions, rig, &update, &pairs)?)
-        }
-        None => (left.clone(), machine.run_pairs_with(regions, &update, &pairs)?),
+    let replayed = machine.run(setup.rig.as_ref(), &update, regions, &pairs)?;
+    let left = match &setup.rig {
+        Some(rig) => PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?,
+        None => left.clone(),
     };
     let pair = replayed.pairs.into_iter().next_back();
     let found = pair.with_context(|| format!("{name} gives no result"))?;
@@ -327,7 +228,6 @@ fn nearest_metres(params: &Params) -> Option<f64> {
     params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
 }
 
-/// Summary of the result, a few lines.
 fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> String {
     let (counts, max_disparity) = (&result.counts, params.max_disparity);
     let mut text = format!(

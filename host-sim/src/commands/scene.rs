@@ -7,19 +7,12 @@ use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo scene --list                               name and describe the built-in scenes
-  linestereo scene --kind poles out/poles               render one of them
-  linestereo scene --kind all --noise 5 out             render each into a folder of its own ...
-  linestereo eval out                                   ... and score the core on all of them";
-
 /// Render synthetic scenes with exact ground truth to folders that `eval` and `run` read.
 ///
 /// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown), visible.png, objects.png and
 /// scene.json. The same options give the same bytes on every machine.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/scene.txt"))]
 pub struct Args {
     /// List the built-in scenes and stop.
     #[arg(long)]
@@ -36,21 +29,11 @@ pub struct Args {
     /// Standard deviation of the noise in both images, in grey levels.
     #[arg(long, value_name = "SIGMA", default_value_t = 1.0, allow_negative_numbers = true, value_parser = parse_noise)]
     noise: f64,
-    /// Factor on the brightness of the right image.
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true, value_parser = parse_gain)]
-    gain: f64,
-    /// Grey levels added to the right image.
-    #[arg(long, value_name = "B", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_bias)]
-    bias: f64,
-    /// Rows by which the right image lies too low (rectification error), fractions allowed.
-    #[arg(long, value_name = "PX", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_rows)]
-    row_offset: f64,
     /// Folder to write to; made if it is not there.
     #[arg(value_name = "FOLDER", required_unless_present = "list")]
     folder: Option<PathBuf>,
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let Some(folder) = args.folder.as_deref().filter(|_| !args.list) else {
         let line = |kind: &Kind| format!("{:<11} {}\n", kind.name(), kind.summary());
@@ -68,8 +51,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
-    let sensor =
-        Sensor { noise: args.noise, seed: args.seed, gain: args.gain, bias: args.bias, row_offset: args.row_offset };
+    let sensor = Sensor { noise: args.noise, seed: args.seed, ..Sensor::default() };
     let scene = scene::build(kind, args.size, args.seed);
     let rendering = scene::render(&scene, args.size, &sensor);
     let files = scene::files(kind.name(), &scene.pair, &rendering)?;
@@ -95,24 +77,7 @@ pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
     }
 }
 
-/// A noise in grey levels.
-pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, 255.0)
-}
-
-fn parse_gain(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, 16.0)
-}
-
-fn parse_bias(text: &str) -> Result<f64, String> {
-    parse_within(text, -255.0, 255.0)
-}
-
-fn parse_rows(text: &str) -> Result<f64, String> {
-    parse_within(text, -64.0, 64.0)
-}
-
-fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (low..=high).contains(value));
-    value.ok_or_else(|| format!("give a number from {low} to {high}"))
+fn parse_noise(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|value| (0.0..=255.0).contains(value));
+    value.ok_or_else(|| "give a number from 0 to 255".to_owned())
 }

@@ -1,55 +1,25 @@
 //! `linestereo sequence`: a recorded sequence, a line of JSON or messages of ROS 2 per frame.
 
 use super::asked_for;
-use super::input::{InputArgs, Setup};
+use super::input::InputArgs;
 use super::objects::ObjectArgs;
 use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
-use crate::draw;
 use crate::interruption::{self, Interrupted};
-use crate::output::{OutputFiles, OutputPath, is_quiet, say, spare};
+use crate::output::{OutputPath, is_quiet, say, spare};
+use crate::results::health;
 use crate::results::ros::Extra;
-use crate::results::{health, listing};
-use crate::survey::{NearestSummary, Surveyed, nearest_disparity, surveyed};
 use anyhow::{Result, bail};
-use linestereo::Disparity;
-use linestereo_frames::statistics::upper_median;
 use linestereo_frames::untrusted::printable;
 use linestereo_frames::{StoredPair, layouts};
 use linestereo_recordings::{Footage, Video};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo sequence recording --scene rig/scene.json --out results.jsonl
-  linestereo sequence recording.mcap --out results.mcap --with images     ROS 2, in and out: docs/recordings.md
-  linestereo sequence both.mkv --rig rig.toml --out results.jsonl         videos: side by side; or left.mp4 right.mp4
-  linestereo sequence --camera /dev/video0 --rig rig.toml | jq -c .health
-      a stereo camera at this PC, until Ctrl-C
-  linestereo sequence MH_01_easy --rig cam0.yaml --rig cam1.yaml --size 376x240 | jq -c '.health.flags'
-      EuRoC's folders, rectified first; lines on stdout
-
-Nearest obstacle against surveyed distances, where nobody knows f*B: taken from one sequence, applied to the other
-  linestereo sequence take1 --truth take1/frames.csv --truth-radius-m 0.25 --plot nearest.png --out take1.jsonl
-      prints the f*B that fits, errors with it and missed frames, and draws them
-      with --fb or a rig those are taken, and the errors are of nothing that was fitted
-
-Layouts, the same for every command: a folder per pair (0001/left.png, 0001/right.png); 0001_left.png and
-0001_right.png; left1.png and right1.png; left/ and right/, image_0/ and image_1/ (KITTI), cam0/data/ and cam1/data/
-(EuRoC) with the same names in both, or with times that differ; Middlebury's and ETH3D's scenes; with --side-by-side
-one file per pair. Sides are called left and right, L and R, infra1 and infra2, cam0 and cam1, in any case.
-Range and rig are those of --scene or --rig, else of the scene.json or the data set's calibration beside a pair, else
-of the scene.json in FOLDER (linestereo run --help says what is in it).
-
-A line: {\"frame\":i, \"name\":\"...\", and the fields of `run --json`}; a frame that fails gives
-{\"frame\":i, \"name\":\"...\", \"error\":\"...\"} and does not stop the others. Objects that cannot be read are an
-\"objects_error\" in their frame's line.";
-
 /// Match every pair of a recorded sequence: one line of JSON per frame, or messages of ROS 2.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/sequence.txt"))]
 pub struct Args {
     /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4, .mkv, .avi, .mov, .webm, .mjpeg)
     /// with both views side by side, or of the left camera.
@@ -70,25 +40,8 @@ pub struct Args {
     input: InputArgs,
     #[command(flatten)]
     objects: ObjectArgs,
-    #[command(flatten)]
-    truth: TruthArgs,
 }
 
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Nearest obstacle")]
-struct TruthArgs {
-    /// Compare the nearest obstacle with a table: columns `frame` and `dist...`, in m. Without --fb or a rig, f*B is fitted.
-    #[arg(long, value_name = "FILE.csv")]
-    truth: Option<PathBuf>,
-    /// The surveyed distances are to the centre of a round obstacle: its surface is so much nearer.
-    #[arg(long, value_name = "M", requires = "truth", default_value_t = 0.0)]
-    truth_radius_m: f64,
-    /// Draw both distances over the sequence.
-    #[arg(long, value_name = "FILE.png", requires = "truth")]
-    plot: Option<OutputPath>,
-}
-
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if args.objects.is_given() && args.folder.is_none() {
         bail!("--objects go by the names of images, which a camera has not; give a folder of images");
@@ -103,10 +56,9 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("--objects go by the names of images, which a recording has not; give a folder of images");
     }
     args.objects.check(frames.listed.iter().map(|(_, pair)| pair.left()))?;
-    let surveyed = args.truth.truth.as_deref().map(surveyed).transpose()?;
-    spare(asked_for([&args.out, &args.truth.plot]), found.pairs.iter().flat_map(StoredPair::files))?;
+    spare(asked_for([&args.out]), found.pairs.iter().flat_map(StoredPair::files))?;
     let mut sink = Sink::new(args.out.as_ref(), &args.with, found.of_recording())?;
-    let (mut plot, mut player) = (OutputFiles::new(), Player::new(&args.input, folder)?);
+    let mut player = Player::new(&args.input, folder)?;
     let mut tally = Tally::default();
     let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
     for (number, pair) in frames.pairs(&found) {
@@ -119,7 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
         if outcome.is_err() && (interruption::requested() || has_ended(&found)) {
             break;
         }
-        let played = tally.count(number, &pair, outcome);
+        let played = tally.count(&pair, outcome);
         if sink.is_ros() {
             sink.messages(number, &pair, player.setup(), &played)?;
         } else {
@@ -132,13 +84,9 @@ pub fn run(args: &Args) -> Result<()> {
     if args.objects.is_given() {
         notes.push_str(&tally.of_objects());
     }
-    if let Some(surveyed) = &surveyed {
-        notes.push_str(&compare(args, player.setup(), surveyed, &tally.nearest, &mut plot)?);
-    }
     let out = sink.path();
     // Without a line an earlier file stays.
     notes.push_str(&sink.commit(tally.frames > 0)?);
-    plot.commit()?;
     if out.is_some() {
         say(&notes)?;
     } else if !is_quiet() {
@@ -162,18 +110,16 @@ struct Tally {
     objects_skipped: usize,
     objects_unread: usize,
     objects_missing: usize,
-    nearest: Vec<(u64, Option<f64>)>,
 }
 
 impl Tally {
     /// Counts a frame; an error as one line.
-    fn count(&mut self, number: u64, pair: &StoredPair, outcome: Result<Played>) -> Result<Played, String> {
+    fn count(&mut self, pair: &StoredPair, outcome: Result<Played>) -> Result<Played, String> {
         self.frames += 1;
         let played = match outcome {
             Ok(played) => played,
             Err(error) => {
                 self.failed += 1;
-                self.nearest.push((number, None));
                 let error = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
                 self.first_error.get_or_insert_with(|| format!("{}: {error}", pair.name));
                 return Err(error);
@@ -187,11 +133,9 @@ impl Tally {
             self.objects_unread += usize::from(objects.error.is_some());
             self.objects_missing += usize::from(objects.no_file);
         }
-        self.nearest.push((number, nearest_disparity(&played.result)));
         Ok(played)
     }
 
-    /// The counts in words.
     fn summary(&self, found: &Footage) -> String {
         let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
@@ -238,37 +182,4 @@ impl Tally {
             _ => Ok(()),
         }
     }
-}
-
-/// Nearest disparities against surveyed distances, in words; with a picture if asked.
-fn compare(
-    args: &Args,
-    setup: Option<&Setup<'_>>,
-    surveyed: &Surveyed,
-    nearest: &[(u64, Option<f64>)],
-    plot: &mut OutputFiles,
-) -> Result<String> {
-    let known = nearest.iter().filter_map(|(number, disparity)| {
-        let distance = surveyed.get(number)? - args.truth.truth_radius_m;
-        (distance > 0.0).then_some((*number, distance, *disparity))
-    });
-    let known: Vec<(u64, f64, Option<f64>)> = known.collect();
-    let zero = setup.map_or(0.0, |setup| setup.zero);
-    let products = known.iter().filter_map(|(_, z, d)| Some(((*d)? - zero) * z));
-    let fitted = upper_median(products.collect(), f64::total_cmp);
-    let rig = setup.and_then(|setup| setup.params.rig);
-    let metres = |disparity: f64| match (rig, fitted) {
-        (Some(rig), _) => listing::finite_metres(rig.depth(Disparity::saturating_from_num(disparity))),
-        (None, Some(fb)) => Some(fb / (disparity - zero)).filter(|z| z.is_finite() && *z > 0.0),
-        (None, None) => None,
-    };
-    let frames: Vec<_> = known.iter().map(|(number, z, d)| (*number, *z, d.and_then(metres))).collect();
-    let summary = NearestSummary::new(&frames.iter().map(|frame| (frame.1, frame.2)).collect::<Vec<_>>());
-    let fitted = fitted.map_or(String::new(), |fb| {
-        format!("f*B that fits: {fb:.3} px*m{}\n", if rig.is_none() { ", used here" } else { ", not used" })
-    });
-    if let Some(path) = &args.truth.plot {
-        plot.add(path, &draw::png(&draw::nearest(&summary.to_string(), &frames))?)?;
-    }
-    Ok(format!("{fitted}{summary}\n"))
 }

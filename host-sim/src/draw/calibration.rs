@@ -1,6 +1,6 @@
 //! A calibration as a picture: where corners were seen, how far each is off, each view's error, and a rectified pair.
 
-use super::sheet::{BACKGROUND, INK, Sheet};
+use super::sheet::{BACKGROUND, FAIR, GOOD, INK, POOR, SEEN, Sheet};
 use super::text::Align;
 use image::RgbImage;
 use linestereo_calibration::boards::{Assessment, CornerError, Estimate, Verdict};
@@ -9,10 +9,6 @@ use linestereo_rig::{CameraSide, Rectification};
 
 const WIDTH: u32 = 1280;
 const FAINT: [u8; 3] = [90, 90, 96];
-const GOOD: [u8; 3] = [70, 225, 110];
-const FAIR: [u8; 3] = [255, 225, 40];
-const POOR: [u8; 3] = [255, 45, 45];
-const SEEN: [u8; 3] = [0, 200, 255];
 const MARGIN: f32 = 24.0;
 /// Width of one camera's field.
 const FIELD: f32 = 604.0;
@@ -24,7 +20,6 @@ const BARS: (f32, f64) = (140.0, 3.0);
 const LINES: u32 = 12;
 
 /// The estimate with the pair of photos that is shown rectified.
-#[must_use]
 pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<&[GrayImage; 2]>) -> RgbImage {
     let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let scale = FIELD / f32::from(dims.width);

@@ -27,7 +27,6 @@ pub struct Range {
 
 impl Range {
     /// Range of the segments of a result, within 0 .. `max_disparity`.
-    #[must_use]
     pub fn of(result: &FrameResult, max_disparity: u16) -> Self {
         let limit = f32::from(max_disparity);
         let mut found: Vec<f32> =
@@ -45,7 +44,6 @@ impl Range {
 }
 
 /// Colour of a disparity in px; outside the range that of its end.
-#[must_use]
 pub fn colour(range: &Range, disparity: f32) -> [u8; 3] {
     let last = STOPS.len() - 1;
     let position = ((disparity - range.far) / (range.near - range.far)).clamp(0.0, 1.0) * last as f32;

@@ -1,7 +1,6 @@
 //! An explanation as a picture: the pixel's surroundings in the left image, cost curves beside, the words below.
 
-use super::plan::even_step;
-use super::sheet::{FAINT, GRID, INK, Sheet};
+use super::sheet::{FAINT, FAIR as SEGMENT, GOOD, GRID, INK, SEEN as SUPPORT, Sheet};
 use super::text::Align;
 use crate::explain::{Explanation, Plot};
 use image::RgbImage;
@@ -16,13 +15,9 @@ const ENLARGED: u32 = 5;
 const PLOT: [f32; 2] = [780.0, 176.0];
 const LINE: f32 = 19.0;
 const CURVES: [[u8; 3]; 3] = [[255, 225, 40], [90, 150, 255], [70, 200, 90]];
-const SEGMENT: [u8; 3] = [255, 225, 40];
-const SUPPORT: [u8; 3] = [0, 200, 255];
 const ASKED: [u8; 3] = [255, 80, 60];
-const GOOD: [u8; 3] = [70, 225, 110];
 
 /// The explanation of a pixel of this left image.
-#[must_use]
 pub fn explanation(left: &GrayImage, explanation: &Explanation) -> RgbImage {
     let plots: Vec<&Plot> = explanation.accounts().flat_map(|account| &account.plots).collect();
     let text = explanation.to_string();
@@ -55,12 +50,8 @@ fn surroundings(sheet: &mut Sheet, left: &GrayImage, explanation: &Explanation) 
     let first = |at: u32, shown: u32, all: u32| at.saturating_sub(shown / 2).min(all.saturating_sub(shown));
     let (x0, y0) = (first(x, SHOWN[0], width), first(y, SHOWN[1], height));
     let top = MARGIN + 24.0;
-    for dy in 0..SHOWN[1].min(height) * ENLARGED {
-        for dx in 0..SHOWN[0].min(width) * ENLARGED {
-            let grey = left.pixels[((y0 + dy / ENLARGED) * width + x0 + dx / ENLARGED) as usize];
-            sheet.pixel([MARGIN as u32 + dx, top as u32 + dy], [grey; 3]);
-        }
-    }
+    let part = [x0, y0, SHOWN[0].min(width), SHOWN[1].min(height)];
+    sheet.image([MARGIN as u32, top as u32], left, part, ENLARGED, 1);
     let place = |at: [f64; 2]| {
         let of = |at: f64, first: u32| (at + 0.5 - f64::from(first)) as f32 * ENLARGED as f32;
         (MARGIN + of(at[0], x0), top + of(at[1], y0))
@@ -89,6 +80,13 @@ fn ring(sheet: &mut Sheet, (u, v): (f32, f32), rgb: [u8; 3]) {
     for step in 0..16 {
         sheet.line(at(step), at(step + 1), rgb, 2.0);
     }
+}
+
+/// The 1, 2 or 5 times a power of ten next above.
+fn even_step(least: f64) -> f64 {
+    let power = 10_f64.powi(least.log10().floor() as i32);
+    let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * power >= least);
+    step.unwrap_or(10.0) * power
 }
 
 /// Costs over disparity with marks at best, second-best and answer.

@@ -1,29 +1,21 @@
 //! Distance per direction, seen from above: the vehicle below, ahead is up.
 
-use super::paint;
-use super::text::{Align, write};
+use super::sheet::{GOOD, INK, Sheet};
+use super::text::Align;
 use crate::results::directions::{Direction, Directions};
 use image::RgbImage;
-use tiny_skia::{Color, FillRule, PathBuilder, Pixmap, Transform};
 
 const SIDE: u32 = 900;
-const BACKGROUND: [u8; 3] = [16, 16, 18];
-const INK: [u8; 3] = [225, 225, 225];
-const CLEAR: [u8; 3] = [70, 225, 110];
 const OBSTACLE: [u8; 3] = [255, 70, 60];
 const UNKNOWN: [u8; 3] = [110, 110, 118];
-const TEXT: f32 = 15.0;
 /// Directions of a wedge's outline, per sector.
 const STEPS: u8 = 8;
 /// Where distances are written, as a share of the range: there they do not overlap.
 const LABELS: f64 = 0.94;
 
 /// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it stand, grey is unknown.
-#[must_use]
 pub fn fan(directions: &Directions) -> RgbImage {
-    let mut pixmap = Pixmap::new(SIDE, SIDE).expect("sides are above 0");
-    let [red, green, blue] = BACKGROUND;
-    pixmap.fill(Color::from_rgba8(red, green, blue, u8::MAX));
+    let mut sheet = Sheet::new([SIDE; 2]);
     let seen: Vec<Direction> = directions.list().into_iter().filter(|one| one.state != "outside").collect();
     let ahead_only = seen.iter().all(|one| one.direction_deg.abs() <= 90.0);
     let side = SIDE as f32;
@@ -38,20 +30,10 @@ pub fn fan(directions: &Directions) -> RgbImage {
     let mut labels = vec![(place(0.0, 1.03), format!("{range} m"))];
     for Direction { direction_deg, state, distance_m, .. } in seen {
         let mut wedge = |from: f64, to: f64, rgb: [u8; 3], alpha: f32| {
-            let mut path = PathBuilder::new();
-            let arc = |share: f64| {
-                (0..=STEPS)
-                    .map(move |step| (direction_deg + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0), share))
-            };
-            for (index, (degrees, share)) in arc(from).chain(arc(to).collect::<Vec<_>>().into_iter().rev()).enumerate()
-            {
-                let (x, y) = place(degrees, share);
-                if index == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
-            }
-            path.close();
-            if let Some(path) = path.finish() {
-                pixmap.fill_path(&path, &paint(rgb, alpha), FillRule::Winding, Transform::identity(), None);
-            }
+            let angle = |step: u8| direction_deg + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
+            let arc = (0..=STEPS).map(|step| place(angle(step), from));
+            let back = (0..=STEPS).rev().map(|step| place(angle(step), to));
+            sheet.fill(&arc.chain(back).collect::<Vec<_>>(), rgb, alpha);
         };
         match distance_m {
             Some(metres) => {
@@ -60,14 +42,12 @@ pub fn fan(directions: &Directions) -> RgbImage {
                 wedge(metres / range, (metres / range + 0.012).min(1.0), OBSTACLE, 1.0);
                 labels.push((place(direction_deg, LABELS), format!("{metres:.2}")));
             }
-            None if state == "free" => wedge(0.0, 1.0, CLEAR, 0.4),
+            None if state == "free" => wedge(0.0, 1.0, GOOD, 0.4),
             None => wedge(0.0, 1.0, UNKNOWN, 0.25),
         }
     }
-    let bytes = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    let mut picture = RgbImage::from_raw(SIDE, SIDE, bytes).expect("three bytes for each pixel");
     for ((x, y), text) in labels {
-        write(&mut picture, (x, y - 8.0), Align::Centre, TEXT, INK, &text);
+        sheet.label((x, y - 8.0), Align::Centre, INK, text);
     }
-    picture
+    sheet.into_picture()
 }

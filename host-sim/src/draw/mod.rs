@@ -9,8 +9,6 @@ mod colour;
 mod explanation;
 mod fan;
 mod legend;
-mod nearest;
-mod plan;
 mod quality;
 mod rows;
 pub mod sheet;
@@ -21,14 +19,13 @@ pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
 pub use explanation::explanation;
 pub use fan::fan;
-pub use nearest::nearest;
-pub use plan::plan;
 pub use quality::quality;
 pub use space::{pcd, ply};
 
 use crate::engine::FrameResult;
+use crate::output::png_file;
 use colour::Range;
-use image::{ImageEncoder, RgbImage, codecs::png::PngEncoder};
+use image::{ExtendedColorType, ImageResult, RgbImage};
 use linestereo::{Match, Owner, Rig, Source};
 use linestereo_frames::GrayImage;
 pub use rows::rows;
@@ -56,7 +53,6 @@ const TICK_STEP: f32 = 5.0;
 const TICK_LENGTH: f32 = 2.0;
 
 /// The result drawn over its left image, with a legend; depths need the rig.
-#[must_use]
 pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_disparity: u16) -> RgbImage {
     let factor = (TARGET_WIDTH / f32::from(left.dims.width)).round().clamp(1.0, LARGEST_FACTOR);
     let range = Range::of(result, max_disparity);
@@ -73,24 +69,17 @@ pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_di
     for found in result.matches.iter().rev() {
         canvas.segment(found, &range);
     }
-    legend::below(&canvas.into_image(), result, rig, &range)
+    legend::below(&opaque(&canvas.pixmap), result, rig, &range)
 }
 
 /// An image as the bytes of a PNG file of grey levels.
-pub fn gray_png(image: &GrayImage) -> image::ImageResult<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    let encoder = PngEncoder::new(&mut bytes);
-    encoder.write_image(&image.pixels, width, height, image::ExtendedColorType::L8)?;
-    Ok(bytes)
+pub fn gray_png(image: &GrayImage) -> ImageResult<Vec<u8>> {
+    png_file(&image.pixels, [image.dims.width.into(), image.dims.height.into()], ExtendedColorType::L8)
 }
 
 /// A picture as the bytes of a PNG file.
-pub fn png(picture: &RgbImage) -> image::ImageResult<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new(&mut bytes);
-    encoder.write_image(picture.as_raw(), picture.width(), picture.height(), image::ExtendedColorType::Rgb8)?;
-    Ok(bytes)
+pub fn png(picture: &RgbImage) -> ImageResult<Vec<u8>> {
+    png_file(picture.as_raw(), [picture.width(), picture.height()], ExtendedColorType::Rgb8)
 }
 
 struct Canvas {
@@ -149,22 +138,28 @@ impl Canvas {
     }
 
     fn line(&mut self, from: Position, to: Position, rgb: [u8; 3], alpha: f32, width: f32, dash: Option<StrokeDash>) {
-        let mut path = PathBuilder::new();
-        path.move_to(from.0, from.1);
-        path.line_to(to.0, to.1);
-        if let Some(path) = path.finish() {
-            let stroke = Stroke { width, line_cap: LineCap::Butt, dash, ..Stroke::default() };
-            self.pixmap.stroke_path(&path, &paint(rgb, alpha), &stroke, Transform::identity(), None);
-        }
-    }
-
-    fn into_image(self) -> RgbImage {
-        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), bytes).expect("three bytes for each pixel")
+        let style = Stroke { width, line_cap: LineCap::Butt, dash, ..Stroke::default() };
+        stroke(&mut self.pixmap, [from, to], &paint(rgb, alpha), &style);
     }
 }
 
 type Position = (f32, f32);
+
+/// The colours of an opaque picture.
+fn opaque(pixmap: &Pixmap) -> RgbImage {
+    let bytes = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+    RgbImage::from_raw(pixmap.width(), pixmap.height(), bytes).expect("three bytes for each pixel")
+}
+
+/// Draws a straight line.
+fn stroke(pixmap: &mut Pixmap, [from, to]: [Position; 2], paint: &Paint<'_>, stroke: &Stroke) {
+    let mut path = PathBuilder::new();
+    path.move_to(from.0, from.1);
+    path.line_to(to.0, to.1);
+    if let Some(path) = path.finish() {
+        pixmap.stroke_path(&path, paint, stroke, Transform::identity(), None);
+    }
+}
 
 /// Short strokes from the segment towards the side or sides that own its disparity.
 fn ticks(found: &Match, start: Position, end: Position, factor: f32) -> Vec<(Position, Position)> {
@@ -254,13 +249,8 @@ mod tests {
     #[test]
     fn near_is_red_far_is_blue_and_the_rest_is_dimmed() {
         let left = GrayImage { dims: Dims { width: 320, height: 32 }, pixels: vec![200; 320 * 32] };
-        let point = Point {
-            x: 200,
-            y: 9,
-            disparity: Disparity::from_num(40),
-            confidence: Confidence::MAX,
-            source: linestereo::Source::Segment(0),
-        };
+        let (disparity, source) = (Disparity::from_num(40), Source::Segment(0));
+        let point = Point { x: 200, y: 9, disparity, confidence: Confidence::MAX, source };
         let result = FrameResult {
             matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],
             points: vec![point],

@@ -1,6 +1,6 @@
 //! Depth quality as a picture: the left image, the region, and how far each cell's answer is off the wall's plane.
 
-use super::sheet::{FAINT, INK, Sheet};
+use super::sheet::{FAINT, FAIR as REGION, INK, Sheet};
 use super::text::Align;
 use crate::quality::{OFF_PLANE, Quality, WallAnswer};
 use image::RgbImage;
@@ -15,10 +15,8 @@ const NEARER: [f32; 3] = [255.0, 60.0, 50.0];
 const FARTHER: [f32; 3] = [60.0, 120.0, 255.0];
 const ON_PLANE: [f32; 3] = [235.0, 235.0, 235.0];
 const WRONG: [u8; 3] = [255, 0, 255];
-const REGION: [u8; 3] = [255, 225, 40];
 
 /// The wall with its answers, red where nearer than the plane, blue where farther, and the text below.
-#[must_use]
 pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text: &str) -> RgbImage {
     let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
     let scale = (TARGET_WIDTH / width).max(1);
@@ -26,12 +24,7 @@ pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text
     let size =
         [width * scale + 2 * MARGIN as u32, (below + LINE * (text.lines().count() as f32 + 2.0) + MARGIN) as u32];
     let mut sheet = Sheet::new(size);
-    for y in 0..height * scale {
-        for x in 0..width * scale {
-            let grey = left.pixels[(y / scale * width + x / scale) as usize] / 2;
-            sheet.pixel([MARGIN as u32 + x, MARGIN as u32 + y], [grey; 3]);
-        }
-    }
+    sheet.image([MARGIN as u32; 2], left, [0, 0, width, height], scale, 2);
     let place = |x: f64, y: f64| (MARGIN + x as f32 * scale as f32, MARGIN + y as f32 * scale as f32);
     for answer in answers {
         let cell = answer.at.map(|at| (at / f64::from(SUPPORT_PITCH)).floor() * f64::from(SUPPORT_PITCH));

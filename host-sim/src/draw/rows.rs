@@ -11,7 +11,6 @@ const COLOURS: [Rgb<u8>; 3] = [Rgb([255, 80, 60]), Rgb([70, 200, 90]), Rgb([90, 
 const BACKGROUND: Rgb<u8> = Rgb([40, 40, 40]);
 
 /// The raw pair above, scaled to the same width, and the rectified one below, each with a line every 32 px across both images.
-#[must_use]
 pub fn rows(raw: &[GrayImage; 2], rectified: &[GrayImage; 2]) -> RgbImage {
     let dims = rectified[0].dims;
     let (width, height) = (u32::from(dims.width), u32::from(dims.height));

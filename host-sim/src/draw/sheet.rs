@@ -1,8 +1,9 @@
 //! A dark sheet for plans and charts: shapes and pixels as they come, labels on top.
 
-use super::paint;
 use super::text::{Align, write};
+use super::{opaque, paint, stroke};
 use image::RgbImage;
+use linestereo_frames::GrayImage;
 use tiny_skia::{Color, ColorU8, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
 
 /// Colour behind everything.
@@ -13,6 +14,12 @@ pub const INK: [u8; 3] = [225, 225, 225];
 pub const FAINT: [u8; 3] = [120, 120, 128];
 /// Colour of lines of a grid.
 pub const GRID: [u8; 3] = [60, 60, 66];
+/// Colours of what is good, fair and poor.
+pub(super) const GOOD: [u8; 3] = [70, 225, 110];
+pub(super) const FAIR: [u8; 3] = [255, 225, 40];
+pub(super) const POOR: [u8; 3] = [255, 45, 45];
+/// Colour of what was seen or measured.
+pub(super) const SEEN: [u8; 3] = [0, 200, 255];
 /// Height of a text, px.
 pub const TEXT: f32 = 15.0;
 
@@ -45,13 +52,8 @@ impl Sheet {
 
     /// Draws a straight line of this width, px.
     pub fn line(&mut self, from: (f32, f32), to: (f32, f32), rgb: [u8; 3], width: f32) {
-        let mut path = PathBuilder::new();
-        path.move_to(from.0, from.1);
-        path.line_to(to.0, to.1);
-        if let Some(path) = path.finish() {
-            let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
-            self.pixmap.stroke_path(&path, &paint(rgb, 1.0), &stroke, Transform::identity(), None);
-        }
+        let style = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+        stroke(&mut self.pixmap, [from, to], &paint(rgb, 1.0), &style);
     }
 
     /// Fills a polygon.
@@ -75,11 +77,19 @@ impl Sheet {
         }
     }
 
-    /// The picture.
+    /// Copies a part of an image, each pixel as a square of this side: first column and row, columns and rows.
+    pub(super) fn image(&mut self, [left, top]: [u32; 2], image: &GrayImage, part: [u32; 4], side: u32, dimmed: u8) {
+        let [x0, y0, width, height] = part;
+        for y in 0..height * side {
+            for x in 0..width * side {
+                let place = (y0 + y / side) * u32::from(image.dims.width) + x0 + x / side;
+                self.pixel([left + x, top + y], [image.pixels[place as usize] / dimmed; 3]);
+            }
+        }
+    }
+
     pub fn into_picture(self) -> RgbImage {
-        let bytes = self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        let mut picture =
-            RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), bytes).expect("three bytes for each pixel");
+        let mut picture = opaque(&self.pixmap);
         for Label { at, align, rgb, text } in &self.labels {
             write(&mut picture, *at, *align, TEXT, *rgb, text);
         }

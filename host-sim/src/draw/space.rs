@@ -12,7 +12,6 @@ use linestereo::{Disparity, ImagePosition, Rig};
 /// Vertices without those that are infinitely far, each by its position and its colour.
 struct Vertices {
     points: Vec<Vertex>,
-    /// Both ends of each segment.
     ends: Vec<[Vertex; 2]>,
 }
 
@@ -38,7 +37,6 @@ impl Vertices {
 }
 
 /// Points and segments as PLY.
-#[must_use]
 pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertices = Vertices::new(result, rig, colours);
     let (points, ends) = (vertices.points.len(), vertices.ends.len());
@@ -60,7 +58,6 @@ pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
 }
 
 /// Points and ends of segments as PCD 0.7.
-#[must_use]
 pub fn pcd(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertices = Vertices::new(result, rig, colours);
     let count = vertices.points.len() + 2 * vertices.ends.len();

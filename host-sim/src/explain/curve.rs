@@ -6,9 +6,7 @@ const NEIGHBOURHOOD: i32 = 2;
 /// Costs of the disparities from `first` on, one per px.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Curve {
-    /// First disparity, px.
     pub first: i32,
-    /// Costs.
     pub costs: Vec<u16>,
 }
 
@@ -90,16 +88,13 @@ pub(super) fn ratio(best: Low, second: Low) -> f64 {
 /// A disparity that is marked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Its name.
     pub name: &'static str,
-    /// Disparity, px.
     pub at: f64,
 }
 
 /// Curves of one technique, to be drawn together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// Its title.
     pub title: String,
     /// Curves by name, the decisive one first.
     pub curves: Vec<(&'static str, Curve)>,

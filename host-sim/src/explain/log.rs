@@ -1,11 +1,11 @@
 //! Observer of a run that keeps costs and outcome of every segment and support point.
 
 use super::curve::Curve;
-use linestereo::Rejection;
 use linestereo::diagnostics::kernel::JUMP_PENALTY;
 use linestereo::diagnostics::{
-    CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence, StageEvent, SupportCurves,
+    Candidate, CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence, StageEvent, SupportCurves,
 };
+use linestereo::{ImagePosition, Rejection};
 use std::collections::HashMap;
 
 /// A left segment that was matched, with its costs as far as they were computed.
@@ -36,9 +36,37 @@ pub struct CurveLog {
     pub(super) segments: Vec<TestedSegment>,
     /// By index in the grid.
     pub(super) support: HashMap<usize, SupportCosts>,
+    outcomes_only: bool,
     found: Vec<Segment>,
+    prominent: usize,
     matched: usize,
     candidates: usize,
+}
+
+/// A left segment that is not in the list of matches, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rejected {
+    pub ends: [ImagePosition; 2],
+    pub reason: Rejection,
+}
+
+impl CurveLog {
+    /// Keeps outcomes, and no costs.
+    pub fn outcomes_only() -> Self {
+        Self { outcomes_only: true, ..Self::default() }
+    }
+
+    /// Everything that was rejected: as many of each reason as the run counted.
+    pub fn rejected(&self, candidates: &[Candidate]) -> Vec<Rejected> {
+        let of = |segment: &Segment, reason| Rejected { ends: segment.ends, reason };
+        let (prominent, less) = self.segments.split_at(self.prominent);
+        let tested = prominent.iter().take(self.matched);
+        let tested = tested.filter_map(|tested| Some(of(&tested.segment, tested.outcome.as_ref().err().copied()?)));
+        // A pair that was refused leaves the candidates of the one before.
+        let candidates = if self.candidates == candidates.len() { candidates } else { &[] };
+        let weighed = candidates.iter().filter_map(|found| Some(of(&found.segment, found.rejection()?)));
+        less.iter().map(|less| of(&less.segment, Rejection::LessProminent)).chain(tested).chain(weighed).collect()
+    }
 }
 
 fn untested(segment: &Segment) -> TestedSegment {
@@ -54,10 +82,13 @@ fn untested(segment: &Segment) -> TestedSegment {
 impl Observer for CurveLog {
     fn on_event(&mut self, step: StageEvent<'_>) {
         match step {
-            StageEvent::LinesLeft(found) => *self = Self { found: found.to_vec(), ..Self::default() },
+            StageEvent::LinesLeft(found) => {
+                *self = Self { found: found.to_vec(), outcomes_only: self.outcomes_only, ..Self::default() };
+            }
             StageEvent::Selection(_, prominent) => {
                 let less = self.found.iter().filter(|segment| !prominent.contains(segment));
                 self.segments = prominent.iter().chain(less).map(untested).collect();
+                self.prominent = prominent.len();
             }
             StageEvent::Segment(outcome) => {
                 if let Some(tested) = self.segments.get_mut(self.matched) {
@@ -71,7 +102,7 @@ impl Observer for CurveLog {
     }
 
     fn wants_segment_curves(&self) -> bool {
-        true
+        !self.outcomes_only
     }
 
     fn segment_curves(&mut self, curves: &SegmentCurves<'_>) {
@@ -83,6 +114,9 @@ impl Observer for CurveLog {
     }
 
     fn support_curves(&mut self, index: usize, curves: &SupportCurves<'_>) {
+        if self.outcomes_only {
+            return;
+        }
         let rising = |costs: &[u8], penalty: u8| Curve {
             first: curves.largest + 1 - costs.len() as i32,
             costs: costs.iter().rev().map(|&cost| cost.saturating_sub(penalty).into()).collect(),

@@ -16,7 +16,7 @@ mod segment;
 mod support;
 
 pub use curve::{Curve, Mark, Plot};
-pub use log::CurveLog;
+pub use log::{CurveLog, Rejected};
 pub use segment::meaning;
 
 use crate::engine::{Engine, FrameResult};
@@ -30,7 +30,6 @@ pub const REACH: f64 = 4.0;
 /// A test, or a number on the way, and its outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Name of the test.
     pub name: &'static str,
     /// Outcome; `None` for a number that nothing depends on alone.
     pub passed: Option<bool>,
@@ -59,7 +58,6 @@ pub struct Account {
     pub accepted: bool,
     /// The end of it, in words.
     pub verdict: String,
-    /// Its cost curves.
     pub plots: Vec<Plot>,
 }
 
@@ -98,7 +96,6 @@ impl SegmentTexts {
     }
 
     /// Of the segment with these ends, in any order.
-    #[must_use]
     pub fn of(&self, [a, b]: [ImagePosition; 2]) -> Option<&str> {
         self.0.get(&[a, b]).or_else(|| self.0.get(&[b, a])).map(String::as_str)
     }
@@ -107,7 +104,6 @@ impl SegmentTexts {
 /// Everything known of a pixel.
 #[derive(Clone, Debug)]
 pub struct Explanation {
-    /// The pixel, as matched.
     pub pixel: (u16, u16),
     /// The segment next to it, within [`REACH`]: its ends, px, and why it has a match, or none.
     pub segment: Option<([[f64; 2]; 2], Account)>,

@@ -298,7 +298,6 @@ fn answer(found: &Match) -> String {
 }
 
 /// Meaning of a reason, in a sentence.
-#[must_use]
 pub fn meaning(reason: Rejection) -> &'static str {
     match reason {
         Rejection::LessProminent => {

@@ -24,7 +24,6 @@ pub struct Frame {
 
 impl Frame {
     /// Segments that did not arrive.
-    #[must_use]
     pub fn missing(&self) -> usize {
         usize::from(self.head.segments).saturating_sub(self.matches.len())
     }
@@ -55,7 +54,6 @@ pub struct Assembler {
 
 impl Assembler {
     /// Counts of complete, incomplete and lost frames so far.
-    #[must_use]
     pub fn counts(&self) -> FrameCounts {
         self.counts
     }
@@ -117,26 +115,12 @@ impl Assembler {
 mod tests {
     use super::*;
     use linestereo::diagnostics::Techniques;
-    use linestereo::{Confidence, Disparity, ImagePosition, Owner};
-    use linestereo_wire::{Counts, FrameTimes, Health};
+    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner};
+    use linestereo_wire::Health;
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
-        let (health, counts) = (Health::GOOD, Counts::default());
-        let times = FrameTimes::default();
-        let dims = (64, 48);
-        let clock = linestereo_wire::TimeSource::Board;
-        FrameHead {
-            sequence,
-            capture_time_us: 0,
-            width: dims.0,
-            height: dims.1,
-            health,
-            pair: None,
-            times,
-            counts,
-            segments,
-            clock,
-        }
+        let dims = Dims { width: 64, height: 48 };
+        FrameHead { segments, ..FrameHead::new(sequence, 0, dims, Health::GOOD, &linestereo::Counts::default()) }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {

@@ -12,8 +12,7 @@ use core::time::Duration;
 use linestereo::ObjectDepth;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
-    Answer, Command, Counters, DELIMITER, DecodeError, Decoder, Hello, MAX_COMMAND, MAX_PACKET, Message, Outcome,
-    Request, SettingValue, encode,
+    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Outcome, Request, SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -66,7 +65,6 @@ pub struct Link {
 
 impl Link {
     /// A link that sends these requests, each after the answer to the one before.
-    #[must_use]
     pub fn new(wanted: Vec<Wanted>) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -89,7 +87,6 @@ impl Link {
     }
 
     /// Was everything answered that was asked?
-    #[must_use]
     pub fn is_answered(&self) -> bool {
         self.waiting.is_none() && self.wanted.is_empty()
     }
@@ -118,10 +115,7 @@ impl Link {
         let Some(waiting) = &mut self.waiting else { return Ok(()) };
         waiting.attempts += 1;
         waiting.since = Instant::now();
-        // The delimiter ends whatever noise stands before the command.
-        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
-        let length = encode(&waiting.command, &mut packet[1..])?.len();
-        port.write(&packet[..=length])
+        port.send(&waiting.command)
     }
 
     /// One byte from the board: the events that it completes, mostly none.
@@ -197,26 +191,21 @@ impl Link {
     }
 
     /// True when no packet of a board, of this version or another one, was among the bytes.
-    #[must_use]
     pub fn has_nothing(&self) -> bool {
         let packets = self.decoder.counters();
         packets.good == 0 && packets.other_version == 0
     }
 
-    /// Bytes so far.
-    #[must_use]
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
     /// Frames and packets so far.
-    #[must_use]
     pub fn counts(&self) -> (FrameCounts, Counters) {
         (self.frames.counts(), self.decoder.counters())
     }
 
     /// The counts in a few lines.
-    #[must_use]
     pub fn summary(&self) -> String {
         text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version)
     }

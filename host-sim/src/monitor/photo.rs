@@ -3,23 +3,15 @@
 //! # Bounds
 //! A photograph of more than the core's largest image is lost; at most one is held.
 
-use core::fmt;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
 use linestereo_frames::GrayImage;
 use linestereo_wire::{PairHead, Pixels};
 
 /// Pixels of a photograph did not arrive, or are more than there can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("pixels were lost on the way; take the photo again, or use a better cable or a lower speed")]
 pub struct PixelsLost;
-
-impl fmt::Display for PixelsLost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("pixels were lost on the way; take the photo again, or use a better cable or a lower speed")
-    }
-}
-
-impl core::error::Error for PixelsLost {}
 
 /// Puts photographs together.
 #[derive(Debug, Default)]
@@ -53,7 +45,6 @@ impl PhotoAssembler {
     }
 
     /// Pixels that have arrived of the open photograph, and all that it has.
-    #[must_use]
     pub fn progress(&self) -> (u64, u64) {
         let [left, right] = self.open.as_ref().map_or([(0, 0); 2], |pair| {
             pair.each_ref().map(|image| (image.pixels.len() as u64, area(image.dims) as u64))

@@ -5,6 +5,7 @@
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use linestereo_frames::untrusted;
+use linestereo_wire::{Command, DELIMITER, MAX_COMMAND, encode};
 use serialport::SerialPort;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -30,7 +31,6 @@ pub struct PortArgs {
 }
 
 impl PortArgs {
-    /// Opens it.
     pub fn open(&self) -> Result<Port> {
         match (&self.tcp, &self.serial) {
             (Some(address), _) => Port::tcp(address),
@@ -43,15 +43,12 @@ impl PortArgs {
 /// Outcome of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
-    /// Number of bytes read.
     Bytes(usize),
-    /// Nothing yet.
     Silence,
     /// The file is read; a live port has no such end.
     End,
 }
 
-/// An open port.
 pub struct Port {
     name: String,
     line: Line,
@@ -122,8 +119,14 @@ impl Port {
         }
     }
 
-    /// Sends bytes to the board.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<()> {
+    /// Sends a command. The delimiter before it ends whatever noise came first.
+    pub fn send(&mut self, command: &Command) -> Result<()> {
+        let mut packet = [DELIMITER; 1 + MAX_COMMAND];
+        let length = encode(command, &mut packet[1..])?.len();
+        self.write(&packet[..=length])
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
         let outcome = match &mut self.line {
             Line::File(_) => bail!("{} is a file, which takes no commands; use --tcp or --serial", self.name),
             Line::Tcp(stream) => stream.write_all(bytes),

@@ -35,7 +35,6 @@ pub const NAMES: [&str; 15] = [
 /// A request and how it was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
-    /// The request to send.
     pub request: Request,
     /// The words of the user.
     pub words: String,
@@ -230,7 +229,6 @@ fn choices(name: &str) -> Option<&'static [&'static str]> {
 }
 
 /// Settings as the words that would set them, and what is kept of them.
-#[must_use]
 pub fn listing(values: &[SettingValue], report: &KeptReport) -> String {
     let words = values.iter().filter_map(|of| {
         let name = Setting::get(of.number)?.name;

@@ -15,7 +15,6 @@ pub const HEAD: &str =
     "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health";
 
 /// A frame as one line; `last` is the capture time of the frame before.
-#[must_use]
 pub fn line(frame: &Frame, last: Option<u64>) -> String {
     let head = &frame.head;
     let FrameTimes { waiting_us, matching_us, port_us } = head.times;
@@ -45,7 +44,6 @@ pub fn line(frame: &Frame, last: Option<u64>) -> String {
 }
 
 /// The depth of an object as one line.
-#[must_use]
 pub fn object(object: &ObjectDepth) -> String {
     let label = object.label;
     let sigma = object.sigma;
@@ -96,7 +94,6 @@ fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Er
 }
 
 /// Summary of received, incomplete and lost frames, a few lines.
-#[must_use]
 pub fn summary(frames: &FrameCounts, packets: &Counters, bytes: u64, other_version: Option<u8>) -> String {
     let mut text = format!("frames: {} complete, {} incomplete", frames.complete, frames.incomplete);
     if frames.missing_segments > 0 {

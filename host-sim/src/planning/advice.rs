@@ -1,6 +1,7 @@
 //! The smallest baseline for a wanted range, and what to change where that is not enough.
 
-use super::{PlanError, RigPlan};
+use super::RigPlan;
+use anyhow::{Result, bail};
 use linestereo::Dims;
 
 /// Baselines above this bend and do not fit robots, m.
@@ -34,18 +35,17 @@ pub struct Suggestion {
     pub within_range: bool,
     /// Percent of the width that both cameras see at the nearest distance.
     pub overlap_near_percent: f64,
-    /// Advice, a sentence each.
     pub advice: Vec<String>,
 }
 
 /// The smallest baseline for a wish, for cameras of this focal length (px) and a disparity range.
-pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wish) -> Result<Suggestion, PlanError> {
+pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wish) -> Result<Suggestion> {
     let Wish { near, far, error } = *wish;
     if !(near > 0.0 && near < far && far.is_finite()) {
-        return Err(PlanError::Distances);
+        bail!("the distances are not above 0 and rising; give --range as 0.5..4");
     }
     if !(error > 0.0 && error < 1.0) {
-        return Err(PlanError::Error(error));
+        bail!("an error of {} % is not between 0 and 100", 100.0 * error);
     }
     let plan = RigPlan::new(focal, dims, far * sigma / (focal * error), max_disparity, sigma)?;
     let needed = plan.disparity(near);
@@ -61,23 +61,23 @@ pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wi
             100.0 * plan.overlap(near)
         ));
     }
-    if plan.baseline() > LONG {
+    if plan.baseline > LONG {
         advice.push(format!(
             "a baseline of {:.2} m is hard to keep rigid: twice the resolution, or a lens of twice the focal length, halves it",
-            plan.baseline()
+            plan.baseline
         ));
     }
-    if plan.baseline() < SHORT {
+    if plan.baseline < SHORT {
         advice.push(format!(
             "{:.0} mm is closer than most lenses stand: with {:.0} mm the error at {far} m is {:.1} %, and the near limit {:.2} m",
-            1e3 * plan.baseline(),
+            1e3 * plan.baseline,
             1e3 * SHORT,
-            100.0 * error * plan.baseline() / SHORT,
-            plan.near_limit() * SHORT / plan.baseline()
+            100.0 * error * plan.baseline / SHORT,
+            plan.near_limit() * SHORT / plan.baseline
         ));
     }
     Ok(Suggestion {
-        baseline_m: plan.baseline(),
+        baseline_m: plan.baseline,
         disparity_near_px: needed,
         within_range,
         overlap_near_percent: 100.0 * plan.overlap(near),
@@ -88,12 +88,12 @@ pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wi
 /// The nearest distance has a larger disparity than is searched.
 fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
     let Wish { near, far, error } = *wish;
-    let range = f64::from(plan.max_disparity());
+    let range = f64::from(plan.max_disparity);
     let wider = (needed / RANGE_STEP).ceil() * RANGE_STEP;
-    let search = if wider < f64::from(plan.dims().width) {
+    let search = if wider < f64::from(plan.dims.width) {
         format!("search {wider:.0} disparities (--max-disparity {wider:.0}; time grows with it)")
     } else {
-        format!("{wider:.0} disparities would do, but the images are {} px wide: take more pixels", plan.dims().width)
+        format!("{wider:.0} disparities would do, but the images are {} px wide: take more pixels", plan.dims.width)
     };
     [
         format!(
@@ -102,8 +102,8 @@ fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
         ),
         format!(
             "{search}; or allow {:.1} % at {far} m; or be content with {near} to {:.2} m. Lens and resolution do not change this",
-            100.0 * far * plan.sigma() / (near * range),
-            near * range * error / plan.sigma()
+            100.0 * far * plan.sigma / (near * range),
+            near * range * error / plan.sigma
         ),
     ]
 }

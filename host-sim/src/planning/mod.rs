@@ -20,10 +20,10 @@ mod advice;
 
 pub use advice::{Suggestion, Wish, suggest};
 
-use core::fmt;
+use anyhow::{Result, bail};
 use core::ops::RangeInclusive;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::{Dims, Rig, RigError};
+use linestereo::{Dims, Rig};
 
 /// Usual standard deviation of a disparity, px.
 pub const USUAL_SIGMA: f64 = 0.25;
@@ -39,7 +39,6 @@ const LAST_ERROR: f64 = 0.2;
 /// How the focal length is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focal {
-    /// px.
     Pixels(f64),
     /// As printed on a lens, with the side of a pixel of the images (that is, after binning).
     Millimetres {
@@ -48,13 +47,11 @@ pub enum Focal {
         /// µm.
         pixel: f64,
     },
-    /// Horizontal field of view, degrees.
     FieldOfView(f64),
 }
 
 impl Focal {
     /// px, for images of this width; anything where the field of view is none.
-    #[must_use]
     pub fn pixels(self, dims: Dims) -> f64 {
         match self {
             Self::Pixels(focal) => focal,
@@ -67,55 +64,21 @@ impl Focal {
 /// A pair of parallel cameras that could be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigPlan {
-    focal: f64,
-    dims: Dims,
-    baseline: f64,
-    max_disparity: u16,
-    sigma: f64,
+    /// Focal length, px.
+    pub focal: f64,
+    /// Size of the rectified images.
+    pub dims: Dims,
+    pub baseline: f64,
+    /// Disparities that are searched, px.
+    pub max_disparity: u16,
+    /// Standard deviation of a disparity, px.
+    pub sigma: f64,
 }
-
-/// Why a plan is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlanError {
-    /// Focal length or baseline.
-    Rig(RigError),
-    /// The size of the images.
-    Dims(Dims),
-    /// The disparity range is below 8 or not below the width.
-    Range(u16),
-    /// The standard deviation of a disparity.
-    Sigma(f64),
-    /// The wanted distances: not above 0, or not NEAR below FAR.
-    Distances,
-    /// The wanted error is not between 0 and 1.
-    Error(f64),
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Rig(error) => error.fmt(f),
-            Self::Dims(dims) => {
-                write!(f, "images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")
-            }
-            Self::Range(range) => {
-                write!(f, "a disparity range of {range} is below {LEAST_RANGE} or not below the image's width")
-            }
-            Self::Sigma(sigma) => write!(f, "a standard deviation of {sigma} px is outside 0.001 to 16"),
-            Self::Distances => write!(f, "the distances are not above 0 and rising; give --range as 0.5..4"),
-            Self::Error(share) => write!(f, "an error of {} % is not between 0 and 100", 100.0 * share),
-        }
-    }
-}
-
-impl core::error::Error for PlanError {}
 
 /// Accuracy at one distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Row {
-    /// m.
     pub distance_m: f64,
-    /// px.
     pub disparity_px: f64,
     /// One standard deviation, m.
     pub error_m: f64,
@@ -126,95 +89,56 @@ pub struct Row {
 }
 
 impl RigPlan {
-    /// Focal length in px, baseline in m, disparities searched up to `max_disparity`, standard deviation of a disparity in px.
-    pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self, PlanError> {
-        Rig::new(focal as f32, baseline as f32, 0.0).map_err(PlanError::Rig)?;
+    /// Checks focal length (px), baseline (m), disparity range and standard deviation of a disparity (px).
+    pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self> {
+        Rig::new(focal as f32, baseline as f32, 0.0)?;
         if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
-            return Err(PlanError::Dims(dims));
+            bail!("images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}");
         }
         if !(LEAST_RANGE..dims.width).contains(&max_disparity) {
-            return Err(PlanError::Range(max_disparity));
+            bail!("a disparity range of {max_disparity} is below {LEAST_RANGE} or not below the image's width");
         }
         if !SIGMAS.contains(&sigma) {
-            return Err(PlanError::Sigma(sigma));
+            bail!("a standard deviation of {sigma} px is outside 0.001 to 16");
         }
         Ok(Self { focal, dims, baseline, max_disparity, sigma })
     }
 
-    /// px.
-    #[must_use]
-    pub fn focal(&self) -> f64 {
-        self.focal
-    }
-
-    /// Size of the rectified images.
-    #[must_use]
-    pub fn dims(&self) -> Dims {
-        self.dims
-    }
-
-    /// m.
-    #[must_use]
-    pub fn baseline(&self) -> f64 {
-        self.baseline
-    }
-
-    /// Disparities that are searched, px.
-    #[must_use]
-    pub fn max_disparity(&self) -> u16 {
-        self.max_disparity
-    }
-
-    /// Standard deviation of a disparity, px.
-    #[must_use]
-    pub fn sigma(&self) -> f64 {
-        self.sigma
-    }
-
     /// Horizontal and vertical field of view of the rectified images, degrees.
-    #[must_use]
     pub fn fields_of_view(&self) -> [f64; 2] {
         [self.dims.width, self.dims.height].map(|side| 2.0 * (0.5 * f64::from(side) / self.focal).atan().to_degrees())
     }
 
-    /// Disparity at a distance, px.
-    #[must_use]
     pub fn disparity(&self, distance: f64) -> f64 {
         self.focal * self.baseline / distance
     }
 
     /// Nothing nearer than this is found, m.
-    #[must_use]
     pub fn near_limit(&self) -> f64 {
         self.disparity(f64::from(self.max_disparity))
     }
 
     /// Nearer than this the cameras see nothing in common, m.
-    #[must_use]
     pub fn meeting(&self) -> f64 {
         self.disparity(f64::from(self.dims.width))
     }
 
     /// One standard deviation of depth at a distance, m.
-    #[must_use]
     pub fn error(&self, distance: f64) -> f64 {
         distance * distance / (self.focal * self.baseline) * self.sigma
     }
 
     /// Distance up to which the error stays below this share of it, m.
-    #[must_use]
     pub fn reach(&self, share: f64) -> f64 {
         share * self.focal * self.baseline / self.sigma
     }
 
     /// Share of the width that both cameras see at a distance.
-    #[must_use]
     pub fn overlap(&self, distance: f64) -> f64 {
         (1.0 - self.disparity(distance) / f64::from(self.dims.width)).max(0.0)
     }
 
     /// All of this at one distance.
-    #[must_use]
     pub fn row(&self, distance: f64) -> Row {
         let error = self.error(distance);
         Row {
@@ -227,7 +151,6 @@ impl RigPlan {
     }
 
     /// From the near limit in even steps to where the error is a fifth of the distance, or to the farthest distance wanted.
-    #[must_use]
     pub fn table(&self, wish: Option<&Wish>) -> Vec<Row> {
         let near = self.near_limit();
         let far = self.reach(LAST_ERROR).max(near);

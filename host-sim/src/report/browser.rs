@@ -32,7 +32,6 @@ pub struct Browser(PathBuf);
 
 impl Browser {
     /// The one that is there.
-    #[must_use]
     pub fn find() -> Option<Self> {
         let named = std::env::var_os(VARIABLE).map(PathBuf::from);
         let programs = named.map_or_else(|| PROGRAMS.map(PathBuf::from).to_vec(), |named| vec![named]);
@@ -48,8 +47,6 @@ impl Browser {
         Self::find().context("no browser runs; install chromium, or name one in LINESTEREO_BROWSER")
     }
 
-    /// Where it is.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.0
     }

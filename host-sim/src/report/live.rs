@@ -9,7 +9,6 @@ const PAGE: &str = include_str!("live.html");
 const SCRIPT: &str = include_str!("live.js");
 
 /// The page of this source, a name for people. The server's word `nonce` marks its scripts and styles.
-#[must_use]
 pub fn page(source: &str, nonce: &str) -> String {
     // Flags and reasons share names.
     let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));

@@ -7,18 +7,15 @@
 
 pub mod browser;
 pub mod live;
-mod rejected;
 pub mod web;
 
-pub use rejected::{Rejected, RejectionLog};
-
-use crate::draw::ColourRange;
+use crate::draw::{ColourRange, gray_png};
 use crate::engine::FrameResult;
-use crate::explain::{SegmentTexts, meaning};
+use crate::explain::{Rejected, SegmentTexts, meaning};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
-use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder, codecs::png::PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
 use linestereo::{Match, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
@@ -38,13 +35,9 @@ const SHARED_STYLE: &str = include_str!("shared.css");
 
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {
-    /// Name of the pair.
     pub name: String,
-    /// As matched.
     pub images: &'a [GrayImage; 2],
-    /// Result of the pair.
     pub result: &'a FrameResult,
-    /// Segments without a match.
     pub rejected: &'a [Rejected],
     /// Regions with their depths; empty when nobody asked.
     pub objects: &'a [(Object, listing::Object)],
@@ -54,7 +47,6 @@ pub struct PageFrame<'a> {
 
 /// Settings common to all pairs of a page.
 pub struct PageSetup {
-    /// Title of the page.
     pub title: String,
     /// Disparities searched: 0 .. this, px.
     pub max_disparity: u16,
@@ -116,13 +108,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// Without frames.
-    #[must_use]
     pub fn new(setup: PageSetup) -> Self {
         Self { setup, frames: Vec::new() }
     }
 
-    /// The next pair.
     pub fn push(&mut self, frame: &PageFrame<'_>) -> anyhow::Result<()> {
         let result = frame.result;
         let range = ColourRange::of(result, self.setup.max_disparity);
@@ -156,7 +145,6 @@ impl Page {
         points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
     }
 
-    /// The whole page.
     pub fn html(&self) -> serde_json::Result<String> {
         let setup = &self.setup;
         let data = serde_json::to_string(&PageData {
@@ -185,19 +173,13 @@ fn escaped(text: &str) -> String {
 }
 
 fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
-    let mut bytes = Vec::new();
-    let (width, height) = (image.dims.width.into(), image.dims.height.into());
-    let kind = if small {
-        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-            &image.pixels,
-            width,
-            height,
-            ExtendedColorType::L8,
-        )?;
-        "jpeg"
+    let (kind, bytes) = if small {
+        let (mut bytes, [width, height]) = (Vec::new(), [image.dims.width, image.dims.height].map(u32::from));
+        let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+        encoder.write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
+        ("jpeg", bytes)
     } else {
-        PngEncoder::new(&mut bytes).write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
-        "png"
+        ("png", gray_png(image)?)
     };
     Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
 }

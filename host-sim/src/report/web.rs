@@ -7,7 +7,7 @@
 //! ```
 
 use super::{DRAWING, SHARED_STYLE};
-use crate::board::toolchain::Toolchain;
+use crate::board::toolchain::rustup;
 use crate::results::health;
 use anyhow::{Context, Result, bail};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
@@ -24,7 +24,6 @@ pub const MOST_BYTES: usize = 200 << 10;
 pub struct WebPage {
     /// `index.html`, all that a browser needs.
     pub page: PathBuf,
-    /// The matcher, as WebAssembly.
     pub matcher: PathBuf,
     /// The reader of images.
     pub images: PathBuf,
@@ -43,14 +42,13 @@ pub fn build(top: &Path, folder: &Path) -> Result<WebPage> {
 }
 
 /// The setting of cargo with which the core has its kernels for WebAssembly.
-#[must_use]
 pub fn vectors() -> String {
     format!("target.{TARGET}.rustflags=[\"-Ctarget-feature=+simd128\"]")
 }
 
 /// A module of the package in this folder, built for browsers by these arguments of cargo.
 pub fn module(top: &Path, built: &Path, package: &str, name: &str, arguments: &[&str]) -> Result<PathBuf> {
-    let mut cargo = Toolchain::by_rustup(top, TARGET)?.cargo();
+    let mut cargo = rustup(top, TARGET)?.cargo();
     cargo.current_dir(top.join(package)).args(arguments).args(["--release", "--locked", "--target", TARGET]);
     cargo.arg("--target-dir").arg(built).args(["--config", "profile.release.strip=true"]);
     let output = cargo.output().context("cannot start cargo")?;

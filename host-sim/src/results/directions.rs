@@ -33,7 +33,6 @@ pub struct Direction {
 
 impl Directions {
     /// Of the matches and points of a pair with this health.
-    #[must_use]
     pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[Point], health: HealthFlags) -> Self {
         let mut obstacles = Obstacles::new();
         obstacles.update(&plan, matches, points.iter().copied(), health, 0);
@@ -41,19 +40,16 @@ impl Directions {
     }
 
     /// How far obstacles matter, m.
-    #[must_use]
     pub fn range_m(&self) -> f64 {
         f64::from(self.plan.range_cm()) / 100.0
     }
 
     /// Width of a sector, degrees.
-    #[must_use]
     pub fn width_deg(&self) -> f64 {
         360.0 / f64::from(self.plan.sectors())
     }
 
     /// Every direction of the turn, from ahead on, clockwise.
-    #[must_use]
     pub fn list(&self) -> Vec<Direction> {
         let width = self.width_deg();
         let direction = |(sector, index): (Sector, u8)| {
@@ -88,7 +84,6 @@ impl Directions {
     }
 
     /// The directions in view from left to right, one line each.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut text = format!("sectors of {} degrees, up to {} m", self.width_deg(), self.range_m());
         text.push_str(if self.obstacles.is_fit() {
@@ -111,7 +106,6 @@ impl Directions {
     }
 
     /// HEARTBEAT and OBSTACLE_DISTANCE, as a board sends them first.
-    #[must_use]
     pub fn mavlink(&self, policy: Policy) -> Vec<u8> {
         use linestereo_mavlink::AutopilotParams;
         let params = AutopilotParams { policy, ..AutopilotParams::of(&self.plan) };
@@ -127,7 +121,6 @@ impl Directions {
 }
 
 /// One step of a probability or of a depth is 1.5e-5: five decimals tell all values apart.
-#[must_use]
 pub fn five_decimals(value: f64) -> f64 {
     (value * 1e5).round() / 1e5
 }

@@ -63,14 +63,12 @@ pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static st
 }
 
 /// May what is matched be believed? With one of these flags it may be wrong, or from another time; the others cost yield, or warn.
-#[must_use]
 pub fn is_fit(health: Health) -> bool {
     let of_pair = health.of_pair();
     !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
 }
 
 /// Names of the flags; unnamed ones as a number.
-#[must_use]
 pub fn names(health: Health) -> Vec<String> {
     let mut names: Vec<String> = health.names().map(str::to_owned).collect();
     if health.unnamed() != Health::GOOD {
@@ -138,7 +136,6 @@ struct Rows {
 
 impl Listing {
     /// Flags and, when somebody looked, the numbers behind them.
-    #[must_use]
     pub fn new(health: Health, pair: Option<&PairReport>) -> Self {
         Self { flags: names(health), numbers: pair.map(Numbers::from) }
     }
@@ -188,7 +185,6 @@ impl From<&CameraHealth> for Camera {
 }
 
 /// One line per flag with what to do, and the difference of rows behind those about rows; nothing when all is well.
-#[must_use]
 pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;
     let mut text: String = advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();

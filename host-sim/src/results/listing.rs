@@ -48,11 +48,9 @@ pub struct Answers {
 }
 
 /// The depth of a pixel, or why it is not known.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Query {
-    /// Column.
     pub x: u16,
-    /// Row.
     pub y: u16,
     /// `None` where it is not known.
     pub disparity_px: Option<f64>,
@@ -70,34 +68,23 @@ pub struct Query {
 
 impl Query {
     /// The core's answer for a pixel.
-    #[must_use]
     pub fn new((x, y): (u16, u16), answer: Result<PixelDepth, PixelRejection>) -> Self {
-        let none = |reason| Self {
-            x,
-            y,
-            disparity_px: None,
-            sigma_px: 0.0,
-            depth_m: None,
-            sigma_m: 0.0,
-            confidence: 0.0,
-            reason: Some(reason),
-        };
         match answer {
-            Err(reason) => none(reason.name()),
+            Err(reason) => Self { x, y, reason: Some(reason.name()), ..Self::default() },
             Ok(found) => Self {
+                x,
+                y,
                 disparity_px: Some(found.disparity.to_num()),
                 sigma_px: found.sigma.to_num(),
                 depth_m: found.depth.and_then(finite_metres),
                 sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
                 confidence: five_decimals(found.confidence.to_num()),
                 reason: None,
-                ..none("")
             },
         }
     }
 
     /// In a line.
-    #[must_use]
     pub fn summary(&self) -> String {
         let Self { x, y, sigma_px, sigma_m, confidence, .. } = self;
         let Some(disparity) = self.disparity_px else {
@@ -113,7 +100,6 @@ impl Query {
 pub struct Object {
     /// Value in the mask, or position in the file.
     pub label: u16,
-    /// Label of the detector.
     pub name: Option<String>,
     /// At the region's centre.
     pub disparity_px: Option<f64>,
@@ -123,9 +109,7 @@ pub struct Object {
     pub depth_m: Option<f64>,
     /// 0 without a depth.
     pub sigma_m: f64,
-    /// Nearest credible depth.
     pub nearest_m: Option<f64>,
-    /// Segments that support it.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
     pub confidence: f64,
@@ -135,7 +119,6 @@ pub struct Object {
 
 impl Object {
     /// With the name that the detector gave it.
-    #[must_use]
     pub fn new(found: &ObjectDepth, name: Option<&str>) -> Self {
         Self {
             label: found.label,
@@ -188,7 +171,6 @@ pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::
 }
 
 /// The segments as CSV, one line each below a line of names.
-#[must_use]
 pub fn csv(result: &FrameResult) -> String {
     let mut text = String::from(CSV_HEAD);
     for (id, found) in result.matches.iter().enumerate() {
@@ -219,7 +201,6 @@ pub fn csv(result: &FrameResult) -> String {
 }
 
 /// Objects as CSV, one line each below a line of names; what is unknown is empty.
-#[must_use]
 pub fn objects_csv(objects: &[Object]) -> String {
     let mut text =
         String::from("label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n");
@@ -249,7 +230,6 @@ pub fn objects_csv(objects: &[Object]) -> String {
 }
 
 /// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for space.
-#[must_use]
 pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
     let mut list = vec![
         ("segments_left", u32::from(counts.segments_left)),
@@ -269,7 +249,6 @@ pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
 }
 
 /// Metres with five decimals, `None` for an infinite depth.
-#[must_use]
 pub fn finite_metres(depth: Depth) -> Option<f64> {
     (depth != INFINITE_DEPTH).then(|| five_decimals(depth.to_num()))
 }
@@ -296,7 +275,6 @@ fn position(point: ImagePosition) -> [f64; 2] {
 }
 
 /// The side or sides in JSON and CSV.
-#[must_use]
 pub fn owner_name(owner: Owner) -> &'static str {
     match owner {
         Owner::Left => "left",

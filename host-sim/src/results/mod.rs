@@ -1,9 +1,9 @@
-//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as outlines of objects, as messages of ROS 2.
+//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as as messages of ROS 2.
 
 pub mod directions;
 pub mod health;
 pub mod listing;
-pub mod outline;
+pub mod mask;
 mod point_map;
 pub mod ros;
 

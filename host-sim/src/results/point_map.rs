@@ -2,7 +2,8 @@
 
 use super::listing::finite_metres;
 use crate::engine::FrameResult;
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use crate::output::png_file;
+use image::ExtendedColorType;
 use linestereo::{Dims, Disparity, Rig};
 
 /// KITTI: stored value = disparity * 256, 0 = none.
@@ -17,7 +18,6 @@ const DEPTH_SCALE: f64 = 1000.0;
 /// A map of 16-bit values and what did not fit in.
 #[derive(Clone, Debug)]
 pub struct PngMap {
-    /// The file.
     pub png: Vec<u8>,
     /// Points whose value it cannot hold.
     pub left_out: usize,
@@ -35,7 +35,6 @@ pub fn depth_png(dims: Dims, result: &FrameResult, rig: &Rig) -> image::ImageRes
 }
 
 /// Depths in metres as NumPy's array of 32-bit floats, (height, width); not a number = none.
-#[must_use]
 pub fn depth_npy(dims: Dims, result: &FrameResult, rig: &Rig) -> Vec<u8> {
     let map = map(dims, result, f32::NAN, |disparity| metres(rig, disparity).map_or(f32::NAN, |z| z as f32));
     let shape = format!("({}, {})", dims.height, dims.width);
@@ -67,14 +66,11 @@ fn sixteen_bit(
         if fits { (stored as u16).max(1) } else { 0 }
     });
     let bytes: Vec<u8> = map.into_iter().flat_map(u16::to_ne_bytes).collect();
-    let mut png = Vec::new();
-    let encoder = PngEncoder::new(&mut png);
-    encoder.write_image(&bytes, dims.width.into(), dims.height.into(), ExtendedColorType::L16)?;
+    let png = png_file(&bytes, [dims.width.into(), dims.height.into()], ExtendedColorType::L16)?;
     Ok(PngMap { png, left_out })
 }
 
 /// Disparities in px as Middlebury stores them: 32-bit floats, little endian (a scale of -1), the lowest row first, infinity = none.
-#[must_use]
 pub fn pfm(dims: Dims, result: &FrameResult) -> Vec<u8> {
     let map = map(dims, result, f32::INFINITY, Disparity::to_num);
     let mut bytes = format!("Pf\n{} {}\n-1.0\n", dims.width, dims.height).into_bytes();

@@ -52,9 +52,7 @@ pub enum Extra {
 /// A pair that was matched.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
-    /// As they were matched.
     pub images: &'a [GrayImage; 2],
-    /// Results of the pair.
     pub result: &'a FrameResult,
     /// Parameters by which it was matched.
     pub params: &'a Params,
@@ -72,7 +70,6 @@ pub struct RosFile<W: Write> {
 }
 
 impl<W: Write> RosFile<W> {
-    /// Nothing yet.
     pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
         Ok(Self { writer, extras: extras.to_vec(), channels: Vec::new() })
@@ -122,12 +119,10 @@ impl<W: Write> RosFile<W> {
     }
 
     /// Anything had a place in space.
-    #[must_use]
     pub fn has_points(&self) -> bool {
         self.channels.iter().any(|(topic, _)| *topic == POINTS)
     }
 
-    /// Closes the file.
     pub fn finish(self) -> io::Result<W> {
         self.writer.finish()
     }
@@ -186,7 +181,6 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
 }
 
 /// The place of an object with this disparity at a pixel.
-#[must_use]
 pub fn label(rig: &Rig, [x, y]: [f64; 2], disparity_px: f64, text: String, confidence: f64) -> Option<Label> {
     let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
     let position = point(rig, at, Disparity::saturating_from_num(disparity_px))?;

@@ -8,58 +8,46 @@ use linestereo::Dims;
 /// A built-in scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A bit of everything: see [`Kind::summary`].
     Demo,
-    /// Cards that face the cameras at many depths.
     Cards,
-    /// Walls, ceiling and floor of a corridor.
     Corridor,
-    /// Thin poles, upright and leaning.
     Poles,
-    /// Boxes at random, hiding each other.
     Boxes,
-    /// Blank surfaces: nothing but outlines.
     Blank,
-    /// Stripes, squares and a fence: patterns that repeat.
     Repetition,
 }
 
 impl Kind {
-    /// Every built-in scene.
     pub const ALL: [Self; 7] =
         [Self::Demo, Self::Cards, Self::Corridor, Self::Poles, Self::Boxes, Self::Blank, Self::Repetition];
 
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    /// Its name on the command line, and a line about it.
+    const fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Demo => "demo",
-            Self::Cards => "cards",
-            Self::Corridor => "corridor",
-            Self::Poles => "poles",
-            Self::Boxes => "boxes",
-            Self::Blank => "blank",
-            Self::Repetition => "repetition",
+            Self::Demo => {
+                ["demo", "a room: textured and blank walls, floor, boxes, a leaning board, thin poles, occlusion"]
+            }
+            Self::Cards => ["cards", "cards facing the cameras at many sub-pixel disparities before a textured wall"],
+            Self::Corridor => ["corridor", "long slanted walls, floor and ceiling that end in a door"],
+            Self::Poles => ["poles", "poles 1 to 8 px wide, upright and leaning, before a textured wall"],
+            Self::Boxes => ["boxes", "boxes of random place and turn that hide each other"],
+            Self::Blank => ["blank", "blank walls and boxes: outlines are all there is"],
+            Self::Repetition => ["repetition", "stripes, squares and a picket fence: look-alikes everywhere"],
         }
     }
 
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        self.words()[0]
+    }
+
     /// Description, one line.
-    #[must_use]
     pub const fn summary(self) -> &'static str {
-        match self {
-            Self::Demo => "a room: textured and blank walls, floor, boxes, a leaning board, thin poles, occlusion",
-            Self::Cards => "cards facing the cameras at many sub-pixel disparities before a textured wall",
-            Self::Corridor => "long slanted walls, floor and ceiling that end in a door",
-            Self::Poles => "poles 1 to 8 px wide, upright and leaning, before a textured wall",
-            Self::Boxes => "boxes of random place and turn that hide each other",
-            Self::Blank => "blank walls and boxes: outlines are all there is",
-            Self::Repetition => "stripes, squares and a picket fence: look-alikes everywhere",
-        }
+        self.words()[1]
     }
 }
 
 /// A built-in scene for images of this size; the seed changes every texture and every random place.
-#[must_use]
 pub fn build(kind: Kind, dims: Dims, seed: u64) -> Scene {
     let pair = Pair::centred(dims, 0.9 * f64::from(dims.width), 0.12);
     let mut studio = Studio { surfaces: Vec::new(), objects: Vec::new(), draws: 0, seed };

@@ -17,14 +17,12 @@ pub struct DisparityPlane {
 
 impl DisparityPlane {
     /// Disparity at any pixel position.
-    #[must_use]
     pub fn disparity_at(&self, x: f64, y: f64) -> f64 {
         self.disparity + self.slope[0] * (x - self.at[0]) + self.slope[1] * (y - self.at[1])
     }
 
     /// The plane as an unbounded surface whose first axis is seen along `direction` through [`Self::at`] and whose second one
     /// points to the right of that direction, as seen in the image.
-    #[must_use]
     pub fn surface(&self, pair: &Pair, direction: [f64; 2], texture: Texture, label: u8) -> Surface {
         let [x, y] = self.at;
         let point = |x: f64, y: f64| -> Vector { pair.point(x, y, pair.depth(self.disparity_at(x, y))) };
@@ -53,13 +51,11 @@ pub struct EdgeCase {
     pub greys: [f64; 2],
     /// Largest deviation of the grain from these greys.
     pub grain: f64,
-    /// Seed of the grain.
     pub seed: u64,
 }
 
 impl EdgeCase {
     /// True where the core treats the direction as near-horizontal: more than four columns per row.
-    #[must_use]
     pub fn is_near_horizontal(&self) -> bool {
         self.direction[0].abs() > 4.0 * self.direction[1].abs()
     }
@@ -72,7 +68,6 @@ impl EdgeCase {
     }
 
     /// Distance of a pixel position from the edge in pixels: negative on the left (upper) side, positive on the right (lower) one.
-    #[must_use]
     pub fn side(&self, x: f64, y: f64) -> f64 {
         let [dx, dy] = self.ordered_direction();
         let norm = length([dx, dy, 0.0]);
@@ -80,7 +75,6 @@ impl EdgeCase {
     }
 
     /// The case as a scene for images of this size: labels are 1 for the plane and 2 for the wall behind.
-    #[must_use]
     pub fn scene(&self, dims: Dims) -> Scene {
         let pair = Pair::centred(dims, f64::from(dims.width), 0.1);
         let texture = |pattern: Pattern, disparity: f64, seed: u64| {
@@ -107,7 +101,6 @@ impl EdgeCase {
 
     /// Cases over directions (every 15 degrees or so, and near-horizontal ones), slants, sub-pixel shifts and owners, the
     /// edges passing near the middle of images of this size at a disparity near `disparity`, in front of a wall at half of it.
-    #[must_use]
     pub fn grid(dims: Dims, disparity: f64) -> Vec<Self> {
         const DIRECTIONS: [[f64; 2]; 10] = [
             [0.0, 1.0],

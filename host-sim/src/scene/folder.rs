@@ -1,8 +1,8 @@
 //! A rendering as the files of a scene folder, the layout that `linestereo eval` reads.
 
 use super::{Pair, Rendering};
-use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png::PngEncoder};
-use linestereo::Dims;
+use crate::output::png_file;
+use image::{ExtendedColorType, ImageResult};
 use serde_json::json;
 
 /// Steps of the stored truth per pixel of disparity.
@@ -12,7 +12,6 @@ const SCALE: f32 = 256.0;
 pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<(&'static str, Vec<u8>)>> {
     let dims = rendering.left.dims;
     let mask: Vec<u8> = rendering.visible.iter().map(|&visible| if visible { 255 } else { 0 }).collect();
-    // The png encoder wants 16-bit samples in the machine's byte order.
     let truth: Vec<u8> = rendering.disparity.iter().flat_map(|&d| stored(d).to_ne_bytes()).collect();
     let note = "16-bit; disparity of the left image in px = value / 256; 0 = unknown";
     let description = json!({
@@ -30,18 +29,18 @@ pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<
             "disparity_offset_px": pair.disparity_offset_px,
         },
     });
+    let png = |samples: &[u8], colour| png_file(samples, [dims.width.into(), dims.height.into()], colour);
     Ok(vec![
-        ("left.png", png(&rendering.left.pixels, dims, ExtendedColorType::L8)?),
-        ("right.png", png(&rendering.right.pixels, dims, ExtendedColorType::L8)?),
-        ("gt.png", png(&truth, dims, ExtendedColorType::L16)?),
-        ("visible.png", png(&mask, dims, ExtendedColorType::L8)?),
-        ("objects.png", png(&rendering.labels, dims, ExtendedColorType::L8)?),
+        ("left.png", png(&rendering.left.pixels, ExtendedColorType::L8)?),
+        ("right.png", png(&rendering.right.pixels, ExtendedColorType::L8)?),
+        ("gt.png", png(&truth, ExtendedColorType::L16)?),
+        ("visible.png", png(&mask, ExtendedColorType::L8)?),
+        ("objects.png", png(&rendering.labels, ExtendedColorType::L8)?),
         ("scene.json", format!("{description:#}\n").into_bytes()),
     ])
 }
 
 /// The disparity range a search needs: above everything in the scene, in steps of 16, within the core's limits.
-#[must_use]
 pub fn search_range(rendering: &Rendering) -> u16 {
     let largest = rendering.disparity.iter().copied().fold(0.0_f32, f32::max); // NaN loses against any number
     let range = (largest as u16 + 2).next_multiple_of(16);
@@ -50,10 +49,4 @@ pub fn search_range(rendering: &Rendering) -> u16 {
 
 fn stored(disparity: f32) -> u16 {
     if disparity > 0.0 { (disparity * SCALE).round().clamp(1.0, 65535.0) as u16 } else { 0 }
-}
-
-fn png(bytes: &[u8], dims: Dims, color: ExtendedColorType) -> ImageResult<Vec<u8>> {
-    let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(bytes, u32::from(dims.width), u32::from(dims.height), color)?;
-    Ok(file)
 }

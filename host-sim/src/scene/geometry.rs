@@ -31,7 +31,6 @@ pub(super) fn unit(a: Vector) -> Vector {
 /// Two equal pinhole cameras side by side, rectified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Focal length in pixels.
     pub focal_px: f64,
     /// Distance of the right camera from the left one in metres.
     pub baseline_m: f64,
@@ -43,26 +42,20 @@ pub struct Pair {
 
 impl Pair {
     /// A pair with its optical centre in the middle of the image and no offset.
-    #[must_use]
     pub fn centred(dims: Dims, focal_px: f64, baseline_m: f64) -> Self {
         let centre = [0.5 * (f64::from(dims.width) - 1.0), 0.5 * (f64::from(dims.height) - 1.0)];
         Self { focal_px, baseline_m, centre, disparity_offset_px: 0.0 }
     }
 
-    /// Disparity of a point `depth` metres away.
-    #[must_use]
     pub fn disparity(&self, depth: f64) -> f64 {
         self.focal_px * self.baseline_m / depth - self.disparity_offset_px
     }
 
-    /// Depth in metres of a disparity.
-    #[must_use]
     pub fn depth(&self, disparity: f64) -> f64 {
         self.focal_px * self.baseline_m / (disparity + self.disparity_offset_px)
     }
 
     /// The point seen at pixel `x, y` of the left image, `depth` metres away.
-    #[must_use]
     pub fn point(&self, x: f64, y: f64, depth: f64) -> Vector {
         let scale = depth / self.focal_px;
         [(x - self.centre[0]) * scale, (y - self.centre[1]) * scale, depth]
@@ -79,13 +72,10 @@ impl Pair {
 pub struct Surface {
     /// Where the texture's coordinates start.
     pub origin: Vector,
-    /// First axis.
     pub u: Vector,
-    /// Second axis.
     pub v: Vector,
     /// First and last coordinate along `u` and along `v` in metres.
     pub extent: [[f64; 2]; 2],
-    /// Its greys.
     pub texture: Texture,
     /// Object it belongs to, from 1.
     pub label: u8,
@@ -93,7 +83,6 @@ pub struct Surface {
 
 impl Surface {
     /// The rectangle from `corner` along `across` and, as far as that is perpendicular to `across`, along `down`.
-    #[must_use]
     pub fn rectangle(corner: Vector, across: Vector, down: Vector, texture: Texture, label: u8) -> Self {
         let u = unit(across);
         let down = along(down, -dot(down, u), u);
@@ -102,7 +91,6 @@ impl Surface {
     }
 
     /// The six faces of a box: its centre, its three edges (perpendicular to each other), one texture per pair of faces.
-    #[must_use]
     pub fn cuboid(centre: Vector, edges: [Vector; 3], textures: [Texture; 3], label: u8) -> [Self; 6] {
         core::array::from_fn(|face| {
             let (axis, side) = (face / 2, if face % 2 == 0 { -0.5 } else { 0.5 });

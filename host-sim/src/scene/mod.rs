@@ -24,7 +24,6 @@ pub use texture::{Pattern, Texture};
 /// Surfaces in front of a pair of cameras.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The cameras.
     pub pair: Pair,
     /// Surfaces that they see; where nothing is hit the image is black and has no truth.
     pub surfaces: Vec<Surface>,

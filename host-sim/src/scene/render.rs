@@ -17,7 +17,6 @@ const LATTICE: (u32, u32) = (55, 21);
 pub struct Sensor {
     /// Standard deviation of the noise of either image in grey levels.
     pub noise: f64,
-    /// Seed of the noise.
     pub seed: u64,
     /// The right image's brightness is multiplied by this.
     pub gain: f64,
@@ -38,7 +37,6 @@ impl Default for Sensor {
 pub struct Rendering {
     /// Left image, the reference.
     pub left: GrayImage,
-    /// Right image.
     pub right: GrayImage,
     /// Disparity in pixels; NaN where no surface is.
     pub disparity: Vec<f32>,
@@ -50,7 +48,6 @@ pub struct Rendering {
 
 impl Rendering {
     /// Label of the surface at this pixel of the left image; `None` outside.
-    #[must_use]
     pub fn label(&self, (x, y): (i32, i32)) -> Option<u8> {
         let (width, x) = (usize::from(self.left.dims.width), usize::try_from(x).ok()?);
         self.labels.get(usize::try_from(y).ok()? * width + x).filter(|_| x < width).copied()
@@ -127,8 +124,6 @@ impl Camera {
     }
 }
 
-/// Renders a scene and its truth.
-#[must_use]
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];

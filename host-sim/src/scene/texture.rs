@@ -7,14 +7,12 @@ pub enum Pattern {
     Blank(f64),
     /// Two greys in turn across the first surface axis.
     Stripes {
-        /// The two greys.
         greys: [f64; 2],
         /// Width of a pair of stripes in metres.
         period: f64,
     },
     /// Squares of two greys.
     Checker {
-        /// The two greys.
         greys: [f64; 2],
         /// Side of a square in metres.
         side: f64,
@@ -30,7 +28,6 @@ pub enum Pattern {
     Edge([f64; 2]),
     /// A band around the first surface axis: the first grey outside, the second inside.
     Band {
-        /// The two greys.
         greys: [f64; 2],
         /// Width of the band in metres.
         width: f64,
@@ -40,32 +37,25 @@ pub enum Pattern {
 /// A pattern with grain on top.
 #[derive(Clone, Copy, Debug)]
 pub struct Texture {
-    /// The regular part.
     pub pattern: Pattern,
     /// Largest deviation of the grain from the pattern, in grey levels; 0 for none.
     pub grain: f64,
     /// Size of the coarsest grain in metres; two finer octaves are added.
     pub grain_size: f64,
-    /// Seed of mosaic and grain.
     pub seed: u64,
 }
 
 impl Texture {
-    /// A pattern without grain.
-    #[must_use]
     pub fn plain(pattern: Pattern) -> Self {
         Self { pattern, grain: 0.0, grain_size: 1.0, seed: 0 }
     }
 
-    /// A pattern with grain.
-    #[must_use]
     pub fn grained(pattern: Pattern, grain: f64, grain_size: f64, seed: u64) -> Self {
         Self { pattern, grain, grain_size, seed }
     }
 
     /// The grey at `u, v` metres from the surface's origin. Positions close to each other share what
     /// they have in common where they are asked for one after the other with the same `grain`.
-    #[must_use]
     pub(super) fn grey_near(&self, grain: &mut Grain, u: f64, v: f64) -> f64 {
         let base = match self.pattern {
             Pattern::Blank(grey) => grey,
@@ -92,7 +82,6 @@ impl Texture {
     }
 
     /// The grey at `u, v` metres from the surface's origin.
-    #[must_use]
     pub fn grey(&self, u: f64, v: f64) -> f64 {
         self.grey_near(&mut Grain::default(), u, v)
     }

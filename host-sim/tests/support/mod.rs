@@ -1,5 +1,6 @@
 //! The program as a user calls it, for every test of the command line.
 
+use linestereo_frames::GrayImage;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -41,16 +42,25 @@ pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
 /// Calls it once for each list of arguments, and has each fail as it promises, in words that contain the second of the pair.
 #[track_caller]
 pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
-    for (args, says) in cases {
-        let line = refused(folder, args);
-        assert!(line.contains(says), "{args:?} does not say {says}: {line}");
-    }
+    cases.iter().for_each(|(args, says)| refused_with(folder, args, &[says]));
+}
+
+/// Calls it and has it fail as it promises, in words that contain all of these.
+#[track_caller]
+pub(crate) fn refused_with(folder: &Path, args: &[&str], words: &[&str]) {
+    let line = refused(folder, args);
+    words.iter().for_each(|word| assert!(line.contains(word), "{args:?} does not say {word}: {line}"));
 }
 
 /// Calls it, has it succeed, and gives the JSON it printed.
 #[track_caller]
 pub(crate) fn json(folder: &Path, args: &[&str]) -> serde_json::Value {
     serde_json::from_str(&succeed(folder, args)).unwrap()
+}
+
+/// Saves an image as PNG.
+pub(crate) fn save(image: &GrayImage, path: &Path) {
+    fs::write(path, linestereo_sim::draw::gray_png(image).unwrap()).unwrap();
 }
 
 /// A folder with a rendered scene in the folder `name`.
@@ -64,10 +74,8 @@ pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
 pub(crate) fn with_drawn_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "rec/1");
     for seed in ["2", "3"] {
-        succeed(
-            folder.path(),
-            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &format!("rec/{seed}")],
-        );
+        let scene = ["scene", "--kind", "demo", "--size", "320x240", "--seed", seed];
+        succeed(folder.path(), &[&scene[..], &[&format!("rec/{seed}")]].concat());
     }
     folder
 }

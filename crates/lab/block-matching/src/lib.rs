@@ -30,6 +30,10 @@ mod dense;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 mod dsp;
 mod grid;
+#[cfg_attr(
+    all(target_arch = "arm", target_os = "none"),
+    allow(dead_code, reason = "on a board `dsp` takes the place of some of it")
+)]
 mod portable;
 
 pub use decision::{MOST_UNIQUE, NO_DISPARITY};

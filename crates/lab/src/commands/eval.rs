@@ -45,7 +45,6 @@ Words:
   wrong          (--objects) an answer more than 1 px outside of the object's 5-95 % range of true disparities
   covered        (--objects) objects with an answer
   median error   (--objects) |answer - true median| / true median
-  overlap        (--objects) pixels common with the truth / pixels of either, as told and as refined
   in 1, 2 sigma  (--objects) answers within one and two stated standard deviations of the true median
 
 Scenes that the confidence model was fitted on flatter it: fit-confidence scores each of them by a

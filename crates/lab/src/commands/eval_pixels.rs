@@ -158,7 +158,7 @@ fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>], m
         return say(&format!("{} is what these frames give\n", path.display()));
     }
     let mut files = OutputFiles::default();
-    files.add_text(args.out.as_ref(), || Ok(text))?;
+    files.add_made(args.out.as_ref(), || Ok(text))?;
     scores.push_str(&linestereo_sim::commands::written([&args.out]));
     files.commit_and_say(&scores)
 }

@@ -14,7 +14,7 @@ use linestereo_sim::commands::method::MethodArgs;
 use linestereo_sim::commands::pairs::for_each_pair;
 use linestereo_sim::commands::{asked_for, written};
 use linestereo_sim::output::{OutputFiles, OutputPath, spare};
-use linestereo_sim::results::outline::Mask;
+use linestereo_sim::results::mask::Mask;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

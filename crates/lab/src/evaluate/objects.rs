@@ -5,14 +5,13 @@
 //! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
 
 use core::fmt::Write;
-use linestereo::diagnostics::Candidate;
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_frames::{FrameError, Scene, Truth, load_values};
 use linestereo_sim::engine::Engine;
-use linestereo_sim::results::outline::{Mask, RefinedOutline, refine};
+use linestereo_sim::results::mask::Mask;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -138,19 +137,9 @@ impl ObjectCase {
         &self.mask
     }
 
-    /// How well what is given, and what it is refined to, overlap with the true pixels: 1 is the same.
-    fn overlap(&self, found: &ObjectDepth, candidates: &[Candidate]) -> [f64; 2] {
-        let Some(region) = self.region() else { return [0.0; 2] };
-        let given = self.mask.overlap(&Mask::of(&region, self.dims));
-        match refine(&region, found, candidates, self.dims).outline {
-            RefinedOutline::Mask(refined) => [given, self.mask.overlap(&refined)],
-            RefinedOutline::Box(_) => [given; 2],
-        }
-    }
-
-    /// Scores what the core reports of it, by these candidates.
+    /// Scores what the core reports of it.
     #[must_use]
-    pub fn score(&self, found: &ObjectDepth, candidates: &[Candidate]) -> ObjectScore {
+    pub fn score(&self, found: &ObjectDepth) -> ObjectScore {
         let (low, high) = self.range;
         let disparity = found.disparity.map(|d| d.to_num::<f32>());
         ObjectScore {
@@ -165,7 +154,6 @@ impl ObjectCase {
             sigma: found.sigma.to_num(),
             confidence: found.confidence.to_num(),
             support: found.support,
-            overlap: self.overlap(found, candidates),
         }
     }
 }
@@ -195,8 +183,6 @@ pub struct ObjectScore {
     pub confidence: f32,
     /// Segments that support it.
     pub support: u16,
-    /// Overlap of what was given, and of what it was refined to, with the truth: 1 is the same.
-    pub overlap: [f64; 2],
 }
 
 /// The scores of one kind of outline together.
@@ -218,8 +204,6 @@ pub struct ObjectSummary {
     pub within_two_sigma: Option<f64>,
     /// Mean probability stated.
     pub mean_confidence: Option<f64>,
-    /// Mean overlap of what was given, and of what it was refined to, with the truth, over answers: 1 is the same.
-    pub mean_overlap: Option<[f64; 2]>,
     /// Objects refused for each reason of [`NoDepth::ALL`].
     pub refused: [usize; NoDepth::ALL.len()],
 }
@@ -243,9 +227,6 @@ impl ObjectSummary {
             median_relative_error: median(answers.iter().map(|score| score.relative).collect()).map(f64::from),
             within_sigma: share(&|score| score.error <= score.sigma),
             within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
-            mean_overlap: (!answers.is_empty()).then(|| {
-                [0, 1].map(|i| answers.iter().map(|score| score.overlap[i]).sum::<f64>() / answers.len() as f64)
-            }),
             mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
             refused: NoDepth::ALL.map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
         }
@@ -296,7 +277,7 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {
         let found = case.region().and_then(|region| engine.objects(&[region], true).pop());
-        case.score(&found.unwrap_or(EMPTY), engine.matched().candidates())
+        case.score(&found.unwrap_or(EMPTY))
     };
     cases.iter().map(|case| answer(case, engine)).collect()
 }
@@ -308,7 +289,7 @@ const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
 #[must_use]
 pub fn object_table(scores: &[ObjectScore]) -> String {
     let mut text = String::from(
-        "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   overlap, refined   refused\n",
+        "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   refused\n",
     );
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
     for outline in Outline::ALL {
@@ -320,7 +301,7 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
         let refused: Vec<String> = refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
         let _ = writeln!(
             text,
-            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {:>16}   {}",
+            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {}",
             outline.name(),
             s.objects,
             s.wrong,
@@ -331,7 +312,6 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
             percent(s.within_sigma),
             percent(s.within_two_sigma),
             s.mean_confidence.map_or("-".to_owned(), |stated| format!("{stated:.3}")),
-            s.mean_overlap.map_or("-".to_owned(), |[given, refined]| format!("{given:.3}, {refined:.3}")),
             refused.join(", "),
         );
     }

@@ -2,7 +2,7 @@
 
 use linestereo_frames::GrayImage;
 use linestereo_frames::Scene;
-use linestereo_sim::results::outline::Mask;
+use linestereo_sim::results::mask::Mask;
 
 /// A pair to be damaged, and what the damages take from elsewhere.
 #[derive(Clone, Copy, Debug)]

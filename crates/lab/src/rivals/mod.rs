@@ -23,7 +23,7 @@ use linestereo_baselines::{DisparityMap, Method, Search};
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::{Scene, Truth};
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_sim::results::outline::Mask;
+use linestereo_sim::results::mask::Mask;
 use std::time::Instant;
 
 /// Timing of a pair stops after this long, or after this many runs.
@@ -215,7 +215,7 @@ fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
             let values = mask.pixels().iter().zip(map.values());
             values.filter(|(inside, value)| **inside && value.is_finite()).map(|(_, &value)| value).collect()
         });
-        case.score(&median_depth(inside), &[])
+        case.score(&median_depth(inside))
     };
     cases.iter().map(answer).collect()
 }

@@ -21,35 +21,12 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-const EXAMPLES: &str = "\
-Examples:
-  linestereo view recording --rig rig.toml
-      a folder of pairs, ten a second; open the address that is printed
-  linestereo view recording.mcap --repeat
-      a recording of ROS 2 with the times between its pairs, again and again
-  linestereo view --camera /dev/video0 --rig rig.toml
-      a stereo camera at this PC
-  linestereo view --serial /dev/ttyACM0 --send start --rig rig.toml --size 320x240 --photograph 10
-      a board, a photograph of its left camera every ten seconds; with its rig also from above, and in sectors
-  linestereo view run.bin
-      what linestereo monitor --record wrote, at its own speed
-
-On the page: the left image with segments and points, all from above with the nearest obstacle of each sector, health
-with what to do, pairs and losses of each second. A box that is drawn there is answered in every pair: of pairs by this
-program, of a board by the board (which is asked with box=, as linestereo monitor --send does); a recording of a board
-answers no new ones. A board's segments are on black, or on its last photograph: raw, as the camera delivers it, without
---rig; rectified with the rig that the board has. While one is sent, over USB a second, no pair is matched.
-
-The page stays after the last pair, until Ctrl-C; then a summary is printed.
-Only this computer can open it, and only with the token in the address, new each time. From another computer: ssh -L
-PORT:127.0.0.1:PORT, with --port PORT here. Eight pages are served at once; one that is too slow leaves pairs out.";
-
 /// Wait between two looks for what happened meanwhile.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Show pairs as they are matched, or a board's results as they arrive, on a page in the browser.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("../help/view.txt"))]
 #[command(group(clap::ArgGroup::new("shown").required(true).args(["path", "tcp", "serial", "camera"])))]
 pub struct Args {
     /// Folder of pairs, recording of ROS 2 (.mcap), or video; or bytes that a board sent, "-" is stdin.
@@ -85,7 +62,6 @@ fn rate(text: &str) -> Result<f64, String> {
     rate.ok_or_else(|| "give pairs a second, 0.01 to 1000".to_owned())
 }
 
-/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     interruption::watch();
     let is_of_board = |path: &Path| !path.is_dir() && !is_recording(path) && !is_video(path);

@@ -28,7 +28,6 @@ struct Show<'a> {
     player: Player<'a>,
     space: Option<Space>,
     asked: Asked,
-    /// Result of the last pair.
     last: Option<FrameResult>,
     shown: u64,
     failed: u64,

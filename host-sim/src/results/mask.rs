@@ -15,14 +15,12 @@ impl Mask {
     ///
     /// # Panics
     /// When there are not `width * height` of them.
-    #[must_use]
     pub fn new(dims: Dims, pixels: Vec<bool>) -> Self {
         assert_eq!(pixels.len(), usize::from(dims.width) * usize::from(dims.height));
         Self { dims, pixels }
     }
 
     /// Of a region of an image of this size.
-    #[must_use]
     pub fn of(region: &Region<'_>, dims: Dims) -> Self {
         let width = usize::from(dims.width);
         let mut mask = Self::new(dims, vec![false; width * usize::from(dims.height)]);
@@ -45,36 +43,19 @@ impl Mask {
     }
 
     /// A flag per pixel, row-major.
-    #[must_use]
     pub fn pixels(&self) -> &[bool] {
         &self.pixels
     }
 
     /// Does the pixel belong to it? None outside of the image does.
-    #[must_use]
     pub fn contains(&self, x: i32, y: i32) -> bool {
         self.index(x, y).is_some_and(|i| self.pixels[i])
-    }
-
-    /// Adds a pixel or takes it away; those outside of the image are left alone.
-    pub fn set(&mut self, x: i32, y: i32, belongs: bool) {
-        if let Some(i) = self.index(x, y) {
-            self.pixels[i] = belongs;
-        }
     }
 
     fn index(&self, x: i32, y: i32) -> Option<usize> {
         let (x, y) = (u16::try_from(x).ok()?, u16::try_from(y).ok()?);
         let inside = x < self.dims.width && y < self.dims.height;
         inside.then(|| usize::from(y) * usize::from(self.dims.width) + usize::from(x))
-    }
-
-    /// Pixels of both over pixels of either: 1 for the same mask.
-    #[must_use]
-    pub fn overlap(&self, other: &Self) -> f64 {
-        let count =
-            |is: fn(bool, bool) -> bool| self.pixels.iter().zip(&other.pixels).filter(|(a, b)| is(**a, **b)).count();
-        count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
     }
 
     /// Adds the pixels of another mask of the same size.
@@ -103,19 +84,16 @@ impl Mask {
     }
 
     /// Larger by so many steps to the four neighbours.
-    #[must_use]
     pub fn grown(&self, steps: usize) -> Self {
         (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own || near.contains(&true)))
     }
 
     /// Smaller by so many steps; the image's border erodes too.
-    #[must_use]
     pub fn eroded(&self, steps: usize) -> Self {
         (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
     }
 
     /// Its runs, all with this label.
-    #[must_use]
     pub fn runs(&self, label: u16) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for (row, y) in self.pixels.chunks(self.dims.width.into()).zip(0..) {
