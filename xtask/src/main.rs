@@ -47,14 +47,12 @@ struct Boards {
 }
 
 impl Boards {
-    /// The one that is named, else those whose every program is run and measured.
-    fn list(&self) -> Result<Vec<Board>> {
-        self.or(&Board::MEASURED)
-    }
-
     /// The one that is named, else all that QEMU runs: one of each family of processors.
     fn emulated(&self) -> Result<Vec<Board>> {
-        self.or(&Board::emulated().collect::<Vec<_>>())
+        match &self.board {
+            Some(name) => Ok(vec![board::named(name)?]),
+            None => Ok(Board::emulated().collect()),
+        }
     }
 
     /// The one that is named, whether a PC can run it or not, else these.
@@ -65,13 +63,6 @@ impl Boards {
                 let names = Board::ALL.map(|board| board.name);
                 format!("there is no board {name}; give {}", names.join(" or "))
             })?]),
-        }
-    }
-
-    fn or(&self, boards: &[Board]) -> Result<Vec<Board>> {
-        match &self.board {
-            Some(name) => Ok(vec![board::named(name)?]),
-            None => Ok(boards.into()),
         }
     }
 }
@@ -133,14 +124,6 @@ enum Command {
         #[arg(long, requires = "frames")]
         objects: bool,
     },
-    /// Flash and RAM of a program, by symbol.
-    Sizes {
-        #[command(flatten)]
-        boards: Boards,
-        /// The program.
-        #[arg(long, default_value = sizes::PROGRAM)]
-        program: String,
-    },
     /// Flash and RAM of `live`, compared with xtask/board-sizes.toml: fails on a change of more than 1 %.
     ///
     /// Without --board: of the boards that `images` builds.
@@ -196,7 +179,6 @@ fn execute(command: Command) -> Result<()> {
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
         Command::Bench { boards, frames, objects } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
-        Command::Sizes { boards, program } => sizes::run(&boards.list()?, &program),
         Command::Footprint { boards, bless } => footprint::run(&top, &boards.any_or(board::tested())?, bless),
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
         Command::Nightly => nightly::run(&top),

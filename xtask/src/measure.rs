@@ -234,7 +234,7 @@ fn built_in(board: &Board) -> Result<BoardNumbers> {
 /// Everything else.
 fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>) -> Result<()> {
     let (raw, stack) = raw_pairs(board)?;
-    let (replay, live) = (sizes::of(board, sizes::PROGRAM)?, sizes::of(board, "live")?);
+    let (replay, live) = (sizes::of(board, "replay")?, sizes::of(board, "live")?);
     let bytes = [
         ("flash", replay.flash()),
         ("flash_live", live.flash()),

@@ -130,20 +130,6 @@ fn garbage_eats_only_what_shares_its_delimiter() {
 }
 
 #[test]
-fn a_delimiter_after_garbage_saves_the_next_packet() {
-    let mut random = Random(14);
-    let (first, _, bytes, _) = example();
-    for length in 1..1500 {
-        let mut stream: Vec<u8> = (0..length).map(|_| 1 + random.byte() % 255).collect();
-        stream.push(DELIMITER);
-        stream.extend_from_slice(&bytes);
-        let (results, counters) = decode::<Message>(&stream);
-        assert!(matches!(&results[..], [Err(_), Ok(good)] if *good == first), "{length}: {results:?}");
-        assert_eq!(counters.skipped_bytes, length + 1);
-    }
-}
-
-#[test]
 fn constant_lines_are_no_records() {
     let (first, _, bytes, _) = example();
     let zeros = [&[0; 100_000][..], &bytes].concat();

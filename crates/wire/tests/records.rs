@@ -104,14 +104,6 @@ fn counts_are_the_cores() {
 }
 
 #[test]
-fn each_rejection_has_its_own_place() {
-    let counts = counts(100);
-    for (place, reason) in Rejection::ALL.into_iter().enumerate() {
-        assert_eq!(counts.rejected(reason), 106 + place as u16);
-    }
-}
-
-#[test]
 fn health_follows_full_lists() {
     assert_eq!(Health::of(&linestereo::Counts::default()), Health::GOOD);
     let kinds: [fn(&mut linestereo::Counts) -> &mut u16; 4] = [
@@ -379,19 +371,4 @@ fn a_board_says_what_its_slots_hold() {
     let rig = RigInUse { raw: [640, 480], rectified: [320, 240], slot: Some(0) };
     let report = RigReport { in_use: Some(rig), slots: [Ok(8), Err(RigFault::OtherVersion)] };
     assert_eq!(report.to_string(), "rig: 640x480 rectified to 320x240; slots: image 8 (in use), other version");
-}
-
-#[test]
-fn what_a_board_says_of_itself_reads_like_a_sentence() {
-    let text = |cause, location| Reset { cause, location }.to_string();
-    assert_eq!(text(ResetCause::Watchdog, 0), "the watchdog: no frame was finished in time");
-    assert!(text(ResetCause::Fault, 0x0800_1234).ends_with("address 0x08001234"));
-    assert!(text(ResetCause::Panic, 77).ends_with("line 77 of a source file"));
-    let mut lost = CaptureReport::default();
-    assert!(lost.is_empty() && lost.to_string() == "nothing");
-    lost.faults[0][4] = 2;
-    lost.faults[1][5] = 1;
-    (lost.sensors[1], lost.unpaired) = (9, 3);
-    assert_eq!(lost.to_string(), "left: torn_frame 2; right: stopped 1, sensor 9; unpaired 3");
-    assert!(Reset::of(ResetCause::BrownOut).is_fault() && !Reset::of(ResetCause::PowerOn).is_fault());
 }
