@@ -2,7 +2,7 @@
 
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::scratch::mark_words;
-use linestereo::{Dims, Gray};
+use linestereo::Gray;
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
