@@ -51,12 +51,12 @@ pub enum PhotoError {
     #[error(
         "{} left and {} right photos do not make pairs: {} without a partner of the same number; \
          add it, remove them, or leave them out with --skip-unpaired",
-        .1[0], .1[1], listed(.0)
+        .1[0], .1[1], names(.0)
     )]
     Unpaired(Vec<PathBuf>, [usize; 2]),
 }
 
-fn listed(paths: &[PathBuf]) -> String {
+fn names(paths: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let names: Vec<String> = paths.iter().take(LISTED).filter_map(name).collect();
     names.join(", ") + if paths.len() > LISTED { ", ..." } else { "" }
