@@ -99,7 +99,7 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     let before = fs::read(at.join("0001_left.png")).unwrap();
     fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#).unwrap();
     let cases: [(&[&str], &str); 2] = [
-        (&["sequence", ".", "--out", "0001_left.png"], "one of the files that are read"),
+        (&["sequence", ".", "--out", "scene.json"], "one of the files that are read"),
         (&["report", ".", "-o", "scene.json"], "one of the files that are read"),
     ];
     all_refused(at, &cases);

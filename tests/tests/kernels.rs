@@ -78,8 +78,11 @@ fn window_curves_are_sums_of_absolute_differences() {
     for count in 0..=34 {
         for blocks in 0..=16 {
             let len = blocks * LANES;
+            let needed = len + STRIP - 1;
+            // Strips that are too short are left out.
             let others: Vec<Vec<u8>> = (0..count)
-                .map(|_| (0..len + STRIP - 1 + count % 3).map(|_| 1 + random.below(127) as u8).collect())
+                .map(|i| if i % 7 == 3 { len / 2 } else { needed + count % 3 })
+                .map(|pixels| (0..pixels).map(|_| 1 + random.below(127) as u8).collect())
                 .collect();
             let strips: Vec<Strip<'_>> = others
                 .iter()
@@ -88,6 +91,7 @@ fn window_curves_are_sums_of_absolute_differences() {
             let naive = |d: usize| -> u16 {
                 strips
                     .iter()
+                    .filter(|strip| strip.other.len() >= needed)
                     .flat_map(|s| s.reference.iter().zip(&s.other[d..]).map(|(&a, &b)| u16::from(a.abs_diff(b))))
                     .sum()
             };

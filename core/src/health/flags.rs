@@ -162,16 +162,7 @@ impl fmt::Debug for HealthFlags {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
-    use std::string::ToString;
-
-    #[test]
-    fn a_set_is_printed_by_its_names() {
-        assert_eq!(HealthFlags::GOOD.to_string(), "good");
-        assert_eq!((HealthFlags::TORN | HealthFlags::SKEW).to_string(), "skew+torn");
-        assert_eq!(HealthFlags::NAMES.map(|(flag, name)| flag.to_string() == name), [true; HealthFlags::NAMES.len()]);
-    }
 
     #[test]
     fn warnings_leave_a_pair_fit() {

@@ -241,51 +241,43 @@ mod tests {
         assert_eq!([256, 255, 192, 191, 128, 127, 5].map(step), [64, 85, 64, 96, 64, 127, 5]);
     }
 
+    /// Looks with points of these disparities: rows of 40 of them at 4, 12, 20 and 28 px.
+    fn found([left, right]: [&Pixels; 2], disparity_q6: impl Fn(usize, usize) -> Option<i16>) -> Option<Tear> {
+        let points: [_; 40 * 4] = core::array::from_fn(|i| match disparity_q6(i / 40, i % 40) {
+            Some(disparity_q6) => SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() },
+            None => SupportPoint::none(),
+        });
+        find([view(left), view(right)], Support::new(&Params::default(), DIMS, &points, 0))
+    }
+
     #[test]
     fn four_rows_beyond_those_of_points_are_looked_at() {
-        // The row of points at 4 px has no disparity, those at 12 px and at 20 px have different ones.
-        let found = |below: i32| {
-            let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
-                0 => SupportPoint::none(),
-                1 => SupportPoint { disparity_q6: 640, score_q8: 0, ..SupportPoint::none() },
-                _ => SupportPoint { disparity_q6: 1024, score_q8: 0, ..SupportPoint::none() },
-            });
-            let (left, right) = (torn(below, 6), torn(below, 0));
-            find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0)).is_some()
-        };
+        let rows = [None, Some(640), Some(1024), Some(1024)];
+        let is_found = |below| found([&torn(below, 6), &torn(below, 0)], |row, _| rows[row]).is_some();
         // The first of them has none before it to stand out from.
-        assert_eq!([8, 9, 15, 23].map(found), [false, true, true, true]);
+        assert_eq!([8, 9, 15, 23].map(is_found), [false, true, true, true]);
     }
 
     #[test]
     fn rows_of_points_two_apart_are_compared_where_the_middle_one_has_none() {
-        let point = |disparity_q6| SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() };
-        let points: [_; 40 * 4] = core::array::from_fn(|i| match i / 40 {
-            0 => point(640),
-            2 => point(1024),
-            _ => SupportPoint::none(),
-        });
-        let (left, right) = (torn(21, 6), torn(21, 0));
-        let found = find([view(&left), view(&right)], Support::new(&Params::default(), DIMS, &points, 0));
-        assert_eq!(found, Some(Tear { row: 21, shift: 6 }));
+        let rows = [Some(640), None, Some(1024), None];
+        let tear = found([&torn(21, 6), &torn(21, 0)], |row, _| rows[row]);
+        assert_eq!(tear, Some(Tear { row: 21, shift: 6 }));
     }
 
     #[test]
     fn points_lead_to_the_row() {
         let (whole, torn) = (torn(9, 0), torn(9, 6));
-        // Rows of points at 4, 12, 20 and 28 px: those from the second on see the shift.
-        let found = |left, right, shift: i16, odd: bool| {
-            let points: [_; 40 * 4] = core::array::from_fn(|i| {
-                let disparity_q6 = 640 + if i >= 40 { shift << 6 } else { 0 };
-                let is_matched = !odd || i % 2 == 1;
-                SupportPoint { disparity_q6, score_q8: if is_matched { 0 } else { i16::MIN }, ..SupportPoint::none() }
-            });
-            find([view(left), view(right)], Support::new(&Params::default(), DIMS, &points, 0))
+        // Rows from the second on see the shift, with every point or every second one.
+        let seen = |images, shift: i16, every: usize| {
+            found(images, |row, column| {
+                (column % every == every - 1).then_some(640 + (shift << 6) * i16::from(row > 0))
+            })
         };
         let tear = Some(Tear { row: 9, shift: 6 });
-        assert_eq!([false, true].map(|odd| found(&torn, &whole, 6, odd)), [tear; 2]);
-        assert_eq!(found(&whole, &torn, -6, false), Some(Tear { row: 9, shift: -6 }));
-        assert_eq!(found(&whole, &whole, 6, false), None, "a step of the scene");
-        assert_eq!(found(&torn, &whole, 0, false), None, "no change of disparity");
+        assert_eq!([1, 2].map(|every| seen([&torn, &whole], 6, every)), [tear; 2]);
+        assert_eq!(seen([&whole, &torn], -6, 1), Some(Tear { row: 9, shift: -6 }));
+        assert_eq!(seen([&whole, &whole], 6, 1), None, "a step of the scene");
+        assert_eq!(seen([&torn, &whole], 0, 1), None, "no change of disparity");
     }
 }

@@ -150,38 +150,3 @@ fn store(register: __m128i, out: &mut [u8]) {
         None => out.iter_mut().zip(found).for_each(|(out, byte)| *out = byte),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::super::portable;
-    use super::*;
-    use std::vec::Vec;
-
-    /// Every strip count and curve length, with strips that are too short among them. `firmware/src/programs/kernels.rs` compares more.
-    #[test]
-    fn equals_the_portable_version() {
-        let mut state = 1_u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 24) as u8
-        };
-        for count in 0..=34 {
-            for blocks in 0..=16 {
-                let len = blocks * portable::LANES;
-                let rows: Vec<Vec<u8>> = (0..count)
-                    .map(|i| (0..if i % 7 == 3 { len / 2 } else { len + STRIP - 1 }).map(|_| random() & 127).collect())
-                    .collect();
-                let strips: Vec<Strip<'_>> = rows
-                    .iter()
-                    .map(|row| Strip { reference: core::array::from_fn(|_| random() & 127), other: row })
-                    .collect();
-                let start: Vec<u16> = (0..len).map(|_| u16::from(random())).collect();
-                let (mut found, mut expected) = (start.clone(), start);
-                sad_curve(&strips, &mut found);
-                portable::sad_curve(&strips, &mut expected);
-                assert_eq!(found, expected, "{count} strips, {len} disparities");
-            }
-        }
-    }
-}

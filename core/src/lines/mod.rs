@@ -299,28 +299,3 @@ impl KeepLongest<'_> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_full_list_drops_its_shortest() {
-        let upright = |rows: u16| {
-            let end = |y| ImagePosition { x: Position::ZERO, y: Position::from_num(y) };
-            Segment { ends: [end(0), end(rows)], rising: true, contrast: 50, near_horizontal: false }
-        };
-        for (found, longest) in
-            [([5, 1, 3, 4, 2], [3, 4, 5]), ([1, 2, 3, 4, 5], [3, 4, 5]), ([9, 8, 7, 6, 7], [7, 8, 9])]
-        {
-            let mut list = heapless::Vec::<Segment, 3>::new();
-            let mut keep = KeepLongest { out: &mut list, dropped: 0 };
-            found.into_iter().for_each(|rows| keep.push(upright(rows)));
-            assert_eq!(keep.dropped, 2);
-            let mut kept = [0; 3];
-            kept.iter_mut().zip(&list).for_each(|(slot, segment)| *slot = segment.extent_q5() >> 5);
-            kept.sort_unstable();
-            assert_eq!(kept, longest);
-        }
-    }
-}

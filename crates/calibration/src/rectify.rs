@@ -3,7 +3,6 @@
 //! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more here than there, so that both give the
 //! same bytes; larger ones as much as they can use.
 
-use super::rig_file::side_name;
 use crate::interchange::{Options, load_rig};
 use core::fmt;
 use linestereo::{Dims, Span};
@@ -26,13 +25,19 @@ type BoardMesh = Mesh<{ mesh_nodes(BOARD) }, { BOARD.height as usize }>;
 type PcMesh = Mesh<{ fine_mesh_nodes(LARGEST) }, { LARGEST.height as usize }>;
 
 /// Why a pair cannot be rectified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RectifierError {
     /// The mesh of one camera cannot be built.
+    #[error("{0} camera: {1}")]
     Mesh(CameraSide, MeshError),
     /// The rows of a raw image are refused.
+    #[error("{0} camera: {1}")]
     Row(CameraSide, RowError),
     /// A raw image is not of the rig's size.
+    #[error(
+        "the rig is one of raw images of {needed}, these are {given}; give the images it was made \
+         from"
+    )]
     Size {
         /// The rig's.
         needed: Dims,
@@ -40,23 +45,6 @@ pub enum RectifierError {
         given: Dims,
     },
 }
-
-impl fmt::Display for RectifierError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Mesh(eye, error) => write!(f, "{} camera: {error}", side_name(*eye)),
-            Self::Row(eye, error) => write!(f, "{} camera: {error}", side_name(*eye)),
-            Self::Size { needed, given } => {
-                write!(
-                    f,
-                    "the rig is one of raw images of {needed}, these are {given}; give the images it was made from"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for RectifierError {}
 
 /// Both meshes of a rig, and memory for the raw rows of one camera at a time.
 pub struct PairRectifier {
@@ -154,24 +142,15 @@ fn rectified<const NODES: usize, const ROWS: usize>(
 }
 
 /// Why a calibration cannot be that of smaller images.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ReducedError {
     /// A camera of this size is none.
+    #[error("{0}")]
     Camera(CameraError),
     /// The cameras make no pair.
+    #[error("{0}")]
     Pose(CalibrationError),
 }
-
-impl fmt::Display for ReducedError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Camera(error) => error.fmt(f),
-            Self::Pose(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for ReducedError {}
 
 /// The same rig for raw images of another size that show the same: whole pixels are centres, so borders are half a pixel outside.
 pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration, ReducedError> {

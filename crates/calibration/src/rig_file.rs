@@ -1,6 +1,6 @@
 //! `rig.toml`: two cameras and the pose between them, for people to read and programs to load.
 
-use core::fmt::{self, Write};
+use core::fmt::Write;
 use linestereo::Dims;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens};
@@ -37,37 +37,24 @@ pub struct Quality {
 }
 
 /// Why a rig file cannot be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum RigFileError {
     /// It cannot be read.
+    #[error("{0}: {1}")]
     Read(PathBuf, io::Error),
     /// It is no rig file: line and column stand in the text.
+    #[error("{0}: {1}")]
     Parse(PathBuf, String),
     /// A later version.
+    #[error("{0} has version {1}, this program knows {VERSION}")]
     Version(PathBuf, u32),
     /// A camera in it is none.
+    #[error("{0}, [{1}]: {2}")]
     Camera(PathBuf, CameraSide, CameraError),
     /// Its cameras are no pair.
+    #[error("{0}, [pose]: {1}")]
     Pair(PathBuf, CalibrationError),
 }
-
-impl fmt::Display for RigFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::Parse(path, what) => write!(f, "{}: {what}", path.display()),
-            Self::Version(path, version) => {
-                write!(f, "{} has version {version}, this program knows {VERSION}", path.display())
-            }
-            Self::Camera(path, eye, error) => {
-                write!(f, "{}, [{}]: {error}", path.display(), side_name(*eye))
-            }
-            Self::Pair(path, error) => write!(f, "{}, [pose]: {error}", path.display()),
-        }
-    }
-}
-
-impl core::error::Error for RigFileError {}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -128,7 +115,7 @@ impl RigFile {
              version = {VERSION}\n"
         );
         for eye in CameraSide::BOTH {
-            text.push_str(&camera_text(side_name(eye), self.calibration.camera(eye)));
+            text.push_str(&camera_text(eye, self.calibration.camera(eye)));
         }
         let _ = write!(
             text,
@@ -164,24 +151,18 @@ fn camera(raw: &RawCamera) -> Result<Camera, CameraError> {
     Camera::new(Dims { width, height }, raw.focal_px, raw.centre_px, raw.skew_px, lens)
 }
 
-fn camera_text(name: &str, camera: &Camera) -> String {
+fn camera_text(eye: CameraSide, camera: &Camera) -> String {
     let Dims { width, height } = camera.dims();
     let lens = match camera.lens() {
         Lens::BrownConrady { k, p } => format!("{{ model = \"brown-conrady\", k = {k:?}, p = {p:?} }}"),
         Lens::Fisheye { k } => format!("{{ model = \"fisheye\", k = {k:?} }}"),
     };
     format!(
-        "\n[{name}]\nsize = [{width}, {height}]\nfocal_px = {:?}\ncentre_px = {:?}\nskew_px = {:?}\nlens = {lens}\n",
+        "\n[{eye}]\nsize = [{width}, {height}]\nfocal_px = {:?}\ncentre_px = {:?}\nskew_px = {:?}\nlens = {lens}\n",
         camera.focal(),
         camera.centre(),
         camera.skew(),
     )
-}
-
-/// Name of a camera, in this file and in messages.
-#[must_use]
-pub fn side_name(eye: CameraSide) -> &'static str {
-    if eye == CameraSide::Left { "left" } else { "right" }
 }
 
 /// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the same bits on every machine.

@@ -4,7 +4,6 @@ use super::layout::Layout;
 use crate::resample::WidthError;
 use crate::untrusted::printable;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
-use core::fmt;
 use linestereo::image::{MAX_WIDTH, ViewError};
 use linestereo::{Dims, RigError};
 use std::io;
@@ -14,19 +13,32 @@ use std::path::PathBuf;
 const LISTED: usize = 8;
 
 /// Why frames cannot be used: one line that says what is wrong and what to do.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum FrameError {
     /// The file cannot be read.
+    #[error("cannot read {0}: {1}; check the path")]
     Read(PathBuf, io::Error),
     /// The file is no image of a format that is read, or it is damaged.
+    #[error("{0} is not a readable image ({1}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file")]
     Decode(PathBuf, String),
     /// A file of disparities or a mask is not grey.
+    #[error("{0} is coloured; ground truth and masks are 8 or 16-bit grey")]
     ColouredTruth(PathBuf),
     /// The image is smaller or larger than the core accepts.
+    #[error("{0}: {1}; {remedy}", remedy = remedy_of_size(.1))]
     Size(PathBuf, ViewError),
     /// The image has more pixels, or bytes of pixels, than are read.
+    #[error(
+        "{0}: an image of more than {pixels} million pixels or {mib} MiB of them is not read; give \
+         a smaller one",
+        pixels = PIXELS / 1_000_000, mib = IMAGE_BYTES >> 20
+    )]
     TooLarge(PathBuf),
     /// Two images that belong together differ in size.
+    #[error(
+        "{} is {} but {} is {}; give two images of one size",
+        .first.0.display(), .first.1, .second.0.display(), .second.1
+    )]
     SizesDiffer {
         /// One file.
         first: (PathBuf, Dims),
@@ -34,8 +46,16 @@ pub enum FrameError {
         second: (PathBuf, Dims),
     },
     /// Every pixel has the same value.
+    #[error(
+        "every pixel of {0} is {1}, there is nothing to match; check the lens cap, the exposure \
+         and the file"
+    )]
     Uniform(PathBuf, u8),
     /// Nearly every pixel is at one end of the scale.
+    #[error(
+        "{percent:.1} % of the pixels of {path} are {value}; {change} the exposure",
+        change = if *.value == 0 { "raise" } else { "lower" }
+    )]
     Saturated {
         /// The image.
         path: PathBuf,
@@ -45,85 +65,35 @@ pub enum FrameError {
         value: u8,
     },
     /// The asked width is not smaller than the image, or 0.
+    #[error("{0}")]
     Width(WidthError),
     /// `scene.json` is not what it should be.
+    #[error("{0} is not a scene file ({1}); correct it")]
     SceneFile(PathBuf, String),
     /// The rig in `scene.json` is unusable.
+    #[error("{0}: {1}; correct \"rectified\"")]
     Rig(PathBuf, RigError),
     /// A folder holds no image of this name.
+    #[error("{0} holds no {1}.png, .jpg, .pgm or .ppm; add the image")]
     NoImage(PathBuf, &'static str),
     /// A file of disparities is damaged or something else.
+    #[error("{0}: {1}")]
     Disparities(PathBuf, DisparityFault),
     /// A folder is in no known layout, or something in it is missing.
+    #[error("{0}: {1}")]
     Layout(PathBuf, LayoutFault),
     /// A recording or a video, or an image in it, is not taken.
+    #[error("{0}: {1}")]
     Source(PathBuf, Box<dyn core::error::Error + Send + Sync>),
     /// A frame of a video that cannot be decoded: its number, and why.
+    #[error("frame {1} of {0}: {what}", what = printable(.2))]
     VideoFrame(PathBuf, usize, String),
 }
 
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
-            Self::Decode(path, what) => {
-                write!(
-                    f,
-                    "{} is not a readable image ({what}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file",
-                    path.display()
-                )
-            }
-            Self::ColouredTruth(path) => {
-                write!(f, "{} is coloured; ground truth and masks are 8 or 16-bit grey", path.display())
-            }
-            Self::Size(path, error) => {
-                let too_large = matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
-                let what = if too_large { "reduce it with --width" } else { "give a larger one" };
-                write!(f, "{}: {error}; {what}", path.display())
-            }
-            Self::TooLarge(path) => write!(
-                f,
-                "{}: an image of more than {} million pixels or {} MiB of them is not read; give a smaller one",
-                path.display(),
-                PIXELS / 1_000_000,
-                IMAGE_BYTES >> 20
-            ),
-            Self::SizesDiffer { first, second } => write!(
-                f,
-                "{} is {} but {} is {}; give two images of one size",
-                first.0.display(),
-                first.1,
-                second.0.display(),
-                second.1
-            ),
-            Self::Uniform(path, value) => write!(
-                f,
-                "every pixel of {} is {value}, there is nothing to match; check the lens cap, the exposure and the file",
-                path.display()
-            ),
-            Self::Saturated { path, percent, value } => write!(
-                f,
-                "{percent:.1} % of the pixels of {} are {value}; {} the exposure",
-                path.display(),
-                if *value == 0 { "raise" } else { "lower" }
-            ),
-            Self::Width(error) => error.fmt(f),
-            Self::SceneFile(path, what) => write!(f, "{} is not a scene file ({what}); correct it", path.display()),
-            Self::Rig(path, error) => write!(f, "{}: {error}; correct \"rectified\"", path.display()),
-            Self::NoImage(folder, name) => {
-                write!(f, "{} holds no {name}.png, .jpg, .pgm or .ppm; add the image", folder.display())
-            }
-            Self::Disparities(path, fault) => write!(f, "{}: {fault}", path.display()),
-            Self::Layout(path, fault) => write!(f, "{}: {fault}", path.display()),
-            Self::Source(path, fault) => write!(f, "{}: {fault}", path.display()),
-            Self::VideoFrame(path, index, what) => {
-                write!(f, "frame {index} of {}: {}", path.display(), printable(what))
-            }
-        }
-    }
+fn remedy_of_size(error: &ViewError) -> &'static str {
+    let too_large = matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
+    if too_large { "reduce it with --width" } else { "give a larger one" }
 }
-
-impl core::error::Error for FrameError {}
 
 impl From<WidthError> for FrameError {
     fn from(error: WidthError) -> Self {
@@ -132,58 +102,59 @@ impl From<WidthError> for FrameError {
 }
 
 /// Why a folder of a known layout cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutFault {
     /// No layout fits.
+    #[error(
+        "no pair in a layout that is known; give Middlebury, KITTI, ETH3D or EuRoC folders as \
+         downloaded, left/ and right/, 0001_left.png and 0001_right.png, or images side by side"
+    )]
     NotRecognised,
     /// A layout that has a calibration lacks its file.
+    #[error(
+        "the calibration is missing, which {0} has; add the file from the data set's download, or \
+         rename the images to left.png and right.png to match them without depths"
+    )]
     MissingCalibration(Layout),
     /// A calibration file lacks this, or it is no number.
+    #[error("{0} is missing or no number; take the file from the download again")]
     Calibration(&'static str),
     /// A raw pair cannot be rectified.
+    #[error("the raw pair cannot be rectified by this calibration ({0}); correct it")]
     RawRig(String),
     /// The values of a truth image of this size mean nothing known.
+    #[error(
+        "nothing says what a grey value of this ground truth of {0} is in px; store 16 bit (value \
+         / 256), PFM or NPZ, or add a scene.json with disparity_scale"
+    )]
     TruthScale(Dims),
 }
 
-impl fmt::Display for LayoutFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotRecognised => f.write_str(
-                "no pair in a layout that is known; give Middlebury, KITTI, ETH3D or EuRoC folders as downloaded, left/ and right/, \
-                 0001_left.png and 0001_right.png, or images side by side",
-            ),
-            Self::MissingCalibration(layout) => write!(
-                f,
-                "the calibration is missing, which {layout} has; add the file from the data set's download, or rename the images to \
-                 left.png and right.png to match them without depths"
-            ),
-            Self::Calibration(what) => write!(f, "{what} is missing or no number; take the file from the download again"),
-            Self::RawRig(what) => write!(f, "the raw pair cannot be rectified by this calibration ({what}); correct it"),
-            Self::TruthScale(dims) => write!(
-                f,
-                "nothing says what a grey value of this ground truth of {dims} is in px; store 16 bit (value / 256), PFM or NPZ, \
-                 or add a scene.json with disparity_scale"
-            ),
-        }
-    }
-}
-
 /// Error of a file of disparities.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DisparityFault {
     /// Its first lines are not those of a PFM file.
+    #[error("it is no PFM file ({0}); it starts with Pf, width and height, scale")]
     Header(&'static str),
     /// It has three channels.
+    #[error("it is a PFM file with three channels (PF); store one (Pf)")]
     Coloured,
     /// The line that tells the byte order holds 0 or no number.
+    #[error("its third line is \"{0}\" and tells no byte order; write -1 (little endian) or 1 (big)")]
     NoByteOrder(String),
     /// The values are absurd in the byte order that the file states, and plausible in the other one.
+    #[error(
+        "its third line says {} endian, its values are {} endian; make the scale {}",
+        if *.says_big { "big" } else { "little" },
+        if *.says_big { "little" } else { "big" },
+        if *.says_big { "negative" } else { "positive" }
+    )]
     ByteOrder {
         /// It says big endian.
         says_big: bool,
     },
     /// It ends too early.
+    #[error("it ends after {found} of {needed} bytes of values; copy or download it again")]
     Truncated {
         /// Bytes of values that its size asks for.
         needed: u64,
@@ -191,49 +162,31 @@ pub enum DisparityFault {
         found: u64,
     },
     /// No pixel has a finite value.
+    #[error("no pixel has a finite disparity; give another file, or remove it")]
     NothingKnown,
     /// An array of other than two dimensions, or too large.
+    #[error(
+        "an array of {0:?} is no image that is read; store (height, width), at most {most} million \
+         of them",
+        most = PIXELS / 1_000_000
+    )]
     Shape(Vec<u64>),
     /// An array of something else than numbers.
+    #[error("an array of {0} holds no disparities; store floats or integers")]
     ElementType(String),
     /// The array or its archive cannot be read.
+    #[error("it cannot be read as NumPy's ({0}); store it again with numpy.save")]
     Array(String),
     /// An archive holds several arrays and none by a known name, or none at all.
+    #[error("{}", text_of_arrays(.0))]
     Arrays(Vec<String>),
 }
 
-impl fmt::Display for DisparityFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Header(what) => write!(f, "it is no PFM file ({what}); it starts with Pf, width and height, scale"),
-            Self::Coloured => write!(f, "it is a PFM file with three channels (PF); store one (Pf)"),
-            Self::NoByteOrder(text) => {
-                write!(f, "its third line is \"{text}\" and tells no byte order; write -1 (little endian) or 1 (big)")
-            }
-            Self::ByteOrder { says_big } => {
-                let [said, is] = if *says_big { ["big", "little"] } else { ["little", "big"] };
-                let sign = if *says_big { "negative" } else { "positive" };
-                write!(f, "its third line says {said} endian, its values are {is} endian; make the scale {sign}")
-            }
-            Self::Truncated { needed, found } => {
-                write!(f, "it ends after {found} of {needed} bytes of values; copy or download it again")
-            }
-            Self::NothingKnown => write!(f, "no pixel has a finite disparity; give another file, or remove it"),
-            Self::Shape(shape) => write!(
-                f,
-                "an array of {shape:?} is no image that is read; store (height, width), at most {} million of them",
-                PIXELS / 1_000_000
-            ),
-            Self::ElementType(name) => write!(f, "an array of {name} holds no disparities; store floats or integers"),
-            Self::Array(what) => write!(f, "it cannot be read as NumPy's ({what}); store it again with numpy.save"),
-            Self::Arrays(names) if names.is_empty() => write!(f, "it holds no array; store one with numpy.savez"),
-            Self::Arrays(names) => {
-                let (more, listed) = (names.len() > LISTED, &names[..names.len().min(LISTED)]);
-                let list = listed.join(", ") + if more { ", ..." } else { "" };
-                write!(f, "it holds the arrays {list}; call the one with disparities disp")
-            }
-        }
+fn text_of_arrays(names: &[String]) -> String {
+    if names.is_empty() {
+        return "it holds no array; store one with numpy.savez".to_owned();
     }
+    let listed = names[..names.len().min(LISTED)].join(", ");
+    let more = if names.len() > LISTED { ", ..." } else { "" };
+    format!("it holds the arrays {listed}{more}; call the one with disparities disp")
 }
-
-impl core::error::Error for DisparityFault {}

@@ -4,26 +4,17 @@
 //! A sum of weights is `width * height` of the input, below 2^32; times 255 fits `u64`.
 
 use crate::grey::GrayImage;
-use core::fmt;
 use linestereo::Dims;
 
 /// The width asked for is 0, or larger than the image's: images are only ever reduced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--width {asked} is not between 1 and the image's {have}; images are only ever reduced")]
 pub struct WidthError {
     /// Width of the image, px.
     pub have: u16,
     /// Width asked for, px.
     pub asked: u16,
 }
-
-impl fmt::Display for WidthError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { have, asked } = self;
-        write!(f, "--width {asked} is not between 1 and the image's {have}; images are only ever reduced")
-    }
-}
-
-impl core::error::Error for WidthError {}
 
 /// Height that goes with `width` when the aspect ratio is kept, rounded, at least 1.
 #[must_use]

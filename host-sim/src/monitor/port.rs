@@ -67,6 +67,9 @@ impl Port {
         if path == Path::new("-") {
             return Ok(Self { name: "stdin".to_owned(), line: Line::File(Box::new(io::stdin())) });
         }
+        if path.is_dir() {
+            return Err(unreadable(&name, &ErrorKind::IsADirectory.into()));
+        }
         let file = untrusted::opened(path).map_err(|error| unreadable(&name, &error))?;
         Ok(Self { name, line: Line::File(Box::new(file)) })
     }

@@ -42,7 +42,7 @@ pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
 /// Calls it once for each list of arguments, and has each fail as it promises, in words that contain the second of the pair.
 #[track_caller]
 pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
-    cases.iter().for_each(|(args, says)| refused_with(folder, args, &[says]));
+    cases.iter().for_each(|(args, says)| refused_with(folder, args, &[*says]));
 }
 
 /// Calls it and has it fail as it promises, in words that contain all of these.
@@ -74,8 +74,8 @@ pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
 pub(crate) fn with_drawn_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "rec/1");
     for seed in ["2", "3"] {
-        let scene = ["scene", "--kind", "demo", "--size", "320x240", "--seed", seed];
-        succeed(folder.path(), &[&scene[..], &[&format!("rec/{seed}")]].concat());
+        let name = format!("rec/{seed}");
+        succeed(folder.path(), &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &name]);
     }
     folder
 }

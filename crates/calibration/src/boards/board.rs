@@ -32,41 +32,30 @@ pub struct Board {
 }
 
 /// Why there is no such board.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum BoardError {
     /// A side has fewer than 3 or more than 60 inner corners.
+    #[error("a board has 3 to 60 inner corners along each side, not {0}")]
     Side(u8),
     /// The squares' side is outside 0.0001 ..= 10 m.
+    #[error("squares or tags of {} mm are outside 0.1 mm to 10 m", 1e3 * .0)]
     Square(f64),
     /// A side has fewer or more squares than a board with markers may have.
+    #[error("a ChArUco board has 3 to 60 squares along each side, not {0}")]
     Squares(u8),
     /// A side has fewer or more tags than a board may have.
+    #[error("an AprilGrid has 2 to 30 tags along each side, not {0}")]
     Tags(u8),
     /// A marker's side is outside 0.3 ..= 0.95 of its square's.
+    #[error("a marker's side is 0.3 to 0.95 of its square's, not {0:.2}")]
     Marker(f64),
     /// The gap between tags is outside 0.1 ..= 1 of their side.
+    #[error("the gap between tags is 0.1 to 1 of their side, not {0}")]
     Spacing(f64),
     /// The board has more markers than the dictionary: needed, there.
+    #[error("the board needs {0} markers, the dictionary has {1}")]
     Dictionary(usize, usize),
 }
-
-impl fmt::Display for BoardError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Side(side) => write!(f, "a board has 3 to 60 inner corners along each side, not {side}"),
-            Self::Square(side) => write!(f, "squares or tags of {} mm are outside 0.1 mm to 10 m", 1e3 * side),
-            Self::Squares(side) => write!(f, "a ChArUco board has 3 to 60 squares along each side, not {side}"),
-            Self::Tags(side) => write!(f, "an AprilGrid has 2 to 30 tags along each side, not {side}"),
-            Self::Marker(share) => write!(f, "a marker's side is 0.3 to 0.95 of its square's, not {share:.2}"),
-            Self::Spacing(share) => write!(f, "the gap between tags is 0.1 to 1 of their side, not {share}"),
-            Self::Dictionary(needed, there) => {
-                write!(f, "the board needs {needed} markers, the dictionary has {there}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for BoardError {}
 
 impl Board {
     /// A board from its inner corners (one less than squares) along each side and the side of a square in metres.

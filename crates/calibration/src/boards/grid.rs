@@ -1,37 +1,29 @@
 //! Numbered junctions of a board in a photo, and why they are not the board's.
 
 use calib_targets_chessboard::ChessboardDetection;
-use core::fmt;
 use std::collections::BTreeMap;
 
 /// A line of the grid beside the board may hold this share of false corners; with more, the board is larger than said.
 const FALSE_SHARE: f64 = 0.5;
 
 /// Why a board is not found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotFound {
     /// Nothing that looks like a board.
+    #[error("no board")]
     Nothing,
     /// A part of a board: so many corners of it.
+    #[error("only {0} corners of the board")]
     Part(usize),
     /// A whole board of another size: inner corners along the longer and the shorter side.
+    #[error("a board of {0}x{1} inner corners")]
     OtherSize(usize, usize),
     /// A part of a board without markers of the dictionary: so many corners of it.
+    #[error("{0} corners, but no markers of the dictionary")]
     NoMarkers(usize),
     /// Markers of the dictionary, but not where they are on the board.
+    #[error("markers that are not those of the board")]
     OtherLayout,
-}
-
-impl fmt::Display for NotFound {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nothing => write!(f, "no board"),
-            Self::Part(corners) => write!(f, "only {corners} corners of the board"),
-            Self::OtherSize(cols, rows) => write!(f, "a board of {cols}x{rows} inner corners"),
-            Self::NoMarkers(corners) => write!(f, "{corners} corners, but no markers of the dictionary"),
-            Self::OtherLayout => write!(f, "markers that are not those of the board"),
-        }
-    }
 }
 
 /// A whole board of another size says most, then the largest part of one.

@@ -4,7 +4,6 @@
 //! `right/`, or `cam0/`, `cam1/`, with or without `data/` below), by every name of a side that recordings have. A pair has the same number;
 //! without one, the same rest of the name.
 
-use core::fmt;
 use linestereo_frames::{SIDES, without_side};
 use linestereo_rig::CameraSide;
 use std::collections::BTreeMap;
@@ -28,55 +27,40 @@ pub struct PhotoPair {
 }
 
 /// Why a folder holds no pairs.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum PhotoError {
     /// It cannot be listed.
+    #[error("cannot read the folder {0}: {1}; check the path")]
     Folder(PathBuf, std::io::Error),
     /// No left or right photo in it.
+    #[error(
+        "{0} holds no photos named left*, right* (or cam0*, cam1*), nor folders of these names \
+         with photos; name them left01.png, right01.png and so on"
+    )]
     None(PathBuf),
     /// One camera's photos only.
+    #[error(
+        "{0} holds {1} photos but no {miss} ones; a pair has the same number",
+        miss = if *.1 == CameraSide::Left { CameraSide::Right } else { CameraSide::Left }
+    )]
     OneSide(PathBuf, CameraSide),
     /// Two photos of one camera have one number.
+    #[error("{0} and {1} have the same number; rename or remove one")]
     Twice(PathBuf, PathBuf),
     /// Photos without a partner.
+    #[error(
+        "{} left and {} right photos do not make pairs: {} without a partner of the same number; \
+         add it, remove them, or leave them out with --skip-unpaired",
+        .1[0], .1[1], listed(.0)
+    )]
     Unpaired(Vec<PathBuf>, [usize; 2]),
 }
 
-impl fmt::Display for PhotoError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Folder(path, error) => {
-                write!(f, "cannot read the folder {}: {error}; check the path", path.display())
-            }
-            Self::None(path) => write!(
-                f,
-                "{} holds no photos named left*, right* (or cam0*, cam1*), nor folders of these names with photos; \
-                 name them left01.png, right01.png and so on",
-                path.display()
-            ),
-            Self::OneSide(path, eye) => {
-                let [have, miss] = if *eye == CameraSide::Left { ["left", "right"] } else { ["right", "left"] };
-                write!(f, "{} holds {have} photos but no {miss} ones; a pair has the same number", path.display())
-            }
-            Self::Twice(first, second) => {
-                write!(f, "{} and {} have the same number; rename or remove one", first.display(), second.display())
-            }
-            Self::Unpaired(paths, [left, right]) => {
-                let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
-                let names: Vec<String> = paths.iter().take(LISTED).filter_map(name).collect();
-                let more = if paths.len() > LISTED { ", ..." } else { "" };
-                write!(
-                    f,
-                    "{left} left and {right} right photos do not make pairs: {}{more} without a partner of the same number; \
-                     add it, remove them, or leave them out with --skip-unpaired",
-                    names.join(", ")
-                )
-            }
-        }
-    }
+fn listed(paths: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let names: Vec<String> = paths.iter().take(LISTED).filter_map(name).collect();
+    names.join(", ") + if paths.len() > LISTED { ", ..." } else { "" }
 }
-
-impl core::error::Error for PhotoError {}
 
 /// Pairs in a folder, in the order of their numbers, and the photos left without a partner.
 pub fn find_pairs(folder: &Path, skip_unpaired: bool) -> Result<(Vec<PhotoPair>, Vec<PathBuf>), PhotoError> {

@@ -33,25 +33,37 @@ impl fmt::Display for InterchangeError {
 impl core::error::Error for InterchangeError {}
 
 /// The error, without its line.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Problem {
     /// The file cannot be read.
+    #[error("cannot be read: {}; check the name and its permissions", .0.kind())]
     Read(io::Error),
     /// Larger than 1 MiB.
+    #[error("is larger than 1 MiB: no calibration; give the file with the results alone")]
     TooLarge,
     /// Not UTF-8.
+    #[error("is no UTF-8 text; give a YAML, XML or rig.toml file")]
     NoText,
     /// Neither YAML nor XML: what the parser says.
+    #[error("{0}; repair the file or write it anew")]
     Syntax(String),
     /// Nested deeper than any calibration is.
+    #[error("is nested too deep for a calibration")]
     TooDeep,
     /// More values than any calibration has, or aliases that multiply.
+    #[error("holds too many values for a calibration")]
     TooManyValues,
     /// A name stands twice.
+    #[error("\"{0}\" stands twice; remove one of them")]
     Duplicate(String),
     /// No format that is known.
+    #[error(
+        "is no calibration that is known (OpenCV, Kalibr, ROS, EuRoC, rig.toml); name its format \
+         with --from"
+    )]
     UnknownFormat,
     /// Not as many files as the format consists of.
+    #[error("{format} takes {needed}")]
     FileCount {
         /// Of this format.
         format: &'static str,
@@ -59,10 +71,13 @@ pub enum Problem {
         needed: &'static str,
     },
     /// Something is not there.
+    #[error("{0}")]
     Missing(String),
     /// Several values that differ could be meant.
+    #[error("{0}; remove what is not meant")]
     Ambiguous(String),
     /// A value is no number.
+    #[error("{name} is \"{text}\", no number")]
     NotANumber {
         /// Name of the value.
         name: String,
@@ -70,8 +85,10 @@ pub enum Problem {
         text: String,
     },
     /// A value is infinite or "not a number".
+    #[error("{0} is not finite; calibrate anew")]
     NotFinite(String),
     /// A matrix has other sides than it must have, or not as many values as its sides say.
+    #[error("{name} is {found}, it must be {expected}")]
     Shape {
         /// Name of the matrix.
         name: String,
@@ -81,24 +98,38 @@ pub enum Problem {
         found: String,
     },
     /// A matrix is no rotation (rows that are not perpendicular unit vectors within 0.001, or a mirror image).
+    #[error("{0} is no rotation")]
     NoRotation(String),
     /// The camera matrix has no form `fx s cx, 0 fy cy, 0 0 1`.
+    #[error("{0} has no form [fx s cx; 0 fy cy; 0 0 1]")]
     NoCameraMatrix(String),
     /// Lens coefficients that this program does not model are not zero.
+    #[error(
+        "lens coefficients {names} are not zero and not modelled; calibrate with k1 k2 p1 p2 k3 or \
+         as fisheye"
+    )]
     Coefficients {
         /// Their names.
         names: String,
     },
     /// A model of camera or lens that this program does not have.
+    #[error("{0}; calibrate as pinhole with radial-tangential or equidistant lens")]
     Model(String),
     /// The projections do not put the cameras side by side.
+    #[error("{0}")]
     Projection(&'static str),
     /// No size of the images, neither in the file nor as an option.
+    #[error(
+        "does not say the size of the images; give --size WxH (the optical centre suggests about \
+         {:.0}x{:.0})",
+        .guess[0], .guess[1]
+    )]
     NoSize {
         /// About the size that the optical centre suggests.
         guess: [f64; 2],
     },
     /// The size given as an option is not the one in the file.
+    #[error("was made for images of {file}, not {given}; leave --size out or calibrate at that size")]
     SizeDiffers {
         /// In the file.
         file: Dims,
@@ -106,16 +137,28 @@ pub enum Problem {
         given: Dims,
     },
     /// The size of the images is none.
+    #[error("the size of the images is {0}")]
     Size(String),
     /// A camera is none.
+    #[error("{0} camera: {1}")]
     Camera(CameraSide, CameraError),
     /// The cameras are no pair.
+    #[error("{0}")]
     Pair(CalibrationError),
     /// The first camera is the right one.
+    #[error(
+        "the second camera lies to the left of the first: convert-rig --swap makes it the left \
+         one, and so have its images to be"
+    )]
     Swapped,
     /// `rig.toml` itself is wrong.
+    #[error("{0}")]
     RigFile(RigFileError),
     /// The rig cannot be written in a format.
+    #[error(
+        "{format} has no place for {what}; write rig-toml, or opencv-yaml{more}",
+        more = if .what.ends_with("k3") { LEAVE_OUT_K3 } else { "" }
+    )]
     NotRepresentable {
         /// The format.
         format: &'static str,
@@ -123,65 +166,11 @@ pub enum Problem {
         what: &'static str,
     },
     /// The rig cannot be rectified, which a format needs.
+    #[error("{0}")]
     Rectify(RectifyError),
 }
 
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(error) => write!(f, "cannot be read: {}; check the name and its permissions", error.kind()),
-            Self::TooLarge => write!(f, "is larger than 1 MiB: no calibration; give the file with the results alone"),
-            Self::NoText => write!(f, "is no UTF-8 text; give a YAML, XML or rig.toml file"),
-            Self::Syntax(what) => write!(f, "{what}; repair the file or write it anew"),
-            Self::TooDeep => write!(f, "is nested too deep for a calibration"),
-            Self::TooManyValues => write!(f, "holds too many values for a calibration"),
-            Self::Duplicate(name) => write!(f, "\"{name}\" stands twice; remove one of them"),
-            Self::UnknownFormat => write!(
-                f,
-                "is no calibration that is known (OpenCV, Kalibr, ROS, EuRoC, rig.toml); name its format with --from"
-            ),
-            Self::FileCount { format, needed } => write!(f, "{format} takes {needed}"),
-            Self::Missing(what) => write!(f, "{what}"),
-            Self::Ambiguous(what) => write!(f, "{what}; remove what is not meant"),
-            Self::NotANumber { name, text } => write!(f, "{name} is \"{text}\", no number"),
-            Self::NotFinite(name) => write!(f, "{name} is not finite; calibrate anew"),
-            Self::Shape { name, expected, found } => write!(f, "{name} is {found}, it must be {expected}"),
-            Self::NoRotation(name) => write!(f, "{name} is no rotation"),
-            Self::NoCameraMatrix(name) => write!(f, "{name} has no form [fx s cx; 0 fy cy; 0 0 1]"),
-            Self::Coefficients { names } => write!(
-                f,
-                "lens coefficients {names} are not zero and not modelled; calibrate with k1 k2 p1 p2 k3 or as fisheye"
-            ),
-            Self::Model(what) => write!(f, "{what}; calibrate as pinhole with radial-tangential or equidistant lens"),
-            Self::Projection(what) => write!(f, "{what}"),
-            Self::NoSize { guess: [width, height] } => write!(
-                f,
-                "does not say the size of the images; give --size WxH (the optical centre suggests about \
-                 {width:.0}x{height:.0})"
-            ),
-            Self::SizeDiffers { file, given } => {
-                write!(f, "was made for images of {file}, not {given}; leave --size out or calibrate at that size")
-            }
-            Self::Size(what) => write!(f, "the size of the images is {what}"),
-            Self::Camera(CameraSide::Left, error) => write!(f, "left camera: {error}"),
-            Self::Camera(CameraSide::Right, error) => write!(f, "right camera: {error}"),
-            Self::Pair(error) => write!(f, "{error}"),
-            Self::Swapped => write!(
-                f,
-                "the second camera lies to the left of the first: convert-rig --swap makes it the left one, and so have its images to be"
-            ),
-            Self::RigFile(error) => write!(f, "{error}"),
-            Self::NotRepresentable { format, what } => {
-                write!(f, "{format} has no place for {what}; write rig-toml, or opencv-yaml")?;
-                if what.ends_with("k3") {
-                    write!(f, ", or leave it out from the start: linestereo calibrate --fix-k3")?;
-                }
-                Ok(())
-            }
-            Self::Rectify(error) => write!(f, "{error}"),
-        }
-    }
-}
+const LEAVE_OUT_K3: &str = ", or leave it out from the start: linestereo calibrate --fix-k3";
 
 /// Where a value stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

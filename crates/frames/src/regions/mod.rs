@@ -25,7 +25,7 @@ mod yolo;
 
 use crate::error::FrameError;
 use crate::untrusted::{self, OBJECTS_BYTES};
-use core::fmt::{self, Write};
+use core::fmt::Write;
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, Region, RegionError, Span};
 use std::io;
@@ -38,21 +38,37 @@ pub const MAX_OBJECTS: usize = 4096;
 pub const MAX_RUNS: usize = 1 << 22;
 
 /// Why a file gives no objects.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum ObjectsError {
     /// The file cannot be read.
+    #[error("cannot read {0}: {1}; check the path")]
     Read(PathBuf, io::Error),
     /// Neither of the known kinds.
+    #[error(
+        "{0} is of no known kind; give COCO .json, YOLO .txt, .csv with x0,y0,x1,y1, or a label \
+         image .png"
+    )]
     Unknown(PathBuf),
     /// JSON that is broken, or not of COCO's form.
+    #[error("{0} holds no objects ({1}); give COCO annotations or results, or \"objects\" with boxes")]
     Json(PathBuf, String),
     /// A table without the columns it needs, or broken.
+    #[error(
+        "{0} is no table of boxes ({1}); its first line has to name x0,y0,x1,y1 and perhaps \
+         label,name"
+    )]
     Table(PathBuf, String),
     /// A file of class names that is not text, or broken.
+    #[error("{0} is no list of class names ({1}); give one name per line")]
     Classes(PathBuf, String),
     /// A label image that cannot be read, or coloured.
+    #[error("{0}")]
     Image(FrameError),
     /// A label image of another size than the left image.
+    #[error(
+        "{path} is {mask}, the left image {image}; give a mask of the image as it is before \
+         --width"
+    )]
     MaskSize {
         /// The label image.
         path: PathBuf,
@@ -62,6 +78,11 @@ pub enum ObjectsError {
         image: Dims,
     },
     /// A COCO file of an image of another size than the left image.
+    #[error(
+        "{path} is about an image of {}x{}, the left one is {image}; give objects of the image as \
+         it is before --width",
+        .size[0], .size[1]
+    )]
     ImageSize {
         /// The COCO file.
         path: PathBuf,
@@ -71,6 +92,10 @@ pub enum ObjectsError {
         image: Dims,
     },
     /// A COCO file of several images, none of which is called like the left one.
+    #[error(
+        "{path} holds objects of {images} images, none of them called {image}; correct its \
+         \"file_name\""
+    )]
     NoSuchImage {
         /// The COCO file.
         path: PathBuf,
@@ -80,50 +105,6 @@ pub enum ObjectsError {
         images: usize,
     },
 }
-
-impl fmt::Display for ObjectsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(path, error) => write!(f, "cannot read {}: {error}; check the path", path.display()),
-            Self::Unknown(path) => write!(
-                f,
-                "{} is of no known kind; give COCO .json, YOLO .txt, .csv with x0,y0,x1,y1, or a label image .png",
-                path.display()
-            ),
-            Self::Json(path, what) => write!(
-                f,
-                "{} holds no objects ({what}); give COCO annotations or results, or \"objects\" with boxes",
-                path.display()
-            ),
-            Self::Table(path, what) => write!(
-                f,
-                "{} is no table of boxes ({what}); its first line has to name x0,y0,x1,y1 and perhaps label,name",
-                path.display()
-            ),
-            Self::Classes(path, what) => {
-                write!(f, "{} is no list of class names ({what}); give one name per line", path.display())
-            }
-            Self::Image(error) => error.fmt(f),
-            Self::MaskSize { path, mask, image } => write!(
-                f,
-                "{} is {mask}, the left image {image}; give a mask of the image as it is before --width",
-                path.display()
-            ),
-            Self::ImageSize { path, size: [width, height], image } => write!(
-                f,
-                "{} is about an image of {width}x{height}, the left one is {image}; give objects of the image as it is before --width",
-                path.display()
-            ),
-            Self::NoSuchImage { path, image, images } => write!(
-                f,
-                "{} holds objects of {images} images, none of them called {image}; correct its \"file_name\"",
-                path.display()
-            ),
-        }
-    }
-}
-
-impl core::error::Error for ObjectsError {}
 
 /// Objects that were left out, by reason; and classes that have no name, whose objects are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -59,7 +59,6 @@ pub(crate) struct Figure {
     pub(crate) decimals: usize,
     /// Shown without `--full`.
     pub(crate) main: bool,
-    #[serde(flatten)]
     pub(crate) values: Values,
 }
 

@@ -39,48 +39,39 @@ pub struct Place {
 }
 
 /// Why a file cannot be read, with the place of the record.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum McapFault {
     /// The file system says so.
+    #[error("it cannot be read ({0}); check the path")]
     Read(io::Error),
     /// It does not begin as it has to.
+    #[error("it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`")]
     NoMcap,
     /// It has no end.
+    #[error("it ends early, in or behind the record at byte {0}; {AGAIN}")]
     EndsEarly(u64),
     /// A chunk or message beyond [`RECORD_BYTES`].
+    #[error(
+        "the record at byte {0} has {1} bytes, more than {most} MiB; record with smaller chunks",
+        most = RECORD_BYTES >> 20
+    )]
     TooLarge(u64, u64),
     /// Fields of a record reach beyond it.
+    #[error("the record at byte {0} is broken; {AGAIN}")]
     Record(u64),
     /// A chunk is packed by something else than lz4 or zstd.
+    #[error(
+        "the chunk at byte {0} is packed by \"{name}\"; lz4, zstd and none are read: `mcap \
+         compress` changes it",
+        name = printable(.1)
+    )]
     Compression(u64, String),
     /// A chunk is not what its checksum or its size says.
+    #[error("the chunk at byte {0} is broken ({what}); {AGAIN}", what = printable(.1))]
     Chunk(u64, String),
 }
 
-impl fmt::Display for McapFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let again = "copy it again, or repair it with `mcap recover`";
-        match self {
-            Self::Read(error) => write!(f, "it cannot be read ({error}); check the path"),
-            Self::NoMcap => f.write_str("it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`"),
-            Self::EndsEarly(at) => write!(f, "it ends early, in or behind the record at byte {at}; {again}"),
-            Self::TooLarge(at, bytes) => write!(
-                f,
-                "the record at byte {at} has {bytes} bytes, more than {} MiB; record with smaller chunks",
-                RECORD_BYTES >> 20
-            ),
-            Self::Record(at) => write!(f, "the record at byte {at} is broken; {again}"),
-            Self::Compression(at, name) => write!(
-                f,
-                "the chunk at byte {at} is packed by \"{}\"; lz4, zstd and none are read: `mcap compress` changes it",
-                printable(name)
-            ),
-            Self::Chunk(at, what) => write!(f, "the chunk at byte {at} is broken ({}); {again}", printable(what)),
-        }
-    }
-}
-
-impl core::error::Error for McapFault {}
+const AGAIN: &str = "copy it again, or repair it with `mcap recover`";
 
 impl From<io::Error> for McapFault {
     fn from(error: io::Error) -> Self {

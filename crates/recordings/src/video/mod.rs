@@ -17,7 +17,6 @@ mod ffmpeg;
 mod pairs;
 mod y4m;
 
-use core::fmt;
 use linestereo_frames::untrusted::{PIXELS, printable};
 use std::io;
 use std::path::Path;
@@ -112,87 +111,73 @@ impl Source {
 }
 
 /// Why a video, or a frame of it, cannot be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VideoFault {
     /// The file system says so.
+    #[error("it cannot be read ({0}); check the path")]
     Read(io::Error),
     /// The first line is none of Y4M.
+    #[error("it is no Y4M video ({0}); it starts with YUV4MPEG2, W and H; make it anew")]
     Header(&'static str),
     /// Samples of a kind that is not read.
+    #[error(
+        "its samples are \"{}\"; mono, 411, 420, 422 and 444 of 8 to 16 bits are read: ffmpeg \
+         -pix_fmt gray makes mono",
+        printable(.0)
+    )]
     Samples(String),
     /// Frames of this size are not read.
+    #[error(
+        "frames of {}x{} px are not read; give 1 to 65535 px a side and at most {} million of them",
+        .0[0], .0[1], PIXELS / 1_000_000
+    )]
     Size([u64; 2]),
     /// It holds no whole frame.
+    #[error("it holds no whole frame; copy or record it again")]
     Empty,
     /// More frames than are counted.
+    #[error("it has more than {MOST_FRAMES} frames; split it")]
     TooMany,
     /// A frame does not begin as it has to.
+    #[error("frame {0} does not begin with FRAME; copy or record it again")]
     Frame(usize),
     /// Both views in an image of this odd width.
+    #[error(
+        "its width {0} is odd, so it is not two views side by side; give such a video, or one for \
+         each camera"
+    )]
     OddWidth(u16),
     /// It ends behind so many frames, and what ffmpeg said.
+    #[error("it ends behind {0} frames{said}", said = in_brackets(.1))]
     EndsEarly(usize, String),
     /// There is no ffmpeg.
+    #[error(
+        "ffmpeg, which is needed for it, cannot be started ({0}); install it (apt install ffmpeg, \
+         brew install ffmpeg), or give Y4M"
+    )]
     NoFfmpeg(io::Error),
     /// ffmpeg failed, and what it said.
+    #[error("ffmpeg cannot read it{}; look at it with ffprobe", in_brackets(.0))]
     Ffmpeg(String),
     /// ffmpeg wrote something else than it was asked for.
+    #[error("ffmpeg does not write what it was asked for ({0}); install another one")]
     Output(&'static str),
     /// ffmpeg wrote nothing for so long, s.
+    #[error("ffmpeg gave nothing for {0} s and was ended; see if it reads it alone")]
     Silent(u64),
     /// Somebody wants the program to end.
+    #[error("interrupted")]
     Interrupted,
     /// There is no such camera, or none on this system.
+    #[error("{}", printable(.0))]
     Camera(String),
 }
 
-impl fmt::Display for VideoFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(error) => write!(f, "it cannot be read ({error}); check the path"),
-            Self::Header(what) => {
-                write!(f, "it is no Y4M video ({what}); it starts with YUV4MPEG2, W and H; make it anew")
-            }
-            Self::Samples(name) => write!(
-                f,
-                "its samples are \"{}\"; mono, 411, 420, 422 and 444 of 8 to 16 bits are read: ffmpeg -pix_fmt gray makes mono",
-                printable(name)
-            ),
-            Self::Size([width, height]) => write!(
-                f,
-                "frames of {width}x{height} px are not read; give 1 to 65535 px a side and at most {} million of them",
-                PIXELS / 1_000_000
-            ),
-            Self::Empty => f.write_str("it holds no whole frame; copy or record it again"),
-            Self::TooMany => write!(f, "it has more than {MOST_FRAMES} frames; split it"),
-            Self::Frame(index) => write!(f, "frame {index} does not begin with FRAME; copy or record it again"),
-            Self::OddWidth(width) => write!(
-                f,
-                "its width {width} is odd, so it is not two views side by side; give such a video, or one for each camera"
-            ),
-            Self::EndsEarly(frames, said) if said.is_empty() => write!(f, "it ends behind {frames} frames"),
-            Self::EndsEarly(frames, said) => write!(f, "it ends behind {frames} frames ({})", printable(said)),
-            Self::NoFfmpeg(error) => write!(
-                f,
-                "ffmpeg, which is needed for it, cannot be started ({error}); install it (apt install ffmpeg, brew install ffmpeg), \
-                 or give Y4M"
-            ),
-            Self::Ffmpeg(said) if said.is_empty() => f.write_str("ffmpeg cannot read it; look at it with ffprobe"),
-            Self::Ffmpeg(said) => write!(f, "ffmpeg cannot read it ({}); look at it with ffprobe", printable(said)),
-            Self::Output(what) => {
-                write!(f, "ffmpeg does not write what it was asked for ({what}); install another one")
-            }
-            Self::Silent(seconds) => {
-                write!(f, "ffmpeg gave nothing for {seconds} s and was ended; see if it reads it alone")
-            }
-            Self::Interrupted => f.write_str("interrupted"),
-            Self::Camera(what) => f.write_str(&printable(what)),
-        }
-    }
+/// What ffmpeg said, if it said something.
+fn in_brackets(said: &str) -> String {
+    if said.is_empty() { String::new() } else { format!(" ({})", printable(said)) }
 }
-
-impl core::error::Error for VideoFault {}
 
 impl From<io::Error> for VideoFault {
     fn from(error: io::Error) -> Self {

@@ -2,8 +2,6 @@
 
 use super::super::board::BoardCorners;
 use super::super::initial::LEAST_POINTS;
-use crate::rig_file::side_name;
-use core::fmt;
 use linestereo_rig::{Calibration, CalibrationError, CameraError, CameraSide};
 
 /// Views without which nothing is estimated.
@@ -51,23 +49,14 @@ pub struct Parameter {
 }
 
 /// Why a view is not used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Dropped {
     /// It does not fit one camera alone, or both: its error in px.
+    #[error("error {0:.2} px, far above the others: blurred, or the board is bent?")]
     Error(f64),
     /// It says something else about the cameras' pose than the others: off by so many px.
+    #[error("off by {0:.0} px from what the others say of the cameras: not taken at the same time?")]
     Pose(f64),
-}
-
-impl fmt::Display for Dropped {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Error(rms) => write!(f, "error {rms:.2} px, far above the others: blurred, or the board is bent?"),
-            Self::Pose(off) => {
-                write!(f, "off by {off:.0} px from what the others say of the cameras: not taken at the same time?")
-            }
-        }
-    }
 }
 
 /// One pair of photos after the estimate.
@@ -120,61 +109,44 @@ pub struct Estimate {
 }
 
 /// Why there is no calibration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum EstimateError {
     /// Fewer than five views are left: found, used.
+    #[error(
+        "only {1} of {0} views are usable, {LEAST_VIEWS} are needed (15 are good); take more sharp \
+         photos with the whole board in both images"
+    )]
     TooFew(usize, usize),
     /// No camera explains what is seen.
+    #[error(
+        "no lens explains the corners of the {0} camera; is the board flat, the focus fixed, \
+         --lens right?"
+    )]
     NoFit(CameraSide),
     /// The best fit is no camera.
+    #[error("{0} camera: {1}; take photos with the board in all corners of the image")]
     Camera(CameraSide, CameraError),
     /// The best fit is no pair.
+    #[error("{}", text_of_pair(.0))]
     Pair(CalibrationError),
     /// The photos of one camera are mirrored.
+    #[error("the photos of the {0} camera are mirrored; turn mirroring off and take them again")]
     Mirrored(CameraSide),
     /// Too few views agree about the cameras' pose: those that agree, and all.
+    #[error(
+        "only {0} of {1} views agree about the pose between the cameras: the board is flipped \
+         between the cameras, photos do not belong together, or a camera moved; check the pairs"
+    )]
     NoRig(usize, usize),
     /// The photos do not fix the numbers.
+    #[error("the photos do not fix the cameras; tilt the board in different directions and take more")]
     Undetermined,
 }
 
-impl fmt::Display for EstimateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooFew(found, used) => write!(
-                f,
-                "only {used} of {found} views are usable, {LEAST_VIEWS} are needed (15 are good); \
-                 take more sharp photos with the whole board in both images"
-            ),
-            Self::NoFit(eye) => write!(
-                f,
-                "no lens explains the corners of the {} camera; is the board flat, the focus fixed, --lens right?",
-                side_name(*eye)
-            ),
-            Self::Camera(eye, error) => {
-                write!(f, "{} camera: {error}; take photos with the board in all corners of the image", side_name(*eye))
-            }
-            Self::Pair(CalibrationError::Swapped) => {
-                write!(f, "the cameras are swapped: the right one lies to the left; exchange the names of their photos")
-            }
-            Self::Pair(error) => write!(f, "{error}; check which photos belong together and how they are turned"),
-            Self::Mirrored(eye) => {
-                write!(
-                    f,
-                    "the photos of the {} camera are mirrored; turn mirroring off and take them again",
-                    side_name(*eye)
-                )
-            }
-            Self::NoRig(agree, of) => write!(
-                f,
-                "only {agree} of {of} views agree about the pose between the cameras: the board is flipped between the \
-                 cameras, photos do not belong together, or a camera moved; check the pairs"
-            ),
-            Self::Undetermined => {
-                write!(f, "the photos do not fix the cameras; tilt the board in different directions and take more")
-            }
-        }
+fn text_of_pair(error: &CalibrationError) -> String {
+    if *error == CalibrationError::Swapped {
+        "the cameras are swapped: the right one lies to the left; exchange the names of their photos".to_owned()
+    } else {
+        format!("{error}; check which photos belong together and how they are turned")
     }
 }
-
-impl core::error::Error for EstimateError {}
