@@ -1,10 +1,11 @@
 //! The dense methods: each against its definition, and all of them on drawn pairs.
 
 use linestereo::Dims;
-use linestereo_baselines::{DisparityMap, Method};
+use linestereo_baselines::{DisparityMap, Method, Search, StereoBm};
 use linestereo_frames::GrayImage;
-use linestereo_tests::drawn::{Random, painted};
-use linestereo_tests::reference::census;
+use linestereo_sim::scene::Kind;
+use linestereo_tests::drawn::{Random, painted, rendered};
+use linestereo_tests::reference::{at, census};
 
 /// Disparities of the small pairs.
 const COUNT: usize = 16;
@@ -131,6 +132,43 @@ fn semi_global_matching_is_what_its_head_says() {
             Some(refined(sums)).filter(|&(_, confidence)| is_agreed && confidence >= least_confidence)
         });
     }
+}
+
+/// The block matcher of OpenCV by its definition, without sliding anything.
+#[test]
+fn stereo_bm_is_what_its_head_says() {
+    let pair = rendered(Kind::Boxes, Dims { width: 96, height: 49 }, 2.0, 3);
+    let search = Search::up_to(pair.left.dims, COUNT as u16);
+    let value = |image: &GrayImage, x: i32, y: i32| {
+        if x == 0 || x == 95 || y == 48 {
+            return 0; // an odd last row is not filtered
+        }
+        // Above the first row lies the second.
+        let row = |dy: i32| if y + dy < 0 { 1 } else { y + dy };
+        let step = |dy: i32| at(image, x + 1, row(dy)) - at(image, x - 1, row(dy));
+        (step(-1) + 2 * step(0) + step(1)).clamp(-31, 31)
+    };
+    let around = |x: i32, y: i32| (-7..=7).flat_map(move |dy| (-7..=7).map(move |dx| (x + dx, y + dy)));
+    let map = StereoBm { texture_threshold: 1000, uniqueness_ratio: 20 }.run(&pair.left, &pair.right, search);
+    check(&map, 300, |x, y| {
+        let inside = (15 + 7..96 - 7).contains(&x) && (7..49 - 7).contains(&y);
+        if !inside || around(x, y).map(|(x, y)| value(&pair.left, x, y).abs()).sum::<i32>() < 1000 {
+            return None;
+        }
+        let cost = |d: i32| {
+            around(x, y).map(|(x, y)| (value(&pair.left, x, y) - value(&pair.right, x - d, y)).abs()).sum::<i32>()
+        };
+        let costs: Vec<i32> = (0..COUNT as i32).map(cost).collect();
+        let d = best(&costs);
+        let is_unique = |(other, &cost): (usize, &i32)| other.abs_diff(d) <= 1 || cost > costs[d] + costs[d] * 20 / 100;
+        let mut value = d as i32 * 256 + 15;
+        if (1..COUNT - 1).contains(&d) {
+            let [before, after] = [costs[d - 1], costs[d + 1]];
+            value += (before - after) * 256 / (2 * (before.max(after) - costs[d]));
+        }
+        let found = ((value >> 4) as f32 / 16.0, refined(&costs).1);
+        costs.iter().enumerate().all(is_unique).then_some(found)
+    });
 }
 
 #[test]

@@ -11,7 +11,7 @@ use linestereo_firmware::programs::kernels::{Kernels, MEMORY_FUNCTIONS};
 use linestereo_firmware::programs::pixels;
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
-use linestereo_sim::board::{self, BoardResult, Machine, qemu};
+use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
@@ -19,7 +19,10 @@ use linestereo_tests::board::{Twin, image, machine, on_every_board, or_skip};
 use linestereo_tests::drawn::rendered;
 use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
+use std::io::{Read, Write};
 use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+use std::sync::{Arc, Mutex};
 
 const LIMIT: Duration = Duration::from_secs(600);
 
@@ -144,6 +147,36 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
 }
 
 #[test]
+fn worst_cases_are_the_same_to_the_last_byte() {
+    for board in Board::MEASURED {
+        let Some(machine) = machine(board) else { return };
+        let mut twin = Twin::of(&board);
+        for worst_case in [false, true] {
+            let cases: Vec<Case> = Case::all(&board).filter(|case| case.worst_case == worst_case).collect();
+            let params = cases[0].params();
+            let painted: Vec<(GrayImage, GrayImage)> = cases.iter().map(paint).collect();
+            let pairs: Vec<_> = painted.iter().map(|(left, right)| (left, right)).collect();
+            let replayed = machine.run_pairs(&board::update(&params, None), &pairs).unwrap();
+            for ((case, found), (left, right)) in cases.iter().zip(&replayed.pairs).zip(&painted) {
+                let found = &found.as_ref().unwrap().result;
+                let expected = twin.run(&params, left, right).unwrap();
+                assert_eq!(found.matches, expected.matches, "{case}");
+                assert_eq!(found.points, expected.points, "{case}");
+                assert_eq!(found.counts, expected.counts, "{case}");
+            }
+        }
+    }
+}
+
+fn paint(case: &Case) -> (GrayImage, GrayImage) {
+    let pixels = usize::from(case.dims.width) * usize::from(case.dims.height);
+    let image = || GrayImage { dims: case.dims, pixels: vec![0; pixels] };
+    let (mut left, mut right) = (image(), image());
+    case.scene.paint(case.dims, &mut left.pixels, &mut right.pixels);
+    (left, right)
+}
+
+#[test]
 fn faults_end_in_exit_codes() {
     on_every_board(|board| {
         let Some(elf) = image(&board, "faults") else { return };
@@ -234,6 +267,100 @@ fn pixels_without_source_are_not_used_on_a_board() {
     for point in &found.points {
         let span = left_spans[usize::from(point.y)];
         assert!((span.start..span.end).contains(&point.x), "a point at {}, {}", point.x, point.y);
+    }
+}
+
+#[test]
+fn a_live_board_answers_on_its_port() {
+    let board = Board::MEASURED[1];
+    let Some(elf) = image(&board, "live") else { return };
+    let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
+    let child = qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut running = Running::new(child);
+    assert!(matches!(running.message(), Message::Hello(hello) if hello.board == board.name));
+    running.command(1, Request::Describe);
+    assert!(matches!(running.message(), Message::Hello(_)));
+    assert_eq!(running.answer(1), Outcome::Accepted);
+    let narrow = ParamUpdate { max_disparity: Some(4), ..ParamUpdate::default() };
+    running.command(2, Request::SetParams(narrow));
+    assert!(matches!(running.answer(2), Outcome::Refused(Refusal::OutOfRange { .. })));
+    running.stdin.write_all(b"garbage\xff\x03\x02\0").unwrap();
+    running.command(3, Request::Start);
+    assert_eq!(running.answer(3), Outcome::Accepted);
+    let mut twin = Twin::of(&board);
+    for (sequence, case) in (0..3).zip(Case::all(&board)) {
+        let (left, right) = paint(&case);
+        let mut expected = twin.run(&Params::default(), &left, &right).unwrap();
+        expected.counts.points = 0; // a live board sends segments alone
+        let Message::Frame(head) = running.message() else { panic!("a frame was expected") };
+        assert_eq!((head.sequence, head.counts), (sequence, expected.counts));
+        let mut matches = Vec::new();
+        while matches.len() < usize::from(head.segments) {
+            let Message::Segments(segments) = running.message() else { panic!("segments were expected") };
+            matches.extend(segments.list);
+        }
+        assert_eq!(matches, expected.matches);
+    }
+    running.command(4, Request::Stop);
+    assert_eq!(running.answer(4), Outcome::Accepted);
+}
+
+/// A program in QEMU whose UART is QEMU's stdin and stdout. It is ended with the test, or when the test waits too long.
+struct Running {
+    child: Arc<Mutex<Child>>,
+    stdin: ChildStdin,
+    stdout: ChildStdout,
+    decoder: Decoder<Message, MAX_PACKET>,
+}
+
+impl Running {
+    fn new(mut child: Child) -> Self {
+        let (stdin, stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+        let child = Arc::new(Mutex::new(child));
+        let late = Arc::downgrade(&child);
+        std::thread::spawn(move || {
+            std::thread::sleep(LIMIT);
+            if let Some(child) = late.upgrade() {
+                let _ = child.lock().unwrap().kill(); // the test then meets the end of its output
+            }
+        });
+        Self { child, stdin, stdout, decoder: Decoder::new() }
+    }
+
+    fn command(&mut self, id: u16, request: Request) {
+        let mut bytes = Vec::new();
+        push(&mut bytes, &Command { id, request }).unwrap();
+        self.stdin.write_all(&bytes).unwrap();
+        self.stdin.flush().unwrap();
+    }
+
+    fn message(&mut self) -> Message {
+        loop {
+            let mut byte = [0];
+            self.stdout.read_exact(&mut byte).unwrap();
+            if let Some(message) = self.decoder.push(byte[0]) {
+                return message.unwrap();
+            }
+        }
+    }
+
+    /// The next answer; frames that were on the way are skipped.
+    fn answer(&mut self, id: u16) -> Outcome {
+        loop {
+            if let Message::Answer(answer) = self.message() {
+                assert_eq!(answer.command, id);
+                return answer.outcome;
+            }
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Ok(mut child) = self.child.lock() {
+            let _ = child.kill(); // it has no end of its own
+            let _ = child.wait();
+        }
     }
 }
 

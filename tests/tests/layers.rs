@@ -173,6 +173,37 @@ fn modules_form_no_circle() {
     }
 }
 
+#[test]
+fn a_circle_is_found() {
+    let of = |pairs: &[(&str, &str)]| {
+        let mut graph = Graph::new();
+        for (module, named) in pairs {
+            graph.entry((*module).to_owned()).or_default().insert((*named).to_owned());
+        }
+        circles(graph).len()
+    };
+    assert_eq!(of(&[("a", "b"), ("b", "c"), ("c", "a"), ("d", "a"), ("e", "f")]), 4);
+    assert_eq!(of(&[("a", "b"), ("b", "c"), ("d", "a")]), 0);
+}
+
+#[test]
+fn uses_are_followed_to_where_they_lead() {
+    let sources = [
+        ("", "pub mod a;\npub mod b;\npub use a::{one::One, two::Two};\n"),
+        ("a", "mod one;\nmod two;\npub use one::One;\n"),
+        ("a::one", "use super::two::{self, Two};\nuse std::fmt;\n#[cfg(test)]\nmod tests { use crate::b::C; }\n"),
+        ("a::two", "pub struct Two; // crate::b\nfn one(_: super::One) {}\n"),
+        ("b", "use crate::{\n    Two,\n    a::{self as first, One as Eins},\n};\n"),
+    ];
+    let place = |path: &str| path.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect::<Place>();
+    let modules: Modules = sources.iter().map(|(path, text)| (place(path), code(text))).collect();
+    let graphs = graphs(&modules);
+    let named = |folder: &str, module: &str| graphs[&place(folder)][module].iter().cloned().collect::<Vec<_>>();
+    assert_eq!((named("", "a"), named("", "b")), (vec![], vec!["a".to_owned()]));
+    assert_eq!((named("a", "one"), named("a", "two")), (vec!["two".to_owned()], vec!["one".to_owned()]));
+    assert_eq!(circles(graphs[&place("a")].clone()).len(), 2);
+}
+
 /// Checkouts on Windows have no links: their text is taken for the file.
 #[test]
 fn no_file_is_a_link_and_licences_are_copies() {

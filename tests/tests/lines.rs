@@ -173,3 +173,11 @@ fn a_full_list_keeps_the_longest_and_counts_the_others() {
     of_kept.sort();
     assert_eq!(of_kept, longest[longest.len() - 16..]);
 }
+
+#[test]
+fn the_smallest_image_is_no_problem() {
+    let dims = Dims { width: 16, height: 16 };
+    let pixels: Vec<u8> = (0..256).map(|i| if i % 16 < 8 { 20 } else { 200 }).collect();
+    let (found, _) = segments::<8>(Gray::new(&pixels, dims, 16).unwrap(), 0);
+    assert_eq!(found.len(), 1, "{found:?}");
+}

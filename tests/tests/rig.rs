@@ -70,6 +70,14 @@ fn nothing_in_front_of_infinity_is_infinite() {
 }
 
 #[test]
+fn depth_never_grows_with_disparity() {
+    for (rig, focal, baseline, offset) in rigs() {
+        let depths: Vec<Depth> = disparities().map(|disparity| rig.depth(disparity)).collect();
+        assert!(depths.is_sorted_by(|far, near| far >= near), "{focal} {baseline} {offset}");
+    }
+}
+
+#[test]
 fn sigma_follows_the_slope_of_depth() {
     for (rig, focal, baseline, offset) in rigs() {
         for sigma in [0.0, 1.0 / 64.0, 0.25, 1.0, 7.5, 500.0] {
@@ -120,6 +128,27 @@ fn margins_become_the_interval_of_equation_13() {
                     assert!(error <= bound * (1.0 + 1e-9), "{}, not {low} to {high}", case());
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn margins_that_reach_the_camera_are_open() {
+    let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
+    let at_4_m = Disparity::from_num(10);
+    for nearer in [4, 5, 32_000] {
+        let (low, high) = rig.disparity_interval(at_4_m, Depth::from_num(nearer), Depth::ONE);
+        assert_eq!((low, high), (Disparity::from_num(8), Disparity::MAX));
+    }
+}
+
+#[test]
+fn a_disparity_lies_in_its_own_interval() {
+    let (nearer, farther) = (Depth::from_num(0.05), Depth::from_num(0.05));
+    for (rig, focal, baseline, offset) in rigs().take(4) {
+        for disparity in disparities().filter(|&disparity| rig.depth(disparity) != INFINITE_DEPTH) {
+            let (low, high) = rig.disparity_interval(disparity, nearer, farther);
+            assert!(low <= disparity && disparity <= high, "{focal} {baseline} {offset}: {disparity}");
         }
     }
 }

@@ -78,17 +78,40 @@ fn assert_equal(name: &str, found: &Value, expected: &str) {
     assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
 }
 
+/// Median time of the core, ms.
+fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
+    let mut matcher = Params::default().matcher(left.dims).unwrap();
+    let capacity = Capacity { dims: left.dims, segments: 4096, cell: Params::DEFAULT.cell };
+    let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+    let mut scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let [left, right] = [left.view().unwrap(), right.view().unwrap()];
+    let mut times: Vec<f64> = (0..runs)
+        .map(|_| {
+            let started = std::time::Instant::now();
+            matcher.run(Pair { left, right, times_us: None }, None, scratch.reborrow(), &mut ()).unwrap();
+            1e3 * started.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[runs / 2]
+}
+
 #[test]
 fn the_modules_in_node_give_the_bytes_of_the_program() {
     let Some(page) = page() else { return };
-    let (pairs, folder) = (pairs(), tempfile::tempdir().unwrap());
+    let (pairs, folder, runs) = (pairs(), tempfile::tempdir().unwrap(), 60);
     let tasks = files(folder.path(), &pairs)
         .into_iter()
-        .map(|files| json!({"files": files, "width": 0, "out": folder.path().join("out"), "rig": rig()}));
+        .map(|files| json!({"files": files, "width": 0, "out": folder.path().join("out"), "rig": rig(), "runs": runs}));
     let found = in_node(page, tasks.collect());
+    let mut ratios = Vec::new();
     for ((name, images), found) in pairs.iter().zip(&found) {
         assert_equal(name, found, &expected(images));
+        ratios.push(found["milliseconds"].as_f64().unwrap() / native_milliseconds(images, runs));
     }
+    ratios.sort_by(f64::total_cmp);
+    // Times of a test's machine prove nothing to others: the figure is for who looks at it.
+    println!("{} pairs, time over native: median {:.2}, {ratios:.2?}", pairs.len(), ratios[ratios.len() / 2]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, width, out, rig }] }. Writes the grey images to out-left and
-// out-right; with a rig prints a result for each task, as text. A task that is refused prints why.
+// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, width, out, rig, runs }] }. Writes the grey images to out-left and
+// out-right; with a rig prints a result for each task, as text, and the median time of its runs in ms. A task that is refused prints why.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { middle, text } from "./text.mjs";
@@ -8,7 +8,7 @@ const { page, matcher, images, tasks } = JSON.parse(readFileSync(0, "utf8"));
 const { Images, Matcher, Refused, csv } = await import(pathToFileURL(`${page}/linestereo.js`));
 const [matching, reading] = await Promise.all([matcher, images].map(path => WebAssembly.compile(readFileSync(path))));
 const done = [];
-for (const { files, width, out, rig } of tasks) {
+for (const { files, width, out, rig, runs } of tasks) {
   try {
     const reader = await Images.make(reading);
     files.forEach(file => reader.addFile(readFileSync(file)));
@@ -20,7 +20,8 @@ for (const { files, width, out, rig } of tasks) {
     }
     const made = await Matcher.make(matching, { width: pair.width, height: pair.height, max_disparity: 64, rig });
     const result = made.run(pair.left, pair.right), found = text(csv(result), result, made.box(middle(pair.width, pair.height)));
-    done.push({ text: found });
+    const times = Array.from({ length: runs }, () => made.run(pair.left, pair.right).milliseconds).sort((a, b) => a - b);
+    done.push({ text: found, milliseconds: times[Math.floor(times.length / 2)] });
   } catch (error) {
     if (!(error instanceof Refused)) throw error;
     done.push({ refused: error.message });
