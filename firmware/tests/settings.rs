@@ -192,8 +192,7 @@ fn what_is_refused_is_named_and_changes_nothing() {
 
 /// A rig of this rectified size for these disparities.
 fn image(dims: Dims, max_disparity: u16) -> RigImage {
-    let centre = [dims.width, dims.height].map(|side| f64::from(side) / 2.0 - 0.5);
-    let camera = || Camera::new(dims, [100.0; 2], centre, 0.0, Lens::NONE).unwrap();
+    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
     let pair = Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
     RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap()
 }

@@ -1,8 +1,8 @@
 //! The detector on drawn images: single edges of every direction, and images made to hurt it.
 
-use linestereo::Gray;
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
 use linestereo::scratch::mark_words;
+use linestereo::{Dims, Gray};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
