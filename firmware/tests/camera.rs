@@ -297,6 +297,17 @@ fn another_chip_is_not_written_to() {
     of_each_model!(check);
 }
 
+#[test]
+fn nobody_answers() {
+    let nobody = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+    let said = [Transaction::write_read(0x48, vec![0], vec![0, 0]).with_error(nobody)];
+    let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), 0x48, NoReset);
+    let error = chip.start(&mt9v034().config, &mut NoopDelay).unwrap_err();
+    assert_eq!(error, CameraError { cause: Cause::Missing, left: Condition::Unknown });
+    assert_eq!(error.to_string(), "no camera answers: check power, clock and wires (the camera is as it was)");
+    done(chip);
+}
+
 fn edges(states: &[State]) -> Vec<Edge> {
     states.iter().cloned().map(Edge::set).collect()
 }
@@ -465,6 +476,13 @@ fn the_left_camera_chooses_for_both() {
 
     left.set(AEC_EXPOSURE_OUTPUT, 0); // nobody can fix that
     assert_eq!(pair.follow(&mut NoopDelay).unwrap(), followed);
+    left.set(AEC_EXPOSURE_OUTPUT, 333);
+    let frozen = pair.freeze(&mut NoopDelay).unwrap();
+    assert_eq!(frozen, Some(Exposure { rows: 333, gain_code: 33 }));
+    assert_eq!([of(&left), of(&right)], [[333, 33]; 2]);
+    assert_eq!(left.get(AEC_AGC_ENABLE), 0);
+    left.set(AEC_EXPOSURE_OUTPUT, 444);
+    assert_eq!([pair.follow(&mut NoopDelay), pair.freeze(&mut NoopDelay)], [Ok(frozen); 2]);
     pair.stop(&mut NoopDelay).unwrap();
     assert_eq!(pair.conditions(), [Condition::Standby; 2]);
 }
@@ -513,6 +531,7 @@ fn one_of_two_cameras_is_missing() {
 #[test]
 fn a_camera_that_fails_later_stops_the_other_one() {
     const CHIP_CONTROL: u16 = 0x07;
+    // The right one does not take the left one's choice.
     let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
     left.set(AEC_EXPOSURE_OUTPUT, 100);
     left.set(AGC_GAIN_OUTPUT, 16);
@@ -523,7 +542,18 @@ fn a_camera_that_fails_later_stops_the_other_one() {
     let not_kept = Cause::NotKept { register: COARSE_SHUTTER_WIDTH_TOTAL, written: 101, read: 7 };
     assert_eq!((error.eye, error.error.cause), (CameraSide::Right, not_kept));
     assert_eq!(pair.conditions(), [Condition::Standby; 2]);
+    assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
     assert!(pair.follow(&mut NoopDelay).is_err_and(|error| error.error.cause == Cause::NotRunning));
+
+    // The left one does not keep its own.
+    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
+    left.set(AEC_EXPOSURE_OUTPUT, 100);
+    left.set(AGC_GAIN_OUTPUT, 16);
+    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    left.0.borrow_mut().stuck.insert(ANALOG_GAIN, 18);
+    let error = pair.freeze(&mut NoopDelay).unwrap_err();
+    assert_eq!((error.eye, error.error.left, error.other), (CameraSide::Left, Condition::Standby, Condition::Standby));
+    assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
     // Neither can be stopped, and both are tried.
     for camera in [&left, &right] {
         camera.0.borrow_mut().stuck.insert(CHIP_CONTROL, 0x188);
@@ -627,6 +657,21 @@ fn an_hm01b0_in_the_middle_of_a_frame_is_started_again() {
 }
 
 #[test]
+fn nothing_that_a_sensor_sees_is_in_its_test_pattern() {
+    // After whatever else is written: automatic exposure, black level, defect pixels, gains; and walking ones.
+    const REGISTERS: [u16; 7] = [0x2100, 0x1000, 0x1008, 0x0205, 0x020e, 0x020f, 0x0601];
+    let fixed = PairExposure::Fixed(hm01b0().other);
+    for exposure in [PairExposure::LeftChooses, fixed] {
+        let (mut pair, fakes) = both::<Hm01b0>(0x24);
+        let config = Config { test_pattern: true, ..hm01b0().config };
+        pair.start(&config, exposure, &mut NoopDelay).unwrap();
+        for fake in &fakes {
+            assert_eq!(REGISTERS.map(|register| fake.get(register)), [0, 0, 0, 0, 0x01, 0x00, 0x11], "{exposure:?}");
+        }
+    }
+}
+
+#[test]
 fn reserved_bits_of_an_hm01b0_may_read_as_they_like() {
     // Without a public name, and those beside the bits that have a meaning.
     let unnamed =
@@ -641,8 +686,25 @@ fn reserved_bits_of_an_hm01b0_may_read_as_they_like() {
 }
 
 #[test]
+fn what_went_wrong_is_said_in_words() {
+    let say = |cause| CameraError::<ErrorKind> { cause, left: Condition::InReset }.to_string();
+    assert_eq!(
+        say(Cause::Identity { register: 0, found: 0x1313 }),
+        "another chip answers: register 0x0000 holds 0x1313 (the camera is held in reset)"
+    );
+    assert_eq!(say(Cause::Pin), "the reset pin cannot be set (the camera is held in reset)");
+    assert!(
+        say(Cause::Bus { register: 7, error: ErrorKind::Overrun })
+            .starts_with("the bus failed at register 0x0007: Overrun")
+    );
+    assert!(say(Cause::NotRunning).starts_with("the camera does not run: start it first"));
+    assert!(say(Cause::Unsupported(Unsupported::Trigger)).starts_with("the sensor has no trigger"));
+    assert_eq!(Condition::Running.to_string(), "running");
+}
+
+#[test]
 fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
-    /// Starts a pair, or lets it follow, with a failure after so many transactions of a camera; `None` when there are fewer.
+    /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a camera; `None` when there are fewer.
     fn fail<M: Model>(
         case: &Case,
         eye: CameraSide,
@@ -663,7 +725,11 @@ fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
     }
     type Ask = fn(&mut Both<Mt9v034>) -> bool;
     let start: Ask = |pair| pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).is_ok();
-    let asks: [(Ask, [usize; 2]); 2] = [(start, [30, 30]), (|pair| pair.follow(&mut NoopDelay).is_ok(), [3, 8])];
+    let asks: [(Ask, [usize; 2]); 3] = [
+        (start, [30, 30]),
+        (|pair| pair.follow(&mut NoopDelay).is_ok(), [3, 8]),
+        (|pair| pair.freeze(&mut NoopDelay).is_ok(), [11, 8]),
+    ];
     for (ask, least) in asks {
         for (eye, least) in CameraSide::BOTH.into_iter().zip(least) {
             let ends = (0..).map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask)).collect::<Vec<_>>();

@@ -5,7 +5,8 @@
 
 use crate::support::{random::Random, rectification};
 use core::cell::RefCell;
-use linestereo::Dims;
+use linestereo::Matcher;
+use linestereo::{Dims, HealthFlags};
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
@@ -539,6 +540,19 @@ fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
 }
 
 #[test]
+fn both_cameras_stop_and_come_back() {
+    let what = |_, frame| match frame {
+        5 => Injected::Stops(4),
+        6..10 => Injected::Silent,
+        _ => Injected::Nothing,
+    };
+    let (delivered, losses) = play(20, 0, what, 0);
+    assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
+    assert_eq!(CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
+}
+
+#[test]
 fn a_frame_without_a_partner_is_counted() {
     // The right camera starts three frames late; the left one's are whole and of no use.
     let what = |eye, frame| if eye == CameraSide::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
@@ -580,6 +594,37 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
 }
 
 #[test]
+fn no_pair_for_long_is_a_pair_that_is_missing() {
+    let hardware = hardware(0);
+    let mut source = source(&hardware, FrameStart::Triggered, 5000);
+    assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
+    assert_eq!(
+        CameraSide::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
+        [1, 1]
+    );
+    assert!((5000..5010).contains(&hardware.borrow().now_us));
+}
+
+#[test]
+fn cameras_that_nobody_asked_have_not_stopped() {
+    let hardware = hardware(0);
+    let mut source = source(&hardware, FrameStart::Triggered, PERIOD_US);
+    let mut memory = Box::new(Workspace::new());
+    // Two frames, far more than the longest silence apart, each just after it was asked for.
+    for frame in [2, 40] {
+        let start_us = u64::from(frame) * PERIOD_US;
+        for camera in &mut hardware.borrow_mut().cameras {
+            let eye = camera.eye;
+            camera.steps.extend(script(eye, frame, Injected::Nothing, None));
+        }
+        let now_us = hardware.borrow().now_us;
+        pass(&hardware, start_us - 5 - now_us);
+        assert!(source.next_pair(&mut *memory, None).is_some(), "frame {frame}");
+    }
+    assert_eq!(source.capture.losses().faults, [[0; 7]; 2]);
+}
+
+#[test]
 fn a_frame_that_was_begun_for_another_call_is_left() {
     let hardware = hardware(0);
     for camera in &mut hardware.borrow_mut().cameras {
@@ -594,6 +639,27 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
         pair.map(|pair| (frame_of(&frames(&mut *memory)).unwrap(), pair.times_us.unwrap()[0]))
     };
     assert_eq!([next(), next(), next()], [None, Some((3, 3 * PERIOD_US)), Some((4, 4 * PERIOD_US))]);
+}
+
+#[test]
+fn the_skew_of_a_pair_reaches_the_health_check() {
+    // Of a size that the core takes; only the times matter.
+    let dims = Dims { width: 128, height: 96 };
+    let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
+    for (later_us, middle_us, is_refused) in [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)] {
+        let hardware = running(3, later_us, 0);
+        let mut source = source(&hardware, FrameStart::Triggered, 1000);
+        source.capture.set_middle_us(middle_us);
+        let mut memory = Box::new(Workspace::new());
+        let pair = source.next_pair(&mut *memory, None).unwrap();
+        let matched = memory.run(&mut Matcher::new(plan), None, pair.times_us, &mut ()).unwrap();
+        let health = *matched.health();
+        // Times do not begin before 0.
+        let skew_us = (20 + middle_us[1]).abs_diff(0);
+        assert_eq!(health.skew_us, Some(skew_us), "{middle_us:?}");
+        assert_eq!(health.is_refused(), is_refused);
+        assert_eq!(health.flags.contains(HealthFlags::SKEW), is_refused);
+    }
 }
 
 #[test]
@@ -688,4 +754,11 @@ fn grey_levels_of_two_bytes_a_pixel() {
     assert_eq!(grey, [10, 20, 30, 40]);
     luma(&[1, 2, 3, 4], 1, &mut grey);
     assert_eq!(grey, [1, 2, 3, 4]);
+}
+
+#[test]
+fn faults_say_what_to_look_at() {
+    let words = Fault::ALL.map(|fault| fault.to_string());
+    assert!(words.iter().all(|text| text.contains(": ")), "{words:?}");
+    assert_eq!(Fault::Stopped.to_string(), "the camera has stopped: start it again");
 }

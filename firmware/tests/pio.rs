@@ -6,7 +6,7 @@
 use crate::support::random::Random;
 use core::cell::RefCell;
 use linestereo::Dims;
-use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire};
+use linestereo_firmware::boards::rp235x::program::{FRAMES, Program, ROWS, Wire, nibbles};
 use linestereo_firmware::boards::rp235x::rows::{
     BORDER, DIMS, FRAME_ROWS, RING_ROWS, ROW_BYTES, RowCounter, SLOT_WORDS, Seen,
 };
@@ -406,6 +406,23 @@ fn the_words_are_those_of_the_assembler() {
 }
 
 #[test]
+fn a_row_is_its_pixels_and_its_length() {
+    let mut camera = Camera::new(0, 1);
+    let frame = Frame::good(3, 1);
+    let mut words = vec![];
+    for n in 0..ROW_NIBBLES {
+        let wires = frame.wires(0, n);
+        for cycle in 0..PERIOD {
+            camera.rows.step(wires | if cycle < PERIOD / 2 { CLOCK } else { 0 });
+            words.extend(camera.rows.queue.pop_front());
+        }
+    }
+    let bytes: Vec<u8> = words[..SLOT_WORDS - 1].iter().flat_map(|word| word.to_le_bytes()).collect();
+    assert_eq!(bytes, (0..ROW_BYTES as u32).map(|x| frame.pixel(x, 0)).collect::<Vec<_>>());
+    assert_eq!((words.len(), nibbles(words[SLOT_WORDS - 1])), (SLOT_WORDS, 2 * ROW_BYTES as u32));
+}
+
+#[test]
 fn frames_come_byte_for_byte_and_the_ring_wraps() {
     let mut bench = Bench::new(FRAME_ROWS as u16);
     for seed in 0..3 {
@@ -478,6 +495,15 @@ fn a_frame_without_an_end_is_seen() {
     let reports = bench.send([Frame::good(4, ROWS_SENT), Frame::good(5, ROWS_SENT)]);
     assert_eq!(reports, [Report::Fault(CameraSide::Left, Fault::MissingVsync)]);
     bench.expect_pair(7, ROWS_SENT);
+}
+
+#[test]
+fn an_interrupt_that_comes_late_loses_nothing_up_to_a_row() {
+    let mut bench = Bench::new(ROWS_SENT as u16);
+    for latency in [0, 10, 200, 2000, 15_000] {
+        bench.cameras.iter().for_each(|camera| camera.borrow_mut().latency = latency);
+        bench.expect_pair(latency, ROWS_SENT);
+    }
 }
 
 #[test]

@@ -12,7 +12,9 @@ use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSo
 use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::session::Session;
-use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, RigImage, View};
+use linestereo_firmware::settings::KeptSettings;
+use linestereo_firmware::slot_store::{Keeper as Kept, Loaded, Slot, SlotError, StoreError};
+use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, RigImage, RigImageError, View};
 use linestereo_wire::*;
 use std::collections::BTreeSet;
 
@@ -125,10 +127,40 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     }
     assert!(outputs.iter().all(|output| *output == outputs[0]));
 
-    let answers = outputs.swap_remove(0).into_iter().filter_map(|message| match message {
-        Message::Answer(answer) => Some((answer.command, answer.outcome)),
-        _ => None,
-    });
+    let mut memory = Box::new(Workspace::new());
+    let [left, right] = memory.frames();
+    Scene::Blocks.paint(DIMS, left, right);
+    let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
+    let (mut matches, mut points, mut heads, mut answers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for message in outputs.swap_remove(0) {
+        match message {
+            Message::Hello(hello) => assert_eq!((hello.largest_width, hello.largest_height), (160, 120)),
+            Message::Frame(head) => heads.push(head),
+            Message::Segments(list) if list.sequence == 0 => {
+                assert_eq!(usize::from(list.first), matches.len());
+                matches.extend(list.list);
+            }
+            Message::Points(list) if list.sequence == 0 => {
+                assert_eq!(list.first as usize, points.len());
+                points.extend(list.list);
+            }
+            Message::Segments(_) | Message::Points(_) => {}
+            Message::Objects(list) => panic!("nobody asked for {list:?}"),
+            Message::Capture(lost) => panic!("a file loses nothing: {lost}"),
+            Message::Photo(_) | Message::Pixels(_) => panic!("nobody asked for a photo"),
+            Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
+            Message::Machine(_) | Message::Case(_) => panic!("of another program: {message:?}"),
+            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) => {
+                panic!("nobody asked for settings or the time")
+            }
+        }
+    }
+    let mut listed = Vec::new();
+    let mut matched = memory.run(&mut linestereo::Matcher::new(plan), None, None, &mut ()).unwrap();
+    matched.points(|point| listed.push(point));
+    assert!(points == listed && !listed.is_empty(), "{} points instead of {}", points.len(), listed.len());
+    assert_eq!(matches, matched.segments());
+    assert_eq!(heads.iter().map(|head| head.capture_time_us).collect::<Vec<_>>(), [2000, 4000]);
     let name: Name = "width".try_into().unwrap();
     let too_wide = Refusal::OutOfRange { name, value: 161, low: 16, high: 160 };
     let expected = [
@@ -138,7 +170,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
         (4, Outcome::Accepted),
         (5, Outcome::Accepted),
     ];
-    assert_eq!(answers.collect::<Vec<_>>(), expected);
+    assert_eq!(answers, expected);
 }
 
 const RAW: Dims = Dims { width: 200, height: 150 };
@@ -266,6 +298,82 @@ fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
     assert_eq!(texts[7..], ["accepted", "accepted"]);
     let hello = frames.iter().find_map(|message| if let Message::Hello(hello) = message { Some(hello) } else { None });
     assert_eq!(hello.unwrap().rig.to_string(), "rig: 200x150 rectified to 128x96; no flash to keep one");
+}
+
+/// Slots without a flash under them.
+#[derive(Debug)]
+struct Keeper {
+    loaded: Loaded<RigImage>,
+    keeps: bool,
+}
+
+impl Kept for Keeper {
+    fn load_settings(&mut self) -> Loaded<KeptSettings> {
+        Loaded { newest: None, slots: [Err(SlotError::Image(RigImageError::Empty)); 2] }
+    }
+
+    fn store_settings(&mut self, _: &KeptSettings) -> Result<Slot, StoreError> {
+        Err(StoreError::NotKept)
+    }
+
+    fn load_rig(&mut self) -> Loaded<RigImage> {
+        self.loaded
+    }
+
+    fn store_rig(&mut self, image: &RigImage) -> Result<Slot, StoreError> {
+        if !self.keeps {
+            return Err(StoreError::NotKept);
+        }
+        let slot = self.loaded.newest.map_or(Slot::First, |(slot, _)| slot.other());
+        self.loaded.newest = Some((slot, *image));
+        self.loaded.slots[slot as usize] = Ok(7);
+        Ok(slot)
+    }
+}
+
+#[test]
+fn a_rig_is_kept_where_there_is_flash() {
+    let mut memory = Box::new(Workspace::new());
+    let empty = Err(SlotError::Image(RigImageError::Empty));
+    let damaged = Err(SlotError::Image(RigImageError::Damaged));
+    let mut keeper = Keeper { loaded: Loaded { newest: None, slots: [empty, damaged] }, keeps: true };
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, damaged");
+    let mut input = Vec::new();
+    push_rig(&mut input, 1, &rig(DIMS).encode(0));
+    let (answers, _) = replayed(&mut session, &mut memory, input.clone());
+    assert_eq!(answers, [(1, Outcome::Accepted)]);
+    let expected = "rig: 200x150 rectified to 128x96; slots: image 7 (in use), damaged";
+    assert_eq!(session.hello().rig.to_string(), expected);
+
+    // After a reset.
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), expected);
+    let mut raw = Vec::new();
+    push_raw(&mut raw, 1, RAW, Scene::Blocks);
+    let (answers, frames) = replayed(&mut session, &mut memory, raw.clone());
+    assert_eq!(answers, [(1, Outcome::Accepted)]);
+    assert!(frames.len() > 1);
+
+    // Flash that does not keep: nothing changes.
+    keeper.keeps = false;
+    let mut memory = Box::new(Workspace::new());
+    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    let mut other = Vec::new();
+    push_rig(&mut other, 1, &rig(Dims { width: 100, height: 80 }).encode(0));
+    push_raw(&mut other, 2, RAW, Scene::Blocks);
+    let (answers, again) = replayed(&mut session, &mut memory, other);
+    assert_eq!(answers, [(1, Outcome::Refused(Refusal::NotKept)), (2, Outcome::Accepted)]);
+    assert_eq!(again, frames);
+    assert_eq!(session.hello().rig.to_string(), expected);
+
+    // A rig that another firmware left and this board cannot hold.
+    let large = rig(Dims { width: 320, height: 240 });
+    let mut keeper =
+        Keeper { loaded: Loaded { newest: Some((Slot::Second, large)), slots: [empty, Ok(3)] }, keeps: true };
+    let session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, too large for this board");
 }
 
 /// A camera with a loose cable: no pair, a pair of a wrong size, one with a late right image, then painted ones.

@@ -9,7 +9,7 @@ use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink as _, CapturedPair, PairSource};
 use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::{Reply, Session};
-use linestereo_firmware::settings;
+use linestereo_firmware::settings::{self, KeptSettings};
 use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
 use linestereo_firmware::vehicle::Vehicle;
 use linestereo_mavlink::{Fields, Mavlink, Policy, Sender};
@@ -190,23 +190,14 @@ fn what_is_refused_is_named_and_changes_nothing() {
     assert_eq!(report(&session), before);
 }
 
-/// A rig of this rectified size for these disparities.
-fn image(dims: Dims, max_disparity: u16) -> RigImage {
+/// A rig for these disparities.
+fn rig(max_disparity: u16) -> Request {
+    let dims = Dims { width: 128, height: 96 };
     let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
     let pair = Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
-    RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap()
-}
-
-fn rig(max_disparity: u16) -> Request {
-    Request::SetRig(image(Dims { width: 128, height: 96 }, max_disparity).encode(0).into_iter().collect())
-}
-
-#[test]
-fn a_kept_rig_that_this_board_cannot_hold_is_named() {
-    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
-    store.store_rig(&image(Dims { width: 320, height: 240 }, 40)).unwrap();
-    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
-    assert_eq!(session.hello().rig.to_string(), "rig: none; slots: too large for this board, empty");
+    Request::SetRig(
+        RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap().encode(0).into_iter().collect(),
+    )
 }
 
 #[test]
@@ -225,6 +216,17 @@ fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
     assert_eq!(of(&session), (32.0, 16.0), "as before the reset");
     assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
     assert_eq!(of(&session), (32.0, 20.0), "the rig's");
+}
+
+#[test]
+fn kept_settings_that_this_program_does_not_take_are_named() {
+    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let mut values = [None; SETTINGS];
+    (values[5], values[10]) = (Some(16.0), Some(0.0));
+    store.store_settings(&KeptSettings { rig: None, values, regions: Regions::default() }).unwrap();
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    assert_eq!(session.kept().slots, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]);
+    assert_eq!(session.values(), settings::built());
 }
 
 /// PARAM_REQUEST_LIST, PARAM_REQUEST_READ and PARAM_SET of a ground station.
@@ -342,6 +344,87 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(session.values()[1..], sets[1..]);
     assert!(host.room().free > 0);
+}
+
+#[test]
+fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
+    let port = Port::with_look(1000);
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut turn = |requests: &[Request]| {
+        requests.iter().for_each(|request| port.send(9, request.clone()));
+        live.turn(&mut *memory, &mut camera);
+        port.received()
+    };
+    turn(&[Request::Start]);
+    let time = |messages: &[Message]| {
+        messages.iter().find_map(|message| match message {
+            Message::Frame(head) => Some((head.capture_time_us, head.clock)),
+            _ => None,
+        })
+    };
+    let (own_us, clock) = time(&turn(&[])).unwrap();
+    assert_eq!(clock, TimeSource::Board);
+    let asked = turn(&[Request::ReadClock]);
+    let said =
+        asked.iter().find_map(|message| if let Message::Clock(board_us) = message { Some(*board_us) } else { None });
+    let board_us = said.unwrap();
+    assert!(board_us > own_us && board_us < own_us + 20_000, "{board_us} after {own_us}");
+
+    let ahead = 1_700_000_000_000_000;
+    let (host_us, clock) = time(&turn(&[Request::SetClock(ahead)])).unwrap();
+    assert_eq!(clock, TimeSource::Host);
+    assert!((ahead + board_us..ahead + board_us + 20_000).contains(&host_us), "{host_us}");
+    port.pass(10_000_000); // the host has gone
+    let (own_us, clock) = time(&turn(&[])).unwrap();
+    assert_eq!(clock, TimeSource::Board);
+    assert!((10_000_000..10_100_000).contains(&own_us), "{own_us}");
+}
+
+#[test]
+fn times_are_in_the_autopilots_clock_by_its_answers() {
+    let (port, autopilot) = (Port::with_look(5000), Port::default());
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone()).with_autopilot(autopilot.clone());
+    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    port.send(2, Request::Start);
+    let (mut asked, mut clocks) = (0, Vec::new());
+    for _ in 0..400 {
+        live.turn(&mut *memory, &mut camera);
+        let bytes = autopilot.bytes();
+        // TIMESYNC with tc1 0: the autopilot is 5 s ahead.
+        if let Some(at) = bytes.windows(10).position(|head| head[0] == 0xfd && head[7..] == [111, 0, 0]) {
+            let mut payload = bytes[at + 10..][..usize::from(bytes[at + 1])].to_vec();
+            payload.resize(16, 0);
+            assert_eq!(payload[..8], [0; 8], "a question");
+            let ts1 = i64::from_le_bytes(payload[8..].try_into().unwrap());
+            let answer = [(ts1 + 5_000_000_000).to_le_bytes(), ts1.to_le_bytes()].concat();
+            let mut sender = Sender { system: 1, component: 1, sequence: 0 };
+            let Ok(()) = sender.send(&Raw::<111, 34>(answer), &mut |frame: &[u8]| {
+                autopilot.give(frame);
+                Ok::<(), core::convert::Infallible>(())
+            });
+            asked += 1;
+        }
+        clocks.extend(port.received().iter().find_map(|message| match message {
+            Message::Frame(head) => Some((head.clock, head.capture_time_us)),
+            _ => None,
+        }));
+    }
+    assert_eq!(clocks[0].0, TimeSource::Board);
+    let (last, time_us) = *clocks.last().unwrap();
+    assert_eq!(last, TimeSource::Autopilot);
+    // Half of the round trip, a turn or two.
+    let first_us = clocks.iter().find(|(clock, _)| *clock == TimeSource::Autopilot).unwrap().1;
+    assert!((5_000_000..5_200_000).contains(&first_us), "{first_us}");
+    assert!(
+        asked >= 2 && ((time_us - 5_000_000) / 1_000_000).abs_diff(asked) <= 1,
+        "asked {asked} times, {time_us} us"
+    );
+    assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
 }
 
 #[test]

@@ -235,6 +235,13 @@ fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
 }
 
+#[test]
+fn nobody_says_that_nothing_moves_unless_somebody_does() {
+    let (_, source) = source(0);
+    assert_eq!(source.still_us(), None);
+    assert_eq!(source.still(40_000).still_us(), Some(40_000));
+}
+
 const ROW_US: u64 = 100;
 /// From the start of a frame to that of the next one, while a sensor sends without a pause.
 const PERIOD_US: u64 = 52 * ROW_US;

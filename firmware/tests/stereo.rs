@@ -169,6 +169,48 @@ fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished
     assert_eq!(turn(1_000_000).1.len(), 1);
 }
 
+#[test]
+fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
+    let dims = Dims { width: 128, height: 96 };
+    let port = Port::default();
+    let mut memory = Box::new(Workspace::new());
+    let mut camera = Lossy { calls: 0, painter: Painter::new(dims) };
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    port.received();
+    port.send(1, Request::Photograph);
+    port.pass(77);
+    live.turn(&mut *memory, &mut camera);
+    let mut sent = port.received();
+    assert_eq!(sent[0], Message::Answer(Answer { command: 1, outcome: Outcome::Accepted }));
+    let head = PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
+    assert_eq!(sent[1], Message::Photo(head));
+    let expected = memory.frames().map(|frame| frame[..128 * 96].to_vec());
+    let mut turns = 1;
+    while sent.len() < 2 + 2 * (128 * 96) / PIXELS_PER_PACKET {
+        port.send(1, Request::Describe); // is answered in between
+        assert!(live.turn(&mut *memory, &mut camera).is_work());
+        let received = port.received();
+        assert!(received.iter().any(|message| matches!(message, Message::Hello(_))));
+        sent.extend(received.into_iter().filter(|message| matches!(message, Message::Pixels(_))));
+        turns += 1;
+        assert!(turns < 20, "{} packets", sent.len());
+    }
+    let mut images = [Vec::new(), Vec::new()];
+    for message in &sent[2..] {
+        let Message::Pixels(pixels) = message else { panic!("{message:?}") };
+        let image = &mut images[usize::from(pixels.is_right)];
+        assert_eq!(pixels.first as usize, image.len());
+        image.extend_from_slice(&pixels.list);
+    }
+    assert_eq!(images, expected);
+    // The second pair is missing, and nothing is left of the first one.
+    port.send(1, Request::Photograph);
+    live.turn(&mut *memory, &mut camera);
+    let refused = Outcome::Refused(Refusal::NoPair);
+    assert_eq!(port.received(), [Message::Answer(Answer { command: 1, outcome: refused })]);
+    assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
+}
+
 /// Says that it delivers raw images of a size, and paints rectified ones. Counts them.
 struct Raw(Dims, Painter, u32);
 
@@ -221,4 +263,12 @@ fn the_kinds_of_faults_have_the_names_of_the_record() {
     for (name, kind) in names.iter().zip(CaptureReport::KINDS) {
         assert_eq!(name.to_lowercase(), kind.replace('_', ""));
     }
+}
+
+#[test]
+fn why_the_board_was_reset_stands_in_its_description() {
+    let mut session = Session::new(BOARD);
+    assert_eq!(session.hello().reset, None);
+    session.reset = Some(Reset::of(ResetCause::Watchdog));
+    assert_eq!(session.hello().reset, Some(Reset::of(ResetCause::Watchdog)));
 }
