@@ -25,16 +25,19 @@ pub struct Args {
     /// Where to write the picture of the segments.
     #[arg(long, value_name = "FILE.png", default_value = PICTURE)]
     out: OutputPath,
+    /// Seed of textures and noise.
+    #[arg(long, value_name = "N", default_value_t = SEED)]
+    seed: u64,
 }
 
 impl Default for Args {
     fn default() -> Self {
-        Self { out: OsString::from(PICTURE).into() }
+        Self { out: OsString::from(PICTURE).into(), seed: SEED }
     }
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let shown = Demonstration::new(SEED)?;
+    let shown = Demonstration::new(args.seed)?;
     let picture = shown.picture()?;
     let mut text = shown.text;
     let mut output = OutputFiles::new();
