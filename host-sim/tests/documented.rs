@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 22] = [
+const NOT_RUN: [(&str, &str); 21] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -30,7 +30,6 @@ const NOT_RUN: [(&str, &str); 22] = [
     ("cargo install", "builds the program anew"),
     ("frames get", "brings packages over the network: `frames_get` and `registry` test it with packages of their own"),
     ("pip download", "network"),
-    ("frames --width 320", "frames of `frames get`"),
     ("frames/oakd_lite", "frames of `frames get`"),
     ("frames/calibration_boards", "frames of `frames get`"),
     ("pymavlink", "a package of Python"),
