@@ -20,12 +20,15 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs::{self, File, Permissions};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
 /// Links in a row that are followed to a file that is not there.
 const MOST_LINKS: usize = 32;
+
+/// Most bytes of a result that a terminal is given: more than a page of text scrolls away what was asked before.
+const MOST_ON_TERMINAL: usize = 16 << 10;
 
 /// Results alone are printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -79,6 +82,27 @@ pub fn is_quiet() -> bool {
 /// Writes results to stdout, without what a terminal obeys in names of others; [`ClosedPipe`] where nobody reads it any more (`| head`).
 pub fn print(text: &str) -> Result<()> {
     print_bytes(printable(text).as_bytes())
+}
+
+/// Writes a note for people to stderr, unless they want none.
+pub fn note(text: &str) {
+    if !is_quiet() {
+        eprintln!("{}", printable(text));
+    }
+}
+
+/// Do people read stdout?
+pub fn is_terminal() -> bool {
+    io::stdout().is_terminal()
+}
+
+/// Refuses what is too long for a terminal, or no text.
+fn check_for_terminal(is_terminal: bool, contents: &[u8]) -> Result<()> {
+    let is_text = core::str::from_utf8(contents).is_ok() && !contents.contains(&0);
+    if is_terminal && (contents.len() > MOST_ON_TERMINAL || !is_text) {
+        bail!("{} bytes for stdout, which is a terminal; give a file in place of \"-\", or a pipe", contents.len());
+    }
+    Ok(())
 }
 
 /// Writes a note for people to stdout, unless they want none.
@@ -155,6 +179,7 @@ impl OutputFiles {
     /// Writes one file's contents to a temporary file in the destination's folder, or keeps them for stdout.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
         if is_stdout(path) {
+            check_for_terminal(is_terminal(), contents)?;
             self.stdout = Some(contents.to_vec());
             return Ok(());
         }
@@ -292,6 +317,19 @@ fn ordinary_permissions() -> Option<Permissions> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_terminal_gets_no_flood_and_no_bytes() {
+        for (is_terminal, contents, is_right) in [
+            (true, vec![b'x'; MOST_ON_TERMINAL], true),
+            (true, vec![b'x'; MOST_ON_TERMINAL + 1], false),
+            (true, vec![0xff, 0xfe], false),
+            (true, vec![b'x', 0], false),
+            (false, vec![0; 2 * MOST_ON_TERMINAL], true),
+        ] {
+            assert_eq!(check_for_terminal(is_terminal, &contents).is_ok(), is_right, "{is_terminal} {}", contents.len());
+        }
+    }
 
     #[test]
     fn files_appear_together_or_not_at_all() {

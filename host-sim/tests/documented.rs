@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 21] = [
+const NOT_RUN: [(&str, &str); 20] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -23,7 +23,6 @@ const NOT_RUN: [(&str, &str); 21] = [
     ("linestereo view", "stays until Ctrl-C: `view` tests it"),
     ("probe-rs", "a board and a probe"),
     ("dfu-util", "a board"),
-    ("--on mps2-an500", "QEMU and the firmware: `on_board` runs it"),
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
     ("cargo test", "runs this test"),
     ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),

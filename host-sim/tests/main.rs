@@ -18,7 +18,6 @@ mod interchange;
 mod layouts;
 mod marked_boards;
 mod monitor;
-mod on_board;
 mod photograph;
 mod plan_rig;
 mod quality;

@@ -135,7 +135,8 @@ function show() {
   draw();
   showTop(points);
   const [far, near] = range(segments, settings().max_disparity);
-  showLegend($("legend"), matcher.rig ? [far, near].map(d => (d > 0 ? inMetres(matcher.rig.focal_px * matcher.rig.baseline_m / d) : "∞")) : [`${far} px`, `${near} px`]);
+  const ends = matcher.rig ? [far, near].map(d => (d > 0 ? inMetres(matcher.rig.focal_px * matcher.rig.baseline_m / d) : "∞")) : [`${far} px`, `${near} px`];
+  showLegend($("legend"), ends, segments, [far, near]);
   list();
 }
 

@@ -61,6 +61,11 @@ fn split(both: StoredGray, bits: Option<u32>) -> [GrayImage; 2] {
 pub enum PixelBytes {
     /// One.
     Grey,
+    /// Two, one of them luma.
+    Luma {
+        /// Its place, 0 or 1.
+        at: usize,
+    },
     /// Two, in the order of this function.
     Grey16(fn([u8; 2]) -> u16),
     /// So many; two are at these places, green between them.
@@ -80,7 +85,7 @@ impl PixelBytes {
     pub fn bytes(self) -> usize {
         match self {
             Self::Grey => 1,
-            Self::Grey16(_) => 2,
+            Self::Grey16(_) | Self::Luma { .. } => 2,
             Self::Colour { bytes, .. } => bytes,
         }
     }
@@ -128,6 +133,9 @@ impl StoredGray {
         };
         let values = match layout {
             PixelBytes::Grey => Values::Eight(rows.flatten().copied().collect()),
+            PixelBytes::Luma { at } => {
+                Values::Eight(rows.flat_map(|row| row.as_chunks::<2>().0).map(|pixel| pixel[at.min(1)]).collect())
+            }
             PixelBytes::Grey16(value) => {
                 Values::Sixteen(rows.flat_map(|row| row.as_chunks().0).map(|bytes| value(*bytes)).collect())
             }

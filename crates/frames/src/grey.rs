@@ -52,6 +52,17 @@ impl StoredGray {
         SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
     }
 
+    /// Grey of a mosaic of colours, whatever their order: `(R + 2 G + B) / 4` around each pixel. Weights of 1, 2, 1 along rows and columns give
+    /// every colour the same share at every pixel, and move nothing; borders are mirrored.
+    #[must_use]
+    pub fn of_mosaic(self) -> Self {
+        let values = match self.values {
+            Values::Eight(values) => Values::Eight(smoothed(&values, self.dims, |sum| sum as u8)),
+            Values::Sixteen(values) => Values::Sixteen(smoothed(&values, self.dims, |sum| sum as u16)),
+        };
+        Self { values, ..self }
+    }
+
     /// As grey of 8 bits, where values have so many bits.
     #[must_use]
     pub fn into_8_bit(self, bits: u32) -> GrayImage {
@@ -61,6 +72,29 @@ impl StoredGray {
         };
         GrayImage { dims: self.dims, pixels }
     }
+}
+
+/// Weights 1, 2, 1 along rows and columns; `value` takes what fits.
+fn smoothed<T: Copy + Into<u32>>(values: &[T], dims: Dims, value: impl Fn(u32) -> T) -> Vec<T> {
+    let [width, height] = [dims.width, dims.height].map(usize::from);
+    // A mirrored neighbour has the colour of the other one.
+    let around = |at: usize, count: usize| match at {
+        _ if count < 2 => [at; 2],
+        0 => [1; 2],
+        at if at + 1 == count => [at - 1; 2],
+        at => [at - 1, at + 1],
+    };
+    let along = |row: usize, x: usize| -> u32 {
+        let at = |x: usize| -> u32 { values[row * width + x].into() };
+        let [before, after] = around(x, width);
+        at(before) + 2 * at(x) + at(after)
+    };
+    let pixel = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let [above, below] = around(y, height);
+        value((along(above, x) + 2 * along(y, x) + along(below, x) + 8) / 16)
+    };
+    (0..values.len()).map(pixel).collect()
 }
 
 /// BT.601 in thousandths, rounded; for 8 or 16-bit channels alike.

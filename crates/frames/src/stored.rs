@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// Derived disparity ranges are multiples of this.
 const RANGE_STEP: u16 = 16;
-/// Disparity range where nothing gives one.
+/// Disparity range where nothing gives one, in images that are wide enough.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 
 /// A pair with what is known about it, ready for the core.
@@ -193,18 +193,18 @@ impl StoredPair {
         check_size(left_path, &left)?;
         check_size(right_path, &right)?;
         let truth = truth.map(|truth| width.map_or(truth.clone(), |width| truth.resampled(width)));
-        let max_disparity = self.range(width.is_some(), scale, truth.as_ref());
+        let max_disparity = self.range(left.dims, (width.is_some(), scale), truth.as_ref());
         let (name, folder) = (self.name.clone(), self.folder.clone());
         Ok(Scene { name, folder, left, right, max_disparity, rig, rig_numbers, truth })
     }
 
-    fn range(&self, is_reduced: bool, scale: f64, truth: Option<&Truth>) -> u16 {
+    fn range(&self, dims: Dims, (is_reduced, scale): (bool, f64), truth: Option<&Truth>) -> u16 {
         match (self.max_disparity, truth.and_then(Truth::largest)) {
             (Some(range), _) if !is_reduced => range.round() as u16,
             (Some(range), _) => scaled_max_disparity(range, scale),
             // A range of N searches 0 .. N - 1: the largest truth itself has to be inside.
             (None, Some(largest)) => scaled_max_disparity(f64::from(largest.ceil()) + 1.0, 1.0),
-            (None, None) => DEFAULT_MAX_DISPARITY,
+            (None, None) => DEFAULT_MAX_DISPARITY.min(dims.width.saturating_sub(1)),
         }
     }
 }

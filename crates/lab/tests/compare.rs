@@ -60,6 +60,26 @@ fn without_opencv_it_says_so() {
 }
 
 #[test]
+fn what_is_no_scene_costs_itself_alone() {
+    let folder = scenes();
+    let at = folder.path();
+    for (name, scene) in [("broken", "{"), ("calibration", "{\"name\": \"photos\"}")] {
+        fs::create_dir(at.join(name)).unwrap();
+        fs::write(at.join(name).join("scene.json"), scene).unwrap();
+    }
+    for side in ["left.png", "right.png"] {
+        fs::copy(at.join("a").join(side), at.join("broken").join(side)).unwrap();
+        fs::write(at.join("b").join(side), "no image").unwrap();
+    }
+    let text = succeed(at, &["compare", ".", "--methods", "census", "--no-times"]);
+    assert!(text.starts_with("1 pairs\n"), "{text}");
+    assert!(text.contains("pairs were left out, the first: b: "), "{text}");
+    // Nothing that can be compared is an error.
+    fs::write(at.join("a/left.png"), "no image").unwrap();
+    refused(&lab(at, &["compare", ".", "--methods", "census"]), "no pair can be compared; a: ");
+}
+
+#[test]
 fn what_is_wrong_is_one_line() {
     let folder = scenes();
     let at = folder.path();

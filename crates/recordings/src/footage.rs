@@ -20,7 +20,7 @@ pub struct Footage {
 impl Footage {
     /// What lies at this path: a recording, a video with both views, or a folder, whose images hold both views where that is said.
     pub fn open(root: &Path, side_by_side: bool, stop: Stop) -> Result<Self, FrameError> {
-        if is_recording(root) && !root.is_dir() {
+        if is_recording(root) {
             return Self::recorded(root, &Choice::default());
         }
         if is_video(root) && !root.is_dir() {
@@ -35,7 +35,7 @@ impl Footage {
         Self { pairs: vec![pair], ..Self::default() }
     }
 
-    /// Pairs of an `.mcap` file, in the order of their times.
+    /// Pairs of a recording, in the order of their times.
     pub fn recorded(path: &Path, choice: &Choice) -> Result<Self, FrameError> {
         let (pairs, alone, recording) = recording::pairs(path, choice)?;
         Ok(Self { pairs, alone, recording: Some(recording), video: None })

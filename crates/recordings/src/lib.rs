@@ -19,5 +19,7 @@ pub mod ros;
 mod video;
 
 pub use footage::Footage;
-pub use recording::{Choice, DEFAULT_WINDOW_MS, Recording, RecordingFault, is_recording};
+pub use recording::{
+    Choice, DEFAULT_WINDOW_MS, Detection, Detections, Recording, RecordingFault, is_mcap, is_recording,
+};
 pub use video::{Camera, Stop, Video, VideoFault, is_video};

@@ -69,6 +69,57 @@ impl Health {
         names
     };
 
+    /// Name and remedy of each flag, in the order of [`Health::NAMES`].
+    pub const ADVICE: [(&'static str, &'static str); Self::NAMES.len()] = [
+        ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
+        ("segments_dropped", "more segments than there is memory or time for: those that fit are used"),
+        ("results_skipped", "the port is slower than the board: raise its speed"),
+        ("pair_missing", "a camera gave no picture: check its cable and power"),
+        (
+            "free_running",
+            "the cameras are not triggered together: wire one trigger to both, or trust only what stands still",
+        ),
+        ("left_exposure", "left image too dark or too bright: set its exposure or change the light"),
+        ("right_exposure", "right image too dark or too bright: set its exposure or change the light"),
+        ("left_saturated", "much of the left image is black or white: change its exposure"),
+        ("right_saturated", "much of the right image is black or white: change its exposure"),
+        ("left_dead", "left image has one grey level: check the camera's cable and power"),
+        ("right_dead", "right image has one grey level: check the camera's cable and power"),
+        ("left_covered", "left camera sees next to nothing of what the right one sees: free and clean its lens"),
+        ("right_covered", "right camera sees next to nothing of what the left one sees: free and clean its lens"),
+        ("left_frozen", "left image does not change: restart the camera, check the buffers of its driver"),
+        ("right_frozen", "right image does not change: restart the camera, check the buffers of its driver"),
+        (
+            "left_view",
+            "little of the left rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+        ),
+        (
+            "right_view",
+            "little of the right rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+        ),
+        ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
+        ("skew", "captured too far apart, not matched: trigger both cameras together"),
+        ("rows_off", "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again"),
+        ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
+        ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
+        (
+            "few_matches",
+            "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
+        ),
+        ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
+        ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
+        (
+            "no_parallax",
+            "most of the picture is at the same pixel of both images: is one camera delivered twice? or all that is seen is far",
+        ),
+        (
+            "same_pixel",
+            "something is at the same pixel of both images: a window or lens with dirt, overlaid text, noise of the sensor: remove it, subtract it",
+        ),
+        ("torn", "the lower part of one image is moved sideways: a cable or a buffer loses bytes"),
+        ("rows_far", "rows differ by more than is corrected: calibrate again"),
+    ];
+
     /// The flags that follow from what the core counted: full lists, and work left out.
     #[must_use]
     pub fn of(counts: &Counts) -> Self {

@@ -11,7 +11,7 @@ use super::engine_with;
 use super::method::MethodArgs;
 use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
-use crate::output::detail;
+use crate::output::{detail, note};
 use crate::results::listing::{Query, finite_metres};
 use anyhow::{Context, Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
@@ -28,7 +28,7 @@ use linestereo_wire::RigUpdate;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Disparity range where neither an option nor a scene file gives one.
+/// Disparity range where neither an option nor a scene file gives one, in images that are wide enough.
 const DEFAULT_MAX_DISPARITY: u16 = 64;
 
 /// Least and largest disparity range of the core.
@@ -215,7 +215,7 @@ impl InputArgs {
             bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
         }
         let nearest = self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
-        let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or(DEFAULT_MAX_DISPARITY);
+        let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or_else(|| default_range(loaded));
         if self.fb.is_none() {
             let given = self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
             let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
@@ -274,11 +274,13 @@ impl InputArgs {
     }
 
     fn raw(&self, loaded: Dims, rig: &[PathBuf]) -> Result<Setup<'_>> {
-        let mut params = self.method.params(self.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY), None)?;
+        // Without a range the least one, until the size is known.
+        let mut params = self.method.params(self.max_disparity.unwrap_or(LEAST_RANGE), None)?;
         let mut image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
-        if let Some(nearest) = self.nearest {
-            let rig_of = image.params(params)?.rig;
-            params.max_disparity = range_to(nearest, rig_of.as_ref(), image.remap().dims())?;
+        if self.max_disparity.is_none() {
+            let (rig_of, dims) = (image.params(params)?.rig, image.remap().dims());
+            let reach = |nearest| range_to(nearest, rig_of.as_ref(), dims);
+            params.max_disparity = self.nearest.map_or_else(|| Ok(default_range(dims)), reach)?;
             image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
         }
         Ok(Setup {
@@ -291,6 +293,15 @@ impl InputArgs {
             rig: Some(image),
         })
     }
+}
+
+/// End of the disparities searched where nobody says how far; a note where images of this size have no room for the usual one.
+fn default_range(dims: Dims) -> u16 {
+    let most = dims.width.saturating_sub(1).max(LEAST_RANGE);
+    if most < DEFAULT_MAX_DISPARITY {
+        note(&format!("disparities below {most} are searched: images of {dims} have no more; give --max-disparity for fewer"));
+    }
+    most.min(DEFAULT_MAX_DISPARITY)
 }
 
 /// End of the disparities searched so that nothing at least `nearest` metres away is beyond them.

@@ -6,10 +6,10 @@ use crate::results::health;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
-use linestereo::objects::Shape;
 use linestereo::{Area, ObjectDepth};
+use linestereo_frames::StoredPair;
 use linestereo_frames::regions::{self, Frame, Object, ObjectsError, Skipped};
-use linestereo_wire::{MAX_REGIONS, RegionBox};
+use linestereo_recordings::{Detection, Detections, Footage, is_recording};
 use std::path::{Path, PathBuf};
 
 /// Extensions of files of one frame, in the order in which they are looked for.
@@ -21,8 +21,9 @@ const MOST_LISTED: usize = 20;
 #[command(next_help_heading = "Objects")]
 pub(super) struct ObjectArgs {
     /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV (x0,y0,x1,y1[,label[,name]], or in any order below a line of names) or a label image .png, in pixels of the
-    /// rectified left image before --width. For a sequence also a folder with a file per frame.
-    #[arg(long, value_name = "FILE")]
+    /// rectified left image before --width. For a sequence also a folder with a file per frame; for a recording a topic of it, or another recording,
+    /// with vision_msgs/msg/Detection2DArray, taken by their stamps.
+    #[arg(long, value_name = "FILE|TOPIC")]
     objects: Option<PathBuf>,
     /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside it].
     #[arg(long, value_name = "FILE", requires = "objects")]
@@ -39,8 +40,10 @@ pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
     pub(super) skipped: Skipped,
-    /// The folder holds no file of this frame.
-    pub(super) no_file: bool,
+    /// The same as a recording's messages tell them: that of label 3 is the fourth.
+    pub(super) told: Vec<Detection>,
+    /// The folder holds no file of this frame, or the recording no message.
+    pub(super) is_missing: bool,
     /// Why there is no list.
     pub(super) error: Option<String>,
 }
@@ -51,33 +54,78 @@ impl ObjectArgs {
         self.objects.is_some()
     }
 
-    /// Refuses what holds no objects of any of these images, by names alone: before the first of them is matched.
-    pub(super) fn check<'a>(&self, mut images: impl Iterator<Item = &'a Path>) -> Result<()> {
-        let Some(path) = &self.objects else { return Ok(()) };
+    /// Nothing but the objects is matched.
+    pub(super) fn is_only(&self) -> bool {
+        self.only_objects
+    }
+
+    /// The objects of these pairs, which are at `root`. What holds none of any of them is refused, before the first of them is matched: files by
+    /// their names, messages by their topic.
+    pub(super) fn open(&self, root: &Path, found: &Footage) -> Result<Objects<'_>> {
+        let Some(path) = &self.objects else { return Ok(Objects { args: self, detections: None }) };
+        if found.of_video().is_some() {
+            bail!("--objects go by the names of images or the stamps of a recording, which a video has not; give one of these");
+        }
+        if let Some(recording) = found.of_recording() {
+            return Ok(Objects { args: self, detections: Some(detections(path, root, recording.window_ms())?) });
+        }
         let folder = path.display();
         if !path.is_dir() {
             std::fs::metadata(path).map_err(|error| ObjectsError::Read(path.clone(), error))?;
-        } else if !images.any(|image| file_of(path, image).is_some()) {
+        } else if !found.pairs.iter().any(|pair| file_of(path, pair.left()).is_some()) {
             bail!(
                 "{folder} holds no file that is called like a left image, such as left.json beside left.png; add or rename them"
             );
         }
-        Ok(())
+        Ok(Objects { args: self, detections: None })
     }
+}
+
+/// Messages of a topic of this recording, or of a recording of its own.
+fn detections(path: &Path, root: &Path, window_ms: f64) -> Result<Detections> {
+    if is_recording(path) {
+        return Ok(Detections::open(path, None, window_ms)?);
+    }
+    let topic = path.to_str().filter(|name| name.starts_with('/') && !path.exists());
+    let Some(topic) = topic else {
+        bail!(
+            "objects of a recording are messages of vision_msgs/msg/Detection2DArray; give their topic, as in --objects /detections, or a recording of them, in place of {}",
+            path.display()
+        );
+    };
+    Ok(Detections::open(root, Some(topic), window_ms)?)
+}
+
+/// Objects of every pair that is matched, wherever they are from.
+pub(super) struct Objects<'a> {
+    args: &'a ObjectArgs,
+    /// Of a recording.
+    detections: Option<Detections>,
+}
+
+/// Objects of one pair.
+struct OfPair {
+    objects: regions::Objects,
+    /// As the messages of a recording tell them.
+    told: Vec<Detection>,
+    /// There is no file, or no message.
+    is_missing: bool,
+}
+
+impl Objects<'_> {
 
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
     pub(super) fn depths(
         &self,
         setup: &Setup<'_>,
-        image: &Path,
+        pair: &StoredPair,
         engine: &mut Engine,
         result: &FrameResult,
     ) -> Option<Asked> {
-        let path = self.objects.as_deref()?;
-        let no_file = path.is_dir() && file_of(path, image).is_none();
-        let objects = match self.read(path, setup, image) {
-            Ok(objects) => objects,
-            Err(error) => return Some(Asked { error: Some(error.to_string()), ..Asked::default() }),
+        let path = self.args.objects.as_deref()?;
+        let OfPair { objects, told, is_missing } = match self.read(path, setup, pair) {
+            Ok(of_pair) => of_pair,
+            Err(error) => return Some(Asked { error: Some(error), ..Asked::default() }),
         };
         let dims = setup.dims();
         let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
@@ -85,43 +133,34 @@ impl ObjectArgs {
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
-        Some(Asked { list: list.collect(), skipped: objects.skipped, no_file, ..Asked::default() })
+        Some(Asked { list: list.collect(), skipped: objects.skipped, told, is_missing, error: None })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
-    pub(super) fn areas(&self, setup: &Setup<'_>, image: &Path) -> Option<Vec<Area>> {
-        let path = self.objects.as_deref().filter(|_| self.only_objects)?;
-        let objects = self.read(path, setup, image).ok()?; // what is wrong is said with the depths
+    pub(super) fn areas(&self, setup: &Setup<'_>, pair: &StoredPair) -> Option<Vec<Area>> {
+        let path = self.args.objects.as_deref().filter(|_| self.args.only_objects)?;
+        let OfPair { objects, .. } = self.read(path, setup, pair).ok()?; // what is wrong is said with the depths
         let dims = setup.dims();
         Some(objects.list.iter().filter_map(|object| Some(object.region(dims).ok()?.area())).collect())
     }
 
-    /// The same as a board is asked for them.
-    pub(super) fn boxes(&self, setup: &Setup<'_>, image: &Path) -> Result<Option<Vec<(Object, RegionBox)>>> {
-        let Some(path) = &self.objects else { return Ok(None) };
-        let (objects, dims) = (self.read(path, setup, image)?, setup.dims());
-        let mut boxes = Vec::new();
-        for (object, label) in objects.list.into_iter().zip(0..) {
-            let region = object.region(dims)?;
-            if region.shape() != Shape::Box || boxes.len() == MAX_REGIONS {
-                bail!("a board is asked for up to {MAX_REGIONS} boxes, {} has others; leave out --on", path.display());
-            }
-            let asked = RegionBox::from((label, region.area()));
-            boxes.push((object, asked));
-        }
-        Ok(Some(boxes))
-    }
-
-    fn read(&self, path: &Path, setup: &Setup<'_>, image: &Path) -> Result<regions::Objects, ObjectsError> {
+    fn read(&self, path: &Path, setup: &Setup<'_>, pair: &StoredPair) -> Result<OfPair, String> {
+        let image = pair.left();
         let name = image.file_name().map(|name| name.to_string_lossy());
         let frame = Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
-        if !path.is_dir() {
-            return regions::load(path, self.classes.as_deref(), frame);
+        if let Some(detections) = &self.detections {
+            let told = pair.images.time_ns().map(|time| detections.at(time)).transpose().map_err(|error| error.to_string())?;
+            let told = told.flatten();
+            let is_missing = told.is_none();
+            let told = told.unwrap_or_default();
+            let name = |found: &Detection| Some(found.class.clone()).filter(|class| !class.is_empty());
+            let objects = regions::of_boxes(told.iter().map(|found| (found.borders, name(found))), frame);
+            return Ok(OfPair { objects, told, is_missing });
         }
-        match file_of(path, image) {
-            Some(file) => regions::load(&file, self.classes.as_deref(), frame),
-            None => Ok(regions::Objects::default()),
-        }
+        let file = if path.is_dir() { file_of(path, image) } else { Some(path.to_path_buf()) };
+        let load = |file: &PathBuf| regions::load(file, self.args.classes.as_deref(), frame);
+        let objects = file.as_ref().map(load).transpose().map_err(|error| error.to_string())?;
+        Ok(OfPair { is_missing: objects.is_none(), objects: objects.unwrap_or_default(), told: Vec::new() })
     }
 }
 
@@ -132,16 +171,6 @@ fn file_of(folder: &Path, image: &Path) -> Option<PathBuf> {
 }
 
 impl Asked {
-    /// Their depths by a board.
-    pub(super) fn by_board(boxes: Vec<(Object, RegionBox)>, depths: &[ObjectDepth]) -> Self {
-        let list = boxes.into_iter().zip(depths).map(|((object, _), depth)| {
-            let label = object.label;
-            let depth = listing::Object::new(&ObjectDepth { label, ..*depth }, object.name.as_deref());
-            (object, depth)
-        });
-        Self { list: list.collect(), ..Self::default() }
-    }
-
     /// As it stands in JSON.
     pub(super) fn answers(asked: Option<&Self>) -> Answers {
         Answers {

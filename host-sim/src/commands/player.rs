@@ -1,7 +1,7 @@
 //! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the other.
 
 use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
-use super::objects::{Asked, ObjectArgs};
+use super::objects::{Asked, Objects};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
 use crate::results::listing;
@@ -126,13 +126,13 @@ impl<'a> Player<'a> {
     }
 
     /// Matches a pair, with the depths of its objects.
-    pub(super) fn next(&mut self, pair: &StoredPair, asked: &ObjectArgs) -> Result<Played> {
+    pub(super) fn next(&mut self, pair: &StoredPair, asked: &Objects<'_>) -> Result<Played> {
         let (loaded, setup, matcher) = self.load(pair)?;
         if matcher.engine.knows_rows() {
-            matcher.engine.focus(asked.areas(setup, pair.left()));
+            matcher.engine.focus(asked.areas(setup, pair));
         }
         let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
-        let objects = asked.depths(setup, pair.left(), &mut matcher.engine, &result);
+        let objects = asked.depths(setup, pair, &mut matcher.engine, &result);
         Ok(Played { images, result, objects })
     }
 }

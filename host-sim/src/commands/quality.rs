@@ -61,6 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
     let (mut points, mut last, mut flags) = (Vec::new(), None, Health::GOOD);
+    let mut refusals = Vec::new();
     for pair in pairs {
         progress.set_message(pair.name.clone());
         let loaded = player.load(pair);
@@ -70,6 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
         let (loaded, setup, matcher) = loaded.with_context(|| pair.name.clone())?;
         let matched = matcher.run(setup, &loaded, pair.images.times_us()).with_context(|| pair.name.clone())?;
         flags |= matched.result.health;
+        refusals.extend(health::refusal(&matched.result));
         points.push(matched.result.points);
         last = Some(matched.images);
         progress.inc(1);
@@ -91,7 +93,11 @@ pub fn run(args: &Args) -> Result<()> {
     value["health"] = json!(health::names(flags));
     output.add_json(args.json.as_ref(), &value)?;
     output.add_made(args.picture.as_ref(), || Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?))?;
-    output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))
+    output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))?;
+    match refusals.first().filter(|_| answers.is_empty() && refusals.len() == points.len()) {
+        Some(why) => bail!("nothing is measured; {why}"),
+        None => Ok(()),
+    }
 }
 
 fn region(given: Option<[u16; 4]>, size: Dims, as_matched: impl Fn((u16, u16)) -> (u16, u16)) -> Result<Area> {

@@ -5,12 +5,14 @@ use super::objects::Asked;
 use super::video::CameraArgs;
 use crate::engine::FrameResult;
 use crate::interruption;
-use crate::output::{LineFile, OutputPath, cannot_write, print};
-use crate::results::ros::{Extra, Frame, RosFile, label};
+use crate::output::{LineFile, OutputPath, cannot_write, is_terminal, print};
+use crate::results::listing;
+use crate::results::ros::{Extra, Frame, RosFile, placed};
 use anyhow::{Result, bail};
+use linestereo_frames::regions::Object;
 use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
-use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_recording, is_video};
+use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_mcap, is_recording, is_video};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -63,8 +65,14 @@ impl RecordingArgs {
             self.refuse_options()?;
             return super::video::find(root, right, side_by_side);
         }
-        if !is_recording(root) || root.is_dir() {
+        if !is_recording(root) {
             self.refuse_options()?;
+            if root.is_file() {
+                bail!(
+                    "{} is neither a folder, nor a recording (.mcap), nor a video that is read; linestereo run matches two images",
+                    root.display()
+                );
+            }
             return Ok(Footage::open(root, side_by_side, interruption::requested)?);
         }
         if side_by_side {
@@ -78,7 +86,7 @@ impl RecordingArgs {
     fn refuse_options(&self) -> Result<()> {
         if self.left_topic.is_some() || self.pair_window_ms.is_some() {
             bail!(
-                "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
+                "--left-topic, --right-topic and --pair-window-ms are for a recording (.mcap); give one, or leave them out"
             );
         }
         Ok(())
@@ -111,7 +119,7 @@ impl Sink {
         };
         let frame_id = recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
         let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
-        let to = if is_recording(&path) {
+        let to = if is_mcap(&path) {
             To::Messages(Box::new(RosFile::new(lines, with).map_err(|error| cannot_write(&path, &error))?))
         } else if with.is_empty() {
             To::Lines(lines)
@@ -119,6 +127,11 @@ impl Sink {
             bail!("--with writes messages; give --out FILE.mcap");
         };
         Ok(Self { path, to, frame_id: frame_id.to_owned(), first_ns: 0 })
+    }
+
+    /// People read the lines.
+    pub(super) fn is_terminal(&self) -> bool {
+        matches!(self.to, To::Stdout) && is_terminal()
     }
 
     /// Messages are written, not lines.
@@ -183,15 +196,22 @@ impl Sink {
 
 /// Objects with a depth, in the middle of what the detector found.
 fn labels(setup: &Setup<'_>, played: &Played) -> Vec<Label> {
-    let Some(rig) = setup.geometry() else { return Vec::new() };
-    let list = played.objects.iter().flat_map(|asked| &asked.list);
-    list.filter_map(|(object, found)| {
+    let (Some(rig), Some(asked)) = (setup.geometry(), &played.objects) else { return Vec::new() };
+    let label = |(object, found): &(Object, listing::Object)| {
         let area = object.region(setup.dims()).ok()?.area();
-        let middle = |from: u16, to: u16| (f64::from(from) + f64::from(to) - 1.0) / 2.0;
-        let at = [middle(area.left, area.right), middle(area.top, area.bottom)];
+        let told = asked.told.get(usize::from(object.label)).cloned().unwrap_or_default();
         let name = object.name.as_deref().unwrap_or("object");
-        let text = format!("{name} {:.2} m", found.depth_m?);
-        label(rig, at, found.disparity_px?, text, found.confidence)
-    })
-    .collect()
+        let (text, is_told) = (format!("{name} {:.2} m", found.depth_m?), !asked.told.is_empty());
+        let said = Label {
+            text,
+            confidence: found.confidence as f32,
+            class: name.to_owned(),
+            score: if is_told { told.score } else { 1.0 },
+            id: told.id,
+            sigma_m: found.sigma_m,
+            ..Label::default()
+        };
+        placed(rig, area, found.disparity_px?, said)
+    };
+    asked.list.iter().filter_map(label).collect()
 }

@@ -1,12 +1,13 @@
 //! `linestereo report`: one page for a pair or a sequence, to be looked at.
 
 use super::input::InputArgs;
-use super::objects::ObjectArgs;
+use super::objects::{ObjectArgs, Objects};
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
 use crate::explain::{CurveLog, SegmentTexts};
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup};
+use crate::results::health;
 use anyhow::{Context, Result, bail};
 use linestereo_frames::StoredPair;
 use std::path::PathBuf;
@@ -38,24 +39,20 @@ pub fn run(args: &Args) -> Result<()> {
     let (found, title) = pairs_of(&args.left, args.right.as_deref(), args.side_by_side)?;
     let pairs = &found.pairs;
     spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
-    args.objects.check(pairs.iter().map(StoredPair::left))?;
+    let objects = args.objects.open(&args.left, &found)?;
     let shown = shown(pairs.len(), args.max_frames.max(1));
     let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
     let mut page = None;
-    let mut failed = Vec::new();
+    let (mut failed, mut refusals) = (Vec::new(), Vec::new());
     for (index, pair) in pairs.iter().enumerate() {
         progress.set_message(pair.name.clone());
         let title = shown.contains(&index).then_some(&*title);
-        let outcome = add(args, &mut player, pair, (title, pairs.len() > 1), &mut page);
-        if let Err(error) = outcome {
-            if pairs.len() == 1 {
-                return Err(error);
-            }
-            if has_ended(&found) {
-                break;
-            }
-            failed.push((pair.name.clone(), format!("{error:#}")));
+        match add(&objects, &mut player, pair, (title, pairs.len() > 1), &mut page) {
+            Ok(refusal) => refusals.extend(refusal),
+            Err(error) if pairs.len() == 1 => return Err(error),
+            Err(_) if has_ended(&found) => break,
+            Err(error) => failed.push((pair.name.clone(), format!("{error:#}"))),
         }
         progress.inc(1);
     }
@@ -76,7 +73,12 @@ pub fn run(args: &Args) -> Result<()> {
         failed.len(),
         args.out.display(),
         video_note(&found)
-    ))
+    ))?;
+    // The page shows why.
+    match refusals.first().filter(|_| failed.len() + refusals.len() == pairs.len()) {
+        Some(why) => bail!("no pair can be used; {why}"),
+        None => Ok(()),
+    }
 }
 
 /// Positions of at most so many frames, evenly spaced, the first and the last among them.
@@ -87,25 +89,27 @@ fn shown(frames: usize, most: usize) -> Vec<usize> {
     (0..most).map(|i| if most > 1 { i * (frames - 1) / (most - 1) } else { 0 }).collect()
 }
 
-/// Matches a pair and, where it is shown under a title, puts it on the page, which the first one begins.
+/// Matches a pair and, where it is shown under a title, puts it on the page, which the first one begins. Gives the reason why nothing of it is to
+/// be used, if there is one.
 fn add(
-    args: &Args,
+    objects: &Objects<'_>,
     player: &mut Player<'_>,
     pair: &StoredPair,
     (title, many): (Option<&str>, bool),
     page: &mut Option<Page>,
-) -> Result<()> {
+) -> Result<Option<String>> {
     let (loaded, setup, matcher) = player.load(pair)?;
     // With the tests of many pairs the page would be too large.
     let mut log = if many { CurveLog::outcomes_only() } else { CurveLog::default() };
     let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
-    let Some(title) = title else { return Ok(()) };
+    let refusal = health::refusal(&matched.result).map(|why| format!("{}: {why}", pair.name));
+    let Some(title) = title else { return Ok(refusal) };
     let (engine, params) = (&mut matcher.engine, &setup.params);
     let page = page.get_or_insert_with(|| {
         let (title, max_disparity, rig) = (title.to_owned(), params.max_disparity, params.rig);
         Page::new(PageSetup { title, max_disparity, rig, many })
     });
-    let objects = args.objects.depths(setup, pair.left(), engine, &matched.result).unwrap_or_default();
+    let objects = objects.depths(setup, pair, engine, &matched.result).unwrap_or_default();
     if let Some(error) = objects.error {
         bail!("{error}");
     }
@@ -117,5 +121,6 @@ fn add(
         rejected: &log.rejected(engine.matched().candidates()),
         objects: &objects.list,
         tests: &tests.unwrap_or_default(),
-    })
+    })?;
+    Ok(refusal)
 }

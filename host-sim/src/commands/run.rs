@@ -2,10 +2,9 @@
 
 use super::engine_with;
 use super::input::{InputArgs, Matcher, Pair, Setup};
-use super::objects::{Asked, ObjectArgs};
+use super::objects::{Asked, ObjectArgs, Objects};
 use super::sector_options::SectorArgs;
 use super::written;
-use crate::board::{self, Board, Machine};
 use crate::draw::{self, ColourRange};
 use crate::engine::FrameResult;
 use crate::output::{OutputFiles, OutputPath};
@@ -13,14 +12,11 @@ use crate::results::directions::Directions;
 use crate::results::health;
 use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::image::MIN_SIDE;
 use linestereo::{Dims, Disparity, Params, Rejection};
-use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::{GrayImage, PairFiles, StoredPair, resampled_height};
-use linestereo_rig::CameraSide;
-use linestereo_wire::{Regions, Request};
+use linestereo_frames::{GrayImage, PairFiles, StoredPair};
+use linestereo_recordings::Footage;
 use std::path::PathBuf;
 
 /// Match one rectified pair: segments and points with disparity, depth and a probability each.
@@ -36,12 +32,8 @@ pub struct Args {
     #[arg(long, conflicts_with = "right")]
     side_by_side: bool,
     /// Say the depth of this pixel of the left image, in pixels of the (rectified) left image before --width, as for --objects; repeat it for more.
-    #[arg(long, value_name = "X,Y", value_parser = pixel, conflicts_with = "on")]
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
     query: Vec<(u16, u16)>,
-    /// Match on this board, emulated by QEMU: mps2-an500 (Cortex-M7), mps2-an386 (Cortex-M4, up to 160x120), mps2-an505, mps3-an547 or
-    /// riscv-virt; the others up to 320x240.
-    #[arg(long, value_name = "BOARD", conflicts_with = "only_objects")]
-    on: Option<String>,
     /// Write segments, points and counts as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
@@ -92,22 +84,15 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
 type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
 
 pub fn run(args: &Args) -> Result<()> {
-    args.objects.check([args.left.as_path()].into_iter())?;
     let left = args.left.clone();
     let files = args.right.clone().map_or(PairFiles::SideBySide(left.clone()), |right| PairFiles::Two([left, right]));
     let given = StoredPair::alone(String::new(), files);
+    let asked = args.objects.open(&args.left, &Footage::of_pair(given.clone()))?;
     let known = args.input.known_of(&given)?;
     let pair = args.input.load_as(&given.images, &known)?;
     let setup = args.input.setup_as(&pair, &known)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
-    let (left, result, cost, objects, queries) = match &args.on {
-        Some(board) => {
-            let (left, result, cost, objects) = on_board(&setup, &pair, board, args)?;
-            (left, result, cost, objects, None)
-        }
-        None => here(&setup, &pair, args)?,
-    };
-
+    let (left, result, cost, objects, queries) = matched(&setup, (&given, &pair), &asked, &args.query)?;
     let directions = args.sectors.directions(&setup, &result)?;
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
@@ -135,7 +120,12 @@ pub fn run(args: &Args) -> Result<()> {
     text.push_str(&written([json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
     output.commit_and_say(&text)?;
     // The other results are written by now.
-    objects.and_then(|objects| objects.error).map_or(Ok(()), |error| Err(anyhow!("{error}")))
+    if let Some(error) = objects.and_then(|objects| objects.error) {
+        bail!("{error}");
+    }
+    // In and around objects there may be nothing.
+    let refusal = health::refusal(&result).filter(|_| !args.objects.is_only() || !health::is_fit(result.health));
+    refusal.map_or(Ok(()), |why| Err(anyhow!("{why}")))
 }
 
 /// Files of other programs; what they could not hold, in words.
@@ -166,60 +156,14 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
 }
 
 /// The left image as it was matched, the result, the time in words, and the depths of objects and pixels that were asked for.
-fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
+fn matched(setup: &Setup<'_>, (given, pair): (&StoredPair, &Pair), asked: &Objects<'_>, query: &[(u16, u16)]) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
-    matcher.engine.focus(args.objects.areas(setup, &args.left));
+    matcher.engine.focus(asked.areas(setup, given));
     let matched = matcher.run(setup, pair, None)?;
-    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
-    let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
+    let objects = asked.depths(setup, given, &mut matcher.engine, &matched.result);
+    let queries = if query.is_empty() { None } else { Some(matcher.ask(setup, query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
-}
-
-/// The left image as it was matched, the result of a board, its instructions in words, and the depths of objects that were asked for.
-fn on_board(
-    setup: &Setup<'_>,
-    pair: &Pair,
-    board: &str,
-    args: &Args,
-) -> Result<(GrayImage, FrameResult, String, Option<Asked>)> {
-    let [left, right] = &setup.raw(pair)?;
-    let update = board::update(&setup.params, setup.rig_numbers);
-    let dims = setup.dims();
-    engine_with(&setup.params, dims)?; // what is wrong with the parameters is said in the PC's words
-    let board = board::named(board)?;
-    let Board { name, largest, .. } = board;
-    if !board.fits(dims) {
-        let fits = |&width: &u16| board.fits(Dims { width, height: resampled_height(dims, width) });
-        let remedy = match &setup.rig {
-            Some(_) => format!("give --size {largest}"),
-            None => {
-                let width = (MIN_SIDE..=largest.width.min(dims.width)).rev().find(fits).unwrap_or(MIN_SIDE);
-                format!("reduce them with --width {width}")
-            }
-        };
-        bail!("{name} holds pairs of up to {largest}, these are {dims}; {remedy}");
-    }
-    let machine = Machine::new(board)?;
-    let boxes = args.objects.boxes(setup, &args.left)?;
-    let regions = boxes.iter().map(|boxes| Regions { boxes: boxes.iter().map(|&(_, of)| of).collect(), only: false });
-    let regions = regions.map(Request::SetRegions);
-    let pairs = [(left, right)];
-    let replayed = machine.run(setup.rig.as_ref(), &update, regions, &pairs)?;
-    let left = match &setup.rig {
-        Some(rig) => PairRectifier::new(rig.remap())?.image(CameraSide::Left, left)?,
-        None => left.clone(),
-    };
-    let pair = replayed.pairs.into_iter().next_back();
-    let found = pair.with_context(|| format!("{name} gives no result"))?;
-    let found = found.map_err(|why| anyhow!("{name} refuses the pair: {why}"))?;
-    let millions = |instructions: u64| instructions as f64 / 1e6;
-    let mut cost = format!("{:.2} million instructions on {name}", millions(found.costs.iter().sum()));
-    if found.rectification > 0 {
-        let _ = write!(cost, " after {:.2} million to rectify", millions(found.rectification));
-    }
-    let objects = boxes.map(|boxes| Asked::by_board(boxes, &found.objects));
-    Ok((left, found.result, cost, objects))
 }
 
 /// Depth at the end of the disparity range, m; `None` without a rig.

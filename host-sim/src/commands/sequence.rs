@@ -2,7 +2,7 @@
 
 use super::asked_for;
 use super::input::InputArgs;
-use super::objects::ObjectArgs;
+use super::objects::{Asked, ObjectArgs};
 use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
@@ -43,30 +43,24 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    if args.objects.is_given() && args.folder.is_none() {
-        bail!("--objects go by the names of images, which a camera has not; give a folder of images");
-    }
     // What is begun here, a video's decoder too, is ended in order.
     interruption::watch();
     let folder = args.folder.as_deref();
     let found = args.source.find(folder)?;
     let folder = folder.unwrap_or(Path::new(""));
     let frames = args.source.chosen(folder, &found)?;
-    if args.objects.is_given() && (found.of_recording().is_some() || found.of_video().is_some()) {
-        bail!("--objects go by the names of images, which a recording has not; give a folder of images");
-    }
-    args.objects.check(frames.listed.iter().map(|(_, pair)| pair.left()))?;
+    let objects = args.objects.open(folder, &found)?;
     spare(asked_for([&args.out]), found.pairs.iter().flat_map(StoredPair::files))?;
     let mut sink = Sink::new(args.out.as_ref(), &args.with, found.of_recording())?;
     let mut player = Player::new(&args.input, folder)?;
-    let mut tally = Tally::default();
+    let mut tally = Tally { may_be_empty: args.objects.is_only(), ..Tally::default() };
     let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
     for (number, pair) in frames.pairs(&found) {
         if interruption::requested() {
             break;
         }
         progress.set_message(pair.name.clone());
-        let outcome = player.next(&pair, &args.objects);
+        let outcome = player.next(&pair, &objects);
         // Then it is not this pair that failed.
         if outcome.is_err() && (interruption::requested() || has_ended(&found)) {
             break;
@@ -74,6 +68,8 @@ pub fn run(args: &Args) -> Result<()> {
         let played = tally.count(&pair, outcome);
         if sink.is_ros() {
             sink.messages(number, &pair, player.setup(), &played)?;
+        } else if sink.is_terminal() {
+            sink.line(&short(number, &pair, &played))?;
         } else {
             sink.line(&line(number, &pair, &played, args.no_points)?)?;
         }
@@ -99,12 +95,31 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
+/// A frame for people: lines of JSON are for files and programs.
+fn short(number: u64, pair: &StoredPair, played: &Result<Played, String>) -> String {
+    let name = &pair.name;
+    match played {
+        Err(error) => format!("{number} {name}: {error}\n"),
+        Ok(Played { result, objects, .. }) => {
+            let (segments, points) = (result.matches.len(), result.points.len());
+            let objects = objects.as_ref().map_or(String::new(), Asked::summary);
+            format!("{number} {name}: {segments} segments, {points} points, health: {}\n{objects}", result.health)
+        }
+    }
+}
+
 /// Counts of frames by outcome.
 #[derive(Default)]
 struct Tally {
     frames: usize,
     failed: usize,
+    /// Frames that are not fit to be used, or in which nothing is matched.
+    refused: usize,
     first_error: Option<String>,
+    /// Why the first of them is not.
+    first_refusal: Option<String>,
+    /// Only objects are matched: a frame without any is right.
+    may_be_empty: bool,
     /// Frames with each flag of their health.
     flagged: BTreeMap<&'static str, (usize, &'static str)>,
     objects_skipped: usize,
@@ -125,13 +140,18 @@ impl Tally {
                 return Err(error);
             }
         };
+        let is_right = self.may_be_empty && health::is_fit(played.result.health);
+        if let Some(why) = health::refusal(&played.result).filter(|_| !is_right) {
+            self.refused += 1;
+            self.first_refusal.get_or_insert_with(|| format!("{}: {why}", pair.name));
+        }
         for (flag, what) in health::advice(played.result.health) {
             self.flagged.entry(flag).or_insert((0, what)).0 += 1;
         }
         if let Some(objects) = &played.objects {
             self.objects_skipped += objects.skipped.objects();
             self.objects_unread += usize::from(objects.error.is_some());
-            self.objects_missing += usize::from(objects.no_file);
+            self.objects_missing += usize::from(objects.is_missing);
         }
         Ok(played)
     }
@@ -140,6 +160,9 @@ impl Tally {
         let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
         let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
+        if self.refused > 0 {
+            text.push_str(&format!(", {} not fit to be used or without a match", self.refused));
+        }
         text.push_str(&format!("; layout: {}\n", layouts.join(", ")));
         if let Some(recording) = found.of_recording() {
             text.push_str(&format!("recording: {}\n", recording.summary()));
@@ -166,7 +189,7 @@ impl Tally {
             self.objects_skipped, self.objects_unread
         );
         if self.objects_missing > 0 {
-            text.push_str(&format!(", {} frames without a file of objects", self.objects_missing));
+            text.push_str(&format!(", {} frames without a file or a message of objects", self.objects_missing));
         }
         text + "\n"
     }
@@ -177,8 +200,9 @@ impl Tally {
             let kept = out.map_or(String::new(), |path| format!("; their lines are in {path}"));
             return Err(Interrupted(format!("after {} of {wanted} frames{kept}", self.frames)).into());
         }
-        match &self.first_error {
-            Some(error) if self.failed == self.frames => bail!("no frame can be matched; {error}"),
+        match (&self.first_error, &self.first_refusal) {
+            (Some(error), _) if self.failed == self.frames => bail!("no frame can be matched; {error}"),
+            (_, Some(why)) if self.failed + self.refused == self.frames => bail!("no frame can be used; {why}"),
             _ => Ok(()),
         }
     }

@@ -24,7 +24,11 @@ pub(super) fn below(picture: &RgbImage, result: &FrameResult, rig: Option<&Rig>,
     bar(&mut whole, top, range);
     labels(&mut whole, top + BAR_HEIGHT + 3.0, range, rig);
     let key = "solid: p >= 0.9   dashed: less   ticks: owning side   tint: points";
-    let found = format!("{} segments, {} points", result.matches.len(), result.points.len());
+    let mut found = format!("{} segments, {} points", result.matches.len(), result.points.len());
+    let beyond = range.beyond(result);
+    if beyond > 0 {
+        found.push_str(&format!(", {beyond} beyond these colours"));
+    }
     let line = picture.height() as f32 + HEIGHT as f32 - TEXT_HEIGHT - 8.0;
     let right = whole.width() as f32 - MARGIN;
     write(&mut whole, (MARGIN, line), Align::Left, TEXT_HEIGHT, INK, &found);

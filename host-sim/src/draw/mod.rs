@@ -1,6 +1,6 @@
 //! Pictures of results.
 //!
-//! In: a left image and its result. Out: the image, dimmed and enlarged, with every segment in the colour of its disparity (red
+//! In: a left image and its result. Out: the image, stretched where it is dark, dimmed and enlarged, with every segment in the colour of its disparity (red
 //! near, blue far), ticks on the owning side, the points as tinted pixels, support points as discs, and a legend in px and metres below. What is
 //! less probable is fainter; below p = 0.9 it is dashed.
 
@@ -9,6 +9,7 @@ mod colour;
 mod explanation;
 mod fan;
 mod legend;
+mod levels;
 mod quality;
 mod rows;
 pub mod sheet;
@@ -19,6 +20,7 @@ pub use calibration::calibration;
 pub use colour::{Range as ColourRange, colour};
 pub use explanation::explanation;
 pub use fan::fan;
+pub use levels::shown;
 pub use quality::quality;
 pub use space::{pcd, ply};
 
@@ -56,7 +58,7 @@ const TICK_LENGTH: f32 = 2.0;
 pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_disparity: u16) -> RgbImage {
     let factor = (TARGET_WIDTH / f32::from(left.dims.width)).round().clamp(1.0, LARGEST_FACTOR);
     let range = Range::of(result, max_disparity);
-    let mut canvas = Canvas::new(left, factor as u32);
+    let mut canvas = Canvas::new(&shown(left), factor as u32);
     for point in &result.points {
         let (rgb, confidence) = (colour(&range, point.disparity.to_num()), point.confidence.to_num());
         if point.source == Source::Support {

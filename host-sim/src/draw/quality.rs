@@ -1,7 +1,7 @@
 //! Depth quality as a picture: the left image, the region, and how far each cell's answer is off the wall's plane.
 
-use super::sheet::{FAINT, FAIR as REGION, INK, Sheet};
-use super::text::Align;
+use super::sheet::{FAINT, FAIR as REGION, INK, Sheet, TEXT};
+use super::text::{Align, wrapped};
 use crate::quality::{OFF_PLANE, Quality, WallAnswer};
 use image::RgbImage;
 use linestereo::diagnostics::SUPPORT_PITCH;
@@ -21,9 +21,12 @@ pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text
     let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
     let scale = (TARGET_WIDTH / width).max(1);
     let below = MARGIN + (height * scale) as f32 + 12.0;
-    let size =
-        [width * scale + 2 * MARGIN as u32, (below + LINE * (text.lines().count() as f32 + 2.0) + MARGIN) as u32];
-    let mut sheet = Sheet::new(size);
+    let columns = width * scale;
+    let key = format!("red: nearer than the plane, blue: farther, by {OFF_PLANE} px; magenta: more; dark: no answer");
+    let mut lines = wrapped(&key, TEXT, columns as f32);
+    let keys = lines.len();
+    lines.extend(text.lines().flat_map(|line| wrapped(line, TEXT, columns as f32)));
+    let mut sheet = Sheet::new([columns + 2 * MARGIN as u32, (below + LINE * (lines.len() as f32 + 1.0) + MARGIN) as u32]);
     sheet.image([MARGIN as u32; 2], left, [0, 0, width, height], scale, 2);
     let place = |x: f64, y: f64| (MARGIN + x as f32 * scale as f32, MARGIN + y as f32 * scale as f32);
     for answer in answers {
@@ -37,10 +40,9 @@ pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text
     for (from, to) in corners.into_iter().zip([corners[1], corners[2], corners[3], corners[0]]) {
         sheet.line(from, to, REGION, 2.0);
     }
-    let key = format!("red: nearer than the plane, blue: farther, by {OFF_PLANE} px; magenta: more; dark: no answer");
-    sheet.label((MARGIN, below), Align::Left, FAINT, key);
-    for (line, at) in text.lines().zip(1_u8..) {
-        sheet.label((MARGIN, below + LINE * f32::from(at)), Align::Left, INK, line.to_owned());
+    for (at, line) in lines.into_iter().enumerate() {
+        let rgb = if at < keys { FAINT } else { INK };
+        sheet.label((MARGIN, below + LINE * at as f32), Align::Left, rgb, line);
     }
     sheet.into_picture()
 }

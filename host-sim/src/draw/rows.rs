@@ -1,5 +1,6 @@
 //! Do rows agree? A raw and a rectified pair with lines across both images.
 
+use super::shown;
 use image::{Rgb, RgbImage};
 use linestereo_frames::GrayImage;
 
@@ -18,7 +19,7 @@ pub fn rows(raw: &[GrayImage; 2], rectified: &[GrayImage; 2]) -> RgbImage {
     let mut picture = RgbImage::from_pixel(2 * width + GAP, raw_height + GAP + height, BACKGROUND);
     for (pair, top, height) in [(raw, 0, raw_height), (rectified, raw_height + GAP, height)] {
         for (image, left) in pair.iter().zip([0, width + GAP]) {
-            paste(&mut picture, image, left, top, [width, height]);
+            paste(&mut picture, &shown(image), left, top, [width, height]);
         }
         for (y, colour) in (SPACING / 2..height).step_by(SPACING as usize).zip(COLOURS.iter().cycle()) {
             for x in 0..picture.width() {
@@ -52,11 +53,11 @@ mod tests {
             dims: Dims { width, height },
             pixels: vec![grey; usize::from(width) * usize::from(height)],
         };
-        let picture = rows(&[image(128, 96, 10), image(128, 96, 20)], &[image(64, 40, 30), image(64, 40, 40)]);
+        let picture = rows(&[image(128, 96, 150), image(128, 96, 160)], &[image(64, 40, 170), image(64, 40, 5)]);
         assert_eq!(picture.dimensions(), (2 * 64 + GAP, 48 + GAP + 40));
         let grey = |x, y| picture.get_pixel(x, y).0;
-        assert_eq!([grey(3, 3), grey(100, 3)], [[10; 3], [20; 3]]);
-        assert_eq!([grey(3, 60), grey(100, 60)], [[30; 3], [40; 3]]);
+        assert_eq!([grey(3, 3), grey(100, 3)], [[150; 3], [160; 3]]);
+        assert_eq!([grey(3, 60), grey(100, 60)], [[170; 3], [159; 3]]);
         assert_eq!(grey(65, 3), BACKGROUND.0);
         for y in [16, 48 + GAP + 16] {
             assert!((0..picture.width()).all(|x| grey(x, y) == COLOURS[0].0), "row {y}");

@@ -1,7 +1,7 @@
 //! A dark sheet for plans and charts: shapes and pixels as they come, labels on top.
 
 use super::text::{Align, write};
-use super::{opaque, paint, stroke};
+use super::{opaque, paint, shown, stroke};
 use image::RgbImage;
 use linestereo_frames::GrayImage;
 use tiny_skia::{Color, ColorU8, FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
@@ -79,7 +79,7 @@ impl Sheet {
 
     /// Copies a part of an image, each pixel as a square of this side: first column and row, columns and rows.
     pub(super) fn image(&mut self, [left, top]: [u32; 2], image: &GrayImage, part: [u32; 4], side: u32, dimmed: u8) {
-        let [x0, y0, width, height] = part;
+        let (image, [x0, y0, width, height]) = (shown(image), part);
         for y in 0..height * side {
             for x in 0..width * side {
                 let place = (y0 + y / side) * u32::from(image.dims.width) + x0 + x / side;

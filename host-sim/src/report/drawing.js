@@ -25,7 +25,7 @@ export function item(text, name) {
 export function range(segments, most) {
   const found = segments.flatMap(segment => segment.disparity).sort((a, b) => a - b), skip = Math.floor(found.length / 50);
   if (!found.length) return [0, most];
-  const far = Math.max(0, 4 * Math.floor(found[skip] / 4));
+  const far = 4 * Math.floor(found[skip] / 4); // below 0 behind infinity
   return [far, Math.max(far + 4, 4 * Math.ceil(found[found.length - 1 - skip] / 4))];
 }
 
@@ -35,17 +35,19 @@ function colour(d, [far, near], alpha = 1) {
   return `rgba(${STOPS[i].map((value, k) => Math.round(value * (1 - t) + STOPS[i + 1][k] * t)).join(",")},${alpha})`;
 }
 
-/// The colours between the words at both ends.
-export function showLegend(place, [far, near]) {
+/// The colours between the words at both ends, and how many of these disparities lie beyond them.
+export function showLegend(place, [far, near], segments, span) {
+  const beyond = segments.flatMap(segment => segment.disparity).filter(d => d < span[0] || d > span[1]).length;
   const bar = document.createElement("i");
   bar.style.background = `linear-gradient(90deg, ${STOPS.map(stop => `rgb(${stop})`).join(",")})`;
-  place.replaceChildren(far, bar, near);
+  place.replaceChildren(far, bar, near, beyond ? ` ${beyond} ends beyond these colours` : "");
 }
 
-/// Grey pixels as a picture half as bright, so that colours stand out.
+/// Grey pixels as a picture half as bright, so that colours stand out. Of a dark one all but the brightest hundredth is stretched to white first.
 export function dimmed(grey, width, height) {
+  const white = Uint8Array.from(grey).sort()[Math.floor(0.99 * (grey.length - 1))], gain = 0.62 * (white < 128 ? 255 / Math.max(white, 8) : 1);
   const rgba = new Uint8ClampedArray(4 * width * height).fill(255), canvas = document.createElement("canvas");
-  grey.forEach((value, i) => rgba.fill(value * 0.62, 4 * i, 4 * i + 3));
+  grey.forEach((value, i) => rgba.fill(value * gain, 4 * i, 4 * i + 3));
   Object.assign(canvas, { width, height }).getContext("2d").putImageData(new ImageData(rgba, width, height), 0, 0);
   return canvas;
 }

@@ -130,7 +130,7 @@ function show() {
   const shown = { points: $("show-points").checked ? points : [], side: SIDE, segments: $("show-segments").checked ? segments : [] };
   drawPair($("left"), frame, { ...shown, boxes: [...boxes, ...(dragged ? [dragged] : [])], span });
   const metres = frame.rig && span.map(d => (d + frame.rig.offset > 0 ? inMetres(frame.rig.product / (d + frame.rig.offset)) : "∞"));
-  showLegend($("legend"), metres ?? span.map(d => `${d} px`));
+  showLegend($("legend"), metres ?? span.map(d => `${d} px`), segments, span);
   $("top-note").textContent = !frame.rig ? "Metres and directions need focal length and baseline." : above.length ? "" : "Nothing was placed.";
   drawTop($("top"), above, span, sectors);
 }

@@ -1,8 +1,8 @@
 //! The live page: events of a server in, pictures and charts out. It asks for nothing but those events.
 
 use super::{DRAWING, SHARED_STYLE};
-use crate::results::health;
 use linestereo::NoDepth;
+use linestereo_wire::Health;
 use serde_json::json;
 
 const PAGE: &str = include_str!("live.html");
@@ -12,7 +12,7 @@ const SCRIPT: &str = include_str!("live.js");
 pub fn page(source: &str, nonce: &str) -> String {
     // Flags and reasons share names.
     let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));
-    let words = json!({"flags": health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
+    let words = json!({"flags": Health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
     let source = source.replace('&', "&amp;").replace('<', "&lt;");
     // Behind what it imports it needs no imports.
     let script: String = SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();

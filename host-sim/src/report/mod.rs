@@ -9,7 +9,7 @@ pub mod browser;
 pub mod live;
 pub mod web;
 
-use crate::draw::{ColourRange, gray_png};
+use crate::draw::{ColourRange, gray_png, shown};
 use crate::engine::FrameResult;
 use crate::explain::{Rejected, SegmentTexts, meaning};
 use crate::results::health;
@@ -173,6 +173,7 @@ fn escaped(text: &str) -> String {
 }
 
 fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
+    let image = &*shown(image);
     let (kind, bytes) = if small {
         let (mut bytes, [width, height]) = (Vec::new(), [image.dims.width, image.dims.height].map(u32::from));
         let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);

@@ -345,7 +345,8 @@ function show(index) {
   const [far, near] = frame.range;
   element($("legend"), "span", {}, `${far} px, far`);
   element($("legend"), "i", { style: `background: linear-gradient(to right, ${STOPS.map(c => `rgb(${c})`).join(",")})` });
-  element($("legend"), "span", {}, `near, ${near} px`);
+  const ends = frame.segments.flatMap(segment => [segment.d0, segment.d1]), beyond = ends.filter(d => d < far || d > near).length;
+  element($("legend"), "span", {}, `near, ${near} px${beyond ? `; ${beyond} ends of segments beyond these colours` : ""}`);
   drawImages();
   drawTop();
   drawLists();

@@ -1,71 +1,41 @@
 //! The health of a pair, for people and for JSON.
 
+use crate::engine::FrameResult;
 use linestereo::HealthFlags;
 use linestereo::health::CameraHealth;
 use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
 
-/// Remedy for each flag, in the order of [`Health::NAMES`].
-pub(crate) const ADVICE: [(&str, &str); Health::NAMES.len()] = [
-    ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
-    ("segments_dropped", "more segments than there is memory or time for: those that fit are used"),
-    ("results_skipped", "the port is slower than the board: raise its speed"),
-    ("pair_missing", "a camera gave no picture: check its cable and power"),
-    (
-        "free_running",
-        "the cameras are not triggered together: wire one trigger to both, or trust only what stands still",
-    ),
-    ("left_exposure", "left image too dark or too bright: set its exposure or change the light"),
-    ("right_exposure", "right image too dark or too bright: set its exposure or change the light"),
-    ("left_saturated", "much of the left image is black or white: change its exposure"),
-    ("right_saturated", "much of the right image is black or white: change its exposure"),
-    ("left_dead", "left image has one grey level: check the camera's cable and power"),
-    ("right_dead", "right image has one grey level: check the camera's cable and power"),
-    ("left_covered", "left camera sees next to nothing of what the right one sees: free and clean its lens"),
-    ("right_covered", "right camera sees next to nothing of what the left one sees: free and clean its lens"),
-    ("left_frozen", "left image does not change: restart the camera, check the buffers of its driver"),
-    ("right_frozen", "right image does not change: restart the camera, check the buffers of its driver"),
-    (
-        "left_view",
-        "little of the left rectified image has a source: rectify with a smaller --alpha, or calibrate again",
-    ),
-    (
-        "right_view",
-        "little of the right rectified image has a source: rectify with a smaller --alpha, or calibrate again",
-    ),
-    ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
-    ("skew", "captured too far apart, not matched: trigger both cameras together"),
-    ("rows_off", "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again"),
-    ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
-    ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
-    (
-        "few_matches",
-        "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
-    ),
-    ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
-    ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
-    (
-        "no_parallax",
-        "most of the picture is at the same pixel of both images: is one camera delivered twice? or all that is seen is far",
-    ),
-    (
-        "same_pixel",
-        "something is at the same pixel of both images: a window or lens with dirt, overlaid text, noise of the sensor: remove it, subtract it",
-    ),
-    ("torn", "the lower part of one image is moved sideways: a cable or a buffer loses bytes"),
-    ("rows_far", "rows differ by more than is corrected: calibrate again"),
-];
-
-/// Remedies, a line per flag.
+/// Flags with their remedies: first those by which the pair is not fit to be used, then warnings, then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
-    let is_set = move |name: &str| health.names().any(|set| set == name);
-    ADVICE.into_iter().filter(move |&(name, _)| is_set(name))
+    let mut told: Vec<_> = Health::NAMES.into_iter().zip(Health::ADVICE)
+        .filter(|((flag, _), _)| health.contains(*flag)).collect();
+    told.sort_by_key(|&((flag, _), _)| (is_fit(flag), is_loss(flag)));
+    told.into_iter().map(|(_, told)| told)
+}
+
+/// Results are right, and fewer than the images have.
+fn is_loss(flag: Health) -> bool {
+    (Health::SEGMENTS_DROPPED | Health::RESULTS_SKIPPED).contains(flag)
 }
 
 /// May what is matched be believed? With one of these flags it may be wrong, or from another time; the others cost yield, or warn.
 pub fn is_fit(health: Health) -> bool {
     let of_pair = health.of_pair();
     !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
+}
+
+/// Why nothing of a pair is to be used, with what to do; `None` where something is matched, and may be believed.
+pub fn refusal(result: &FrameResult) -> Option<String> {
+    let told = advice(result.health).next().map(|(flag, what)| format!("{flag}: {what}"));
+    if !is_fit(result.health) {
+        return Some(format!("the pair is not fit to be used; {}", told.unwrap_or_default()));
+    }
+    if !result.matches.is_empty() || !result.points.is_empty() {
+        return None;
+    }
+    let unknown = "give two rectified images of one scene that has texture, left before right";
+    Some(format!("nothing is matched; {}", told.unwrap_or_else(|| unknown.to_owned())))
 }
 
 /// Names of the flags; unnamed ones as a number.
@@ -213,7 +183,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_flag_has_its_advice() {
-        assert_eq!(ADVICE.map(|(name, _)| name), Health::NAMES.map(|(_, name)| name));
+    fn what_has_to_be_acted_on_comes_first() {
+        let all = Health::NAMES.into_iter().fold(Health::GOOD, |all, (flag, _)| all | flag);
+        let told: Vec<&str> = advice(all).map(|(name, _)| name).collect();
+        let place = |name: &str| told.iter().position(|told| *told == name).unwrap();
+        assert_eq!(told.len(), Health::NAMES.len());
+        assert!(place("few_matches") < place("left_exposure") && place("rows_far") < place("exposures_differ"));
+        assert_eq!(told[told.len() - 2..], ["segments_dropped", "results_skipped"]);
     }
 }

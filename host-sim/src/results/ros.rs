@@ -4,6 +4,7 @@
 //! /linestereo/points         sensor_msgs/PointCloud2: x, y, z, confidence      with a rig
 //! /linestereo/segments       visualization_msgs/Marker, a list of lines        with a rig
 //! /linestereo/objects        visualization_msgs/MarkerArray                    where objects are given
+//! /linestereo/detections     vision_msgs/Detection3DArray                      the same for other programs
 //! /linestereo/health         diagnostic_msgs/DiagnosticArray                   always
 //! /linestereo/disparity      stereo_msgs/DisparityImage                        where it is asked for
 //! /linestereo/left/image_rect, camera_info, right/..                           where they are asked for
@@ -13,7 +14,7 @@
 
 use super::health;
 use crate::engine::FrameResult;
-use linestereo::{Dims, Disparity, ImagePosition, Params, Position, Rig};
+use linestereo::{Area, Dims, Disparity, ImagePosition, Params, Position, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_recordings::mcap::Writer;
 use linestereo_recordings::ros::messages::{DisparityImage, Image, RegionOfInterest};
@@ -26,6 +27,7 @@ use std::io::{self, Write};
 const POINTS: Topic = Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
 const SEGMENTS: Topic = Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
 const OBJECTS: Topic = Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
+const DETECTIONS: Topic = Topic { name: "/linestereo/detections", package: "vision_msgs", message: "Detection3DArray" };
 const HEALTH: Topic = Topic { name: "/linestereo/health", package: "diagnostic_msgs", message: "DiagnosticArray" };
 const DISPARITY: Topic = Topic { name: "/linestereo/disparity", package: "stereo_msgs", message: "DisparityImage" };
 const IMAGES: [Topic; 2] = [
@@ -84,6 +86,7 @@ impl<W: Write> RosFile<W> {
             self.send(SEGMENTS, stamp, &sent::lines(stamp, &lines(rig, result)))?;
             if let Some(labels) = &frame.objects {
                 self.send(OBJECTS, stamp, &sent::labels(stamp, labels))?;
+                self.send(DETECTIONS, stamp, &sent::detections(stamp, labels))?;
             }
         }
         if self.extras.contains(&Extra::Disparity) {
@@ -180,11 +183,14 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
     result.matches.iter().filter_map(line).collect()
 }
 
-/// The place of an object with this disparity at a pixel.
-pub fn label(rig: &Rig, [x, y]: [f64; 2], disparity_px: f64, text: String, confidence: f64) -> Option<Label> {
-    let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
+/// What is said of an object, at the middle of its area, with the size of that area at its depth.
+pub fn placed(rig: &Rig, area: Area, disparity_px: f64, said: Label) -> Option<Label> {
+    let middle = |from: u16, to: u16| Position::saturating_from_num((f64::from(from) + f64::from(to) - 1.0) / 2.0);
+    let at = ImagePosition { x: middle(area.left, area.right), y: middle(area.top, area.bottom) };
     let position = point(rig, at, Disparity::saturating_from_num(disparity_px))?;
-    Some(Label { position, text, confidence: confidence as f32 })
+    let metres_a_pixel = position[2] * 65_536.0 / rig.focal_q16() as f64;
+    let size = [area.right - area.left, area.bottom - area.top].map(|px| f64::from(px) * metres_a_pixel);
+    Some(Label { position, size, ..said })
 }
 
 fn projection(rig: &Rig, numbers: Option<RigUpdate>) -> Projection {

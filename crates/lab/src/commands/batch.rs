@@ -31,7 +31,9 @@ impl BatchArgs {
 pub(crate) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collected> {
     let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for folder in folders {
-        let found = Dataset::find(folder)?;
+        let strict = Dataset::find(folder);
+        // What is no scene, or a broken one, costs itself alone.
+        let found = if needs_truth { strict? } else { strict.or_else(|_| Dataset::sequence(folder, false))? };
         for (layout, count) in layouts(&found.pairs) {
             let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
             notes.push(format!("{name}{count} pairs, layout: {layout}"));

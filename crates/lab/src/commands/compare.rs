@@ -126,19 +126,34 @@ pub fn run(args: &Args) -> Result<()> {
     notes.splice(..0, found.notes);
     let pairs: Vec<(usize, StoredPair)> = found.pairs.into_iter().enumerate().collect();
     let name = |(_, pair): &(usize, StoredPair)| pair.name.clone();
-    let mut compared = for_each_pair(&pairs, args.batch.threads(), name, |(place, pair)| {
-        rivals.compare(&args.load(pair)?, args.picture.is_some() && *place < DRAWN)
+    // A pair that cannot be loaded costs itself alone.
+    let outcomes = for_each_pair(&pairs, args.batch.threads(), name, |(place, pair)| {
+        let scene = match args.load(pair) {
+            Ok(scene) => scene,
+            Err(error) => return Ok(Err(error.context(pair.name.clone()))),
+        };
+        rivals.compare(&scene, args.picture.is_some() && *place < DRAWN).map(|compared| Ok((pair, compared)))
     })?;
+    let (mut compared, mut left_out) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        outcome.map_or_else(|error| left_out.push(error), |found| compared.push(found));
+    }
+    if let Some(first) = left_out.first() {
+        if compared.is_empty() {
+            bail!("no pair can be compared; {first:#}");
+        }
+        notes.push(format!("{} pairs were left out, the first: {first:#}", left_out.len()));
+    }
     if !args.no_times {
-        let progress = timed_bar(pairs.len());
-        for ((_, pair), compared) in pairs.iter().zip(&mut compared) {
+        let progress = timed_bar(compared.len());
+        for (pair, compared) in &mut compared {
             progress.set_message(format!("timing {}", pair.name));
             rivals.time(&args.load(pair)?, compared)?;
             progress.inc(1);
         }
         progress.finish_and_clear();
     }
-    args.write(compared, &notes)
+    args.write(compared.into_iter().map(|(_, compared)| compared).collect(), &notes)
 }
 
 /// Everything that matches.
@@ -223,9 +238,9 @@ impl Args {
         let mut scene = Scene {
             name: left_path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
             folder: left_path.parent().unwrap_or(Path::new("")).to_path_buf(),
+            max_disparity: DEFAULT_MAX_DISPARITY.min(left.dims.width.saturating_sub(1)),
             left,
             right,
-            max_disparity: DEFAULT_MAX_DISPARITY,
             rig: None,
             rig_numbers: None,
             truth: None,

@@ -10,6 +10,9 @@ pub enum RecordingFault {
     /// The file is damaged, or another one.
     #[error("{0}")]
     File(McapFault),
+    /// A folder, or a file that is packed, which is not read as it is.
+    #[error("{}", printable(.0))]
+    Folder(String),
     /// More than is counted.
     #[error("it has more {0} than are read; split it with `mcap filter`")]
     TooMany(&'static str),

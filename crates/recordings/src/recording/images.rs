@@ -23,20 +23,22 @@ fn compressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
 
 fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     let image = kind.image(message).ok_or(EARLY)?;
-    let layout = match &*image.encoding {
-        "mono8" | "8UC1" => PixelBytes::Grey,
+    let is_mosaic = image.encoding.starts_with("bayer_");
+    let encoding = if is_mosaic { bayer(&image.encoding) } else { &image.encoding };
+    let layout = match encoding {
+        // Rows of luma come first, those of colour behind them.
+        "mono8" | "8UC1" | "nv12" | "nv21" | "nv24" => PixelBytes::Grey,
+        "yuv422" | "uyvy" => PixelBytes::Luma { at: 1 },
+        "yuv422_yuy2" | "yuyv" => PixelBytes::Luma { at: 0 },
         "mono16" | "16UC1" if image.is_bigendian != 0 => PixelBytes::Grey16(u16::from_be_bytes),
         "mono16" | "16UC1" => PixelBytes::Grey16(u16::from_le_bytes),
         "rgb8" => PixelBytes::Colour { red: 0, blue: 2, bytes: 3 },
         "bgr8" | "8UC3" => PixelBytes::Colour { red: 2, blue: 0, bytes: 3 },
         "rgba8" => PixelBytes::Colour { red: 0, blue: 2, bytes: 4 },
         "bgra8" | "8UC4" => PixelBytes::Colour { red: 2, blue: 0, bytes: 4 },
-        bayer if bayer.starts_with("bayer") => {
-            return Err(format!("{bayer} is a mosaic of colours; record what image_proc's debayer node makes of it"));
-        }
         other => {
             let other: String = other.chars().take(24).collect();
-            return Err(format!("the encoding \"{other}\" is not read; record mono8, mono16, rgb8 or bgr8"));
+            return Err(format!("the encoding \"{other}\" is not read; record mono8, mono16, rgb8, bgr8, bayer_rggb8 or yuv422"));
         }
     };
     let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
@@ -49,5 +51,65 @@ fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
         ));
     }
     let rows = image.data.chunks_exact(step).take(height).map(|bytes| &bytes[..row]);
-    StoredGray::of_rows([image.width, image.height], layout, rows)
+    let stored = StoredGray::of_rows([image.width, image.height], layout, rows)?;
+    Ok(if is_mosaic { stored.of_mosaic() } else { stored })
+}
+
+/// The encoding of a mosaic's values; of one that is not known its own name.
+fn bayer(encoding: &str) -> &str {
+    let (order, bits) = encoding.trim_start_matches("bayer_").split_at_checked(4).unwrap_or_default();
+    match (order, bits) {
+        ("rggb" | "bggr" | "gbrg" | "grbg", "8") => "mono8",
+        ("rggb" | "bggr" | "gbrg" | "grbg", "16") => "mono16",
+        _ => encoding,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ros::messages::{Header, Image};
+    use linestereo_frames::grey::Values;
+
+    fn read(encoding: &str, [width, height]: [u32; 2], data: &[u8], step: u32) -> Result<Values, String> {
+        let header = Header::default();
+        let image = Image { header, height, width, encoding: encoding.to_owned(), is_bigendian: 0, step, data: data.into() };
+        let message = crate::ros::cdr::write(&image).unwrap();
+        grey(&message, Kind { content: Content::Image, is_foxglove: false }).map(|stored| stored.values)
+    }
+
+    #[test]
+    fn yuv_gives_its_luma() {
+        let eight = |values| if let Ok(Values::Eight(values)) = values { values } else { Vec::new() };
+        let bytes = [128, 10, 129, 20, 130, 30, 131, 40];
+        for encoding in ["yuv422", "uyvy"] {
+            assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), [10, 20, 30, 40], "{encoding}");
+        }
+        for encoding in ["yuv422_yuy2", "yuyv"] {
+            assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), [128, 129, 130, 131], "{encoding}");
+        }
+        assert_eq!(eight(read("nv21", [2, 2], &[1, 2, 3, 4, 99, 99], 2)), [1, 2, 3, 4]);
+        assert!(read("yuv422", [2, 2], &bytes[..7], 4).is_err() && read("yuv422_v210", [2, 2], &bytes, 4).is_err());
+    }
+
+    #[test]
+    fn a_mosaic_of_one_colour_is_one_grey() {
+        let [red, green, blue] = [200_u8, 100, 40];
+        let grey_of = (u32::from(red) + 2 * u32::from(green) + u32::from(blue)) / 4;
+        for (order, square) in [
+            ("rggb", [red, green, green, blue]),
+            ("bggr", [blue, green, green, red]),
+            ("gbrg", [green, blue, red, green]),
+            ("grbg", [green, red, blue, green]),
+        ] {
+            let at = |i: usize| square[2 * (i / 6 % 2) + i % 6 % 2];
+            let pixels: Vec<u8> = (0..30).map(at).collect();
+            let Ok(Values::Eight(found)) = read(&format!("bayer_{order}8"), [6, 5], &pixels, 6) else { panic!("{order}") };
+            assert!(found.iter().all(|&grey| u32::from(grey) == grey_of), "{order} {found:?}");
+            let wide: Vec<u8> = pixels.iter().flat_map(|&value| (4 * u16::from(value)).to_le_bytes()).collect();
+            let Ok(Values::Sixteen(found)) = read(&format!("bayer_{order}16"), [6, 5], &wide, 12) else { panic!("{order}") };
+            assert!(found.iter().all(|&grey| u32::from(grey) == 4 * grey_of), "{order} {found:?}");
+        }
+        assert!(read("bayer_rgbg8", [2, 2], &[0; 4], 2).unwrap_err().contains("bayer_rgbg8"));
+    }
 }

@@ -1,10 +1,12 @@
-//! A recording of ROS 2 or Foxglove (`.mcap`): which of its images are pairs, what their calibration says, and the images themselves.
+//! A recording of ROS 2 or Foxglove (`.mcap`, or a folder of them): which of its images are pairs, what their calibration says, and the images themselves.
 //!
 //! ```text
+//! files     the MCAP files of a recording, in their order
 //! topics    every topic with images or a calibration -> the left and the right one
 //! pairing   times of both -> pairs; the rest is counted
 //! rig       CameraInfo of both -> focal length, baseline, principal points; of raw images the rig that rectifies them
 //! images    a message -> grey values
+//! detections   what a detector found, by time
 //! ```
 //!
 //! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
@@ -12,7 +14,9 @@
 //! # Bounds
 //! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
 
+mod detections;
 mod fault;
+mod files;
 mod images;
 mod pairing;
 mod rig;
@@ -27,10 +31,13 @@ use linestereo_frames::untrusted::printable;
 use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, StoredPair, Views};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use tempfile::TempDir;
 
+pub use detections::{Detection, Detections};
 pub use fault::RecordingFault;
+use files::Files;
+pub use files::{is_mcap, is_recording};
 pub use topics::{Choice, DEFAULT_WINDOW_MS};
 
 /// Most images of a recording: two hours and a half of a pair thirty times a second.
@@ -42,6 +49,8 @@ const MOST_NAME_BYTES: usize = 1024;
 /// An image of a topic.
 #[derive(Clone, Copy, Debug)]
 struct Stored {
+    /// Number of the file.
+    file: u16,
     place: Place,
     stamp_ns: i64,
     kind: Kind,
@@ -62,7 +71,7 @@ struct Topic {
 /// A recording that was scanned.
 pub struct Recording {
     path: PathBuf,
-    reader: Mutex<Reader>,
+    files: Files,
     pairs: Vec<[Stored; 2]>,
     topics: [String; 2],
     frame_id: String,
@@ -85,17 +94,12 @@ impl fmt::Debug for Recording {
     }
 }
 
-/// Is this a recording, by its name?
-#[must_use]
-pub fn is_recording(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
-}
-
 /// Pairs of a recording in the order of their times, and the number of images without a partner.
 pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
     let fault = |fault| FrameError::Source(path.to_path_buf(), Box::new(fault));
-    let mut reader = Reader::open(path).map_err(|error| fault(error.into()))?;
-    let all = scanned(&mut reader).map_err(fault)?;
+    let mut scan = Scan::default();
+    let files = Files::open(path, |reader, file| scan.file(reader, file))?;
+    let all = scan.topics().map_err(fault)?;
     let chosen = choice.topics(&all).map_err(fault)?;
     let counts = chosen.map(|topic| topic.images.len());
     let (pairs, alone) = pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
@@ -103,16 +107,16 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
         return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
     }
     let infos = choice.infos(&all, chosen);
-    let (rig, told, files) = rig::of(path, chosen.map(|topic| topic.name.as_str()), infos).map_err(fault)?;
+    let (rig, told, folder) = rig::of(path, chosen.map(|topic| topic.name.as_str()), infos).map_err(fault)?;
     let recording = Arc::new(Recording {
         path: path.to_path_buf(),
-        reader: Mutex::new(reader),
+        files,
         pairs,
         topics: chosen.map(|topic| topic.name.clone()),
         frame_id: chosen[0].frame_id.clone(),
         window_ms: choice.window_ms,
         rig: told,
-        _files: files,
+        _files: folder,
     });
     let pairs = (0..recording.pairs.len()).map(|index| {
         let stamp = recording.pairs[index][0].stamp_ns;
@@ -125,63 +129,77 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
     Ok((pairs.collect(), alone, recording))
 }
 
-/// Every topic with images or a calibration.
-fn scanned(reader: &mut Reader) -> Result<Vec<Topic>, RecordingFault> {
-    let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
-    let (mut topics, mut names) = (Vec::<Topic>::new(), HashMap::new());
-    let (mut images, mut foreign) = (0, None);
-    reader.scan(|record, place| -> Result<(), RecordingFault> {
-        match record {
-            Record::Schema { header, .. } => {
-                _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
-            }
-            Record::Channel(channel) => {
-                let (schema, encoding) =
-                    (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
-                let Some(kind) = Kind::of(schema, &encoding) else {
-                    if schema.ends_with("Image") && foreign.is_none() {
-                        foreign = Some(format!("{schema} in {encoding}"));
+/// Every topic with images or a calibration, of all files.
+#[derive(Default)]
+struct Scan {
+    topics: Vec<Topic>,
+    names: HashMap<String, usize>,
+    images: usize,
+    /// Images of a kind that is not read.
+    foreign: Option<String>,
+}
+
+impl Scan {
+    fn file(&mut self, reader: &mut Reader, file: u16) -> Result<(), RecordingFault> {
+        let Self { topics, names, images, foreign } = self;
+        let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+        reader.scan(|record, place| -> Result<(), RecordingFault> {
+            match record {
+                Record::Schema { header, .. } => {
+                    _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
+                }
+                Record::Channel(channel) => {
+                    let (schema, encoding) =
+                        (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
+                    let Some(kind) = Kind::of(schema, &encoding) else {
+                        if schema.ends_with("Image") && foreign.is_none() {
+                            *foreign = Some(format!("{schema} in {encoding}"));
+                        }
+                        channels.remove(&channel.id);
+                        return Ok(());
+                    };
+                    let name = channel.topic;
+                    if name.len() > MOST_NAME_BYTES {
+                        return Err(RecordingFault::TooMany("bytes in the name of a topic"));
                     }
-                    channels.remove(&channel.id);
-                    return Ok(());
-                };
-                let name = channel.topic;
-                if name.len() > MOST_NAME_BYTES {
-                    return Err(RecordingFault::TooMany("bytes in the name of a topic"));
+                    let at = names.get(&name).copied().unwrap_or(topics.len());
+                    if at == MOST_TOPICS {
+                        return Err(RecordingFault::TooMany("topics"));
+                    }
+                    if at == topics.len() {
+                        names.insert(name.clone(), at);
+                        topics.push(Topic::new(name, kind.content));
+                    }
+                    channels.insert(channel.id, (at, kind));
                 }
-                let at = names.get(&name).copied().unwrap_or(topics.len());
-                if at == MOST_TOPICS {
-                    return Err(RecordingFault::TooMany("topics"));
+                Record::Message { header, data } => {
+                    let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
+                    let topic = &mut topics[at];
+                    if kind.content == Content::Calibration {
+                        return topic.calibrated(&data, kind);
+                    }
+                    *images += 1;
+                    if *images > MOST_IMAGES {
+                        return Err(RecordingFault::TooMany("images"));
+                    }
+                    topic.take(&data, header.log_time, (file, place), kind)?;
                 }
-                if at == topics.len() {
-                    names.insert(name.clone(), at);
-                    topics.push(Topic::new(name, kind.content));
-                }
-                channels.insert(channel.id, (at, kind));
+                _ => {}
             }
-            Record::Message { header, data } => {
-                let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
-                let topic = &mut topics[at];
-                if kind.content == Content::Calibration {
-                    return topic.calibrated(&data, kind);
-                }
-                images += 1;
-                if images > MOST_IMAGES {
-                    return Err(RecordingFault::TooMany("images"));
-                }
-                topic.take(&data, header.log_time, place, kind)?;
-            }
-            _ => {}
-        }
-        Ok(())
-    })?;
-    if !topics.iter().any(Topic::has_images) {
-        let found = foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
-        return Err(RecordingFault::Topics(format!(
-            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
-        )));
+            Ok(())
+        })
     }
-    Ok(topics)
+
+    /// All of them; an error where none has images.
+    fn topics(self) -> Result<Vec<Topic>, RecordingFault> {
+        if self.topics.iter().any(Topic::has_images) {
+            return Ok(self.topics);
+        }
+        let found = self.foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
+        Err(RecordingFault::Topics(format!(
+            "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
+        )))
+    }
 }
 
 impl Topic {
@@ -201,7 +219,7 @@ impl Topic {
         )
     }
 
-    fn take(&mut self, data: &[u8], log_time: u64, place: Place, kind: Kind) -> Result<(), RecordingFault> {
+    fn take(&mut self, data: &[u8], log_time: u64, (file, place): (u16, Place), kind: Kind) -> Result<(), RecordingFault> {
         let header = kind.header(data).ok_or_else(|| self.broken())?;
         if self.images.is_empty() {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
@@ -209,7 +227,7 @@ impl Topic {
         // Nobody set it: the time of the recorder.
         let stamp_ns = header.stamp_ns();
         let stamp_ns = if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
-        self.images.push(Stored { place, stamp_ns, kind });
+        self.images.push(Stored { file, place, stamp_ns, kind });
         Ok(())
     }
 
@@ -229,7 +247,7 @@ impl PairSource for RecordedPair {
     }
 
     fn paths(&self) -> [&Path; 2] {
-        [&self.recording.path; 2]
+        self.recording.pairs[self.index].map(|image| self.recording.files.path(image.file))
     }
 
     fn times_us(&self) -> Option<[u64; 2]> {
@@ -254,10 +272,9 @@ impl RecordedPair {
 
     fn image(&self, eye: usize) -> Result<StoredGray, FrameError> {
         let recording = &self.recording;
-        let fault = |fault| FrameError::Source(recording.path.clone(), Box::new(fault));
-        let Stored { place, kind, .. } = recording.pairs[self.index][eye];
-        let message = recording.reader.lock().unwrap_or_else(PoisonError::into_inner).message(place);
-        let message = message.map_err(|error| fault(error.into()))?;
+        let Stored { file, place, kind, .. } = recording.pairs[self.index][eye];
+        let fault = |fault| FrameError::Source(recording.files.path(file).to_path_buf(), Box::new(fault));
+        let message = recording.files.message(file, place).map_err(|error| fault(error.into()))?;
         images::grey(&message, kind).map_err(|what| fault(RecordingFault::Image(recording.topics[eye].clone(), what)))
     }
 }
@@ -269,6 +286,12 @@ impl Recording {
         let [left, right] = &self.topics;
         let text = format!("{left} and {right}, paired within {} ms; {}", self.window_ms, self.rig);
         printable(&text).into_owned()
+    }
+
+    /// Longest time between two messages of one pair, ms.
+    #[must_use]
+    pub fn window_ms(&self) -> f64 {
+        self.window_ms
     }
 
     /// Name of the left camera's frame.

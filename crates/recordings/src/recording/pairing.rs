@@ -38,7 +38,7 @@ mod tests {
     const IMAGE: Kind = Kind { content: Content::Image, is_foxglove: false };
 
     fn at(times: &[i64]) -> Vec<Stored> {
-        times.iter().map(|&stamp_ns| Stored { place: Place::default(), stamp_ns, kind: IMAGE }).collect()
+        times.iter().map(|&stamp_ns| Stored { file: 0, place: Place::default(), stamp_ns, kind: IMAGE }).collect()
     }
 
     fn paired(left: &[i64], right: &[i64], window: u64) -> (Vec<[i64; 2]>, usize) {

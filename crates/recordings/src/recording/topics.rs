@@ -130,7 +130,7 @@ mod tests {
 
     fn topics(names: &[&str]) -> Vec<Topic> {
         let image =
-            Stored { place: Place::default(), stamp_ns: 0, kind: Kind { content: Content::Image, is_foxglove: false } };
+            Stored { file: 0, place: Place::default(), stamp_ns: 0, kind: Kind { content: Content::Image, is_foxglove: false } };
         let topic = |name: &&str| {
             let content = match *name {
                 name if name.ends_with("info") => Content::Calibration,

@@ -113,7 +113,7 @@ pub struct DisparityImage<'a> {
 }
 
 /// `geometry_msgs/msg/Pose`, its orientation as x, y, z, w.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     pub position: [f64; 3],
     pub orientation: [f64; 4],
@@ -172,4 +172,54 @@ pub struct DiagnosticStatus {
 pub struct DiagnosticArray {
     pub header: Header,
     pub status: Vec<DiagnosticStatus>,
+}
+
+/// `geometry_msgs/msg/PoseWithCovariance`: 36 numbers by rows, in two halves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PoseWithCovariance {
+    pub pose: Pose,
+    pub covariance: [[f64; 18]; 2],
+}
+
+/// `vision_msgs/msg/ObjectHypothesisWithPose`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectHypothesisWithPose {
+    pub class_id: String,
+    pub score: f64,
+    pub pose: PoseWithCovariance,
+}
+
+/// `vision_msgs/msg/Detection2D`; the centre of its box is x, y and an angle.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Detection2D {
+    pub header: Header,
+    pub results: Vec<ObjectHypothesisWithPose>,
+    pub center: [f64; 3],
+    pub size_x: f64,
+    pub size_y: f64,
+    pub id: String,
+}
+
+/// `vision_msgs/msg/Detection2DArray`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Detection2DArray {
+    pub header: Header,
+    pub detections: Vec<Detection2D>,
+}
+
+/// `vision_msgs/msg/Detection3D`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Detection3D {
+    pub header: Header,
+    pub results: Vec<ObjectHypothesisWithPose>,
+    pub center: Pose,
+    pub size: [f64; 3],
+    pub id: String,
+}
+
+/// `vision_msgs/msg/Detection3DArray`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Detection3DArray {
+    pub header: Header,
+    pub detections: Vec<Detection3D>,
 }

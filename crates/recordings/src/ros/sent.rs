@@ -2,8 +2,8 @@
 //! y down, z forward (REP 103).
 
 use super::messages::{
-    CameraInfo, DiagnosticArray, DiagnosticStatus, Header, Image, Marker, MarkerArray, PointCloud2, PointField, Pose,
-    Time,
+    CameraInfo, Detection3D, Detection3DArray, DiagnosticArray, DiagnosticStatus, Header, Image, Marker, MarkerArray,
+    ObjectHypothesisWithPose, PointCloud2, PointField, Pose, PoseWithCovariance, Time,
 };
 
 /// When and where a pair was seen.
@@ -38,8 +38,8 @@ pub struct Line {
     pub confidence: f32,
 }
 
-/// A place with a word about it.
-#[derive(Clone, Debug)]
+/// An object in space, with a word about it.
+#[derive(Clone, Debug, Default)]
 pub struct Label {
     /// Where.
     pub position: [f64; 3],
@@ -47,6 +47,16 @@ pub struct Label {
     pub text: String,
     /// Probability.
     pub confidence: f32,
+    /// What its detector says it is.
+    pub class: String,
+    /// How sure the detector is.
+    pub score: f64,
+    /// What the detector calls its track.
+    pub id: String,
+    /// Width and height of its box at its depth, m.
+    pub size: [f64; 2],
+    /// Standard deviation of the depth, m.
+    pub sigma_m: f64,
 }
 
 /// A rig of rectified images.
@@ -166,6 +176,27 @@ pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
         markers.extend([ball, text]);
     }
     MarkerArray { markers }
+}
+
+/// The same for other programs: boxes at the depths of their objects, which are 0 deep, since nobody knows how deep they are. The variance of z is
+/// in the covariance.
+#[must_use]
+pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
+    let detection = |label: &Label| {
+        let center = Pose { position: label.position, orientation: [0.0, 0.0, 0.0, 1.0] };
+        let mut covariance = [[0.0; 18]; 2];
+        covariance[0][14] = label.sigma_m * label.sigma_m;
+        let pose = PoseWithCovariance { pose: center, covariance };
+        let [width, height] = label.size;
+        Detection3D {
+            header: stamp.into(),
+            results: vec![ObjectHypothesisWithPose { class_id: label.class.clone(), score: label.score, pose }],
+            center,
+            size: [width, height, 0.0],
+            id: label.id.clone(),
+        }
+    };
+    Detection3DArray { header: stamp.into(), detections: labels.iter().map(detection).collect() }
 }
 
 /// A white marker that is not turned and stays until the next one.

@@ -79,7 +79,7 @@ fn time_us(pair: &StoredPair) -> Option<u64> {
 impl Show<'_> {
     /// Matches and shows a pair; false where no more will come.
     fn pair(&mut self, number: u64, pair: &StoredPair, found: &Footage) -> Result<bool> {
-        let outcome = self.player.next(pair, &ObjectArgs::default());
+        let outcome = self.player.next(pair, &ObjectArgs::default().open(Path::new(""), found)?);
         if outcome.is_err() && (interruption::requested() || has_ended(found)) {
             return Ok(false);
         }
