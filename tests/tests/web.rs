@@ -10,7 +10,6 @@ use linestereo_frames::GrayImage;
 use linestereo_frames::{PairFiles, area_average, load_images};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::report::browser::Browser;
-use linestereo_sim::report::web::{self, MOST_BYTES, WebPage};
 use linestereo_tests::board::or_skip;
 use linestereo_tests::drawn::Random;
 use serde_json::{Value, json};
@@ -18,6 +17,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
+use xtask::web::{self, MOST_BYTES, WebPage};
 
 const TESTS: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -238,9 +238,17 @@ fn what_is_no_image_is_refused_by_what_to_do() {
             "a width of 81 px is not between 1 and the image's 80; images are only ever reduced",
         ),
         (vec![], 0, "give two images, or one with both side by side"),
+        // One photo is cut in two where somebody says so.
+        (
+            vec![file("photo.png", &good)],
+            0,
+            "one image of 160x120 is no pair; give the other one too, or say that it holds both",
+        ),
     ];
-    let tasks =
-        cases.iter().map(|(files, width, _)| json!({"files": files, "width": width, "out": folder.path().join("out")}));
+    let out = folder.path().join("out");
+    let is_photo = |files: &[PathBuf]| files.iter().any(|file| file.ends_with("photo.png"));
+    let task = |(files, width, _): &(Vec<PathBuf>, u32, &str)| json!({"files": files, "both": !is_photo(files), "width": width, "out": out});
+    let tasks = cases.iter().map(task);
     for (found, (files, _, expected)) in in_node(page, tasks.collect()).iter().zip(&cases) {
         assert_eq!(found["refused"], *expected, "{files:?}");
     }

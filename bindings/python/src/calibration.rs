@@ -10,11 +10,18 @@ use linestereo_rig::{CameraSide, RigImage, View};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::path::PathBuf;
 
 /// Numbers of a rectified pair.
 #[pyclass(frozen, module = "linestereo")]
-pub(crate) struct Rig(pub(crate) linestereo::Rig);
+pub(crate) struct Rig {
+    pub(crate) rig: linestereo::Rig,
+    numbers: RigNumbers,
+}
+
+/// What it is made of: focal length, baseline, offset and principal point.
+type RigNumbers = (f32, f32, f32, Option<[f32; 2]>);
 
 #[pymethods]
 impl Rig {
@@ -26,23 +33,28 @@ impl Rig {
         disparity_offset_px: f32,
         principal_point_px: Option<[f32; 2]>,
     ) -> PyResult<Self> {
-        let rig = linestereo::Rig::new(focal_px, baseline_m, disparity_offset_px).map_err(refused)?;
-        match principal_point_px {
-            Some(point) => rig.with_principal_point(point).map_err(refused).map(Self),
-            None => Ok(Self(rig)),
+        let mut rig = linestereo::Rig::new(focal_px, baseline_m, disparity_offset_px).map_err(refused)?;
+        if let Some(point) = principal_point_px {
+            rig = rig.with_principal_point(point).map_err(refused)?;
         }
+        Ok(Self { rig, numbers: (focal_px, baseline_m, disparity_offset_px, principal_point_px) })
+    }
+
+    /// For `pickle` and `copy`.
+    fn __getnewargs__(&self) -> RigNumbers {
+        self.numbers
     }
 
     /// In px.
     #[getter]
     fn focal_px(&self) -> f64 {
-        self.0.focal_q16() as f64 / 65536.0
+        self.rig.focal_q16() as f64 / 65536.0
     }
 
     /// In m.
     #[getter]
     fn baseline_m(&self) -> f64 {
-        self.0.focal_baseline_q16() as f64 / self.0.focal_q16() as f64
+        self.rig.focal_baseline_q16() as f64 / self.rig.focal_q16() as f64
     }
 
     fn __repr__(&self) -> String {
@@ -53,9 +65,8 @@ impl Rig {
 /// A calibrated pair of cameras, and the view that its images are rectified to.
 #[pyclass(module = "linestereo")]
 pub(crate) struct Calibration {
+    image: RigImage,
     pub(crate) rig: linestereo::Rig,
-    raw: Dims,
-    dims: Dims,
     pub(crate) usable: [Vec<Span>; 2],
     rectifier: PairRectifier,
 }
@@ -72,27 +83,51 @@ impl Calibration {
         let most = range.max_disparity.min(dims.width.saturating_sub(1));
         let view = focal_px.map_or(View::Alpha(alpha), View::Focal);
         let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
-        let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
-        let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
-        Ok(Self { rig: image.remap().rig().map_err(refused)?, raw, dims, usable, rectifier })
+        Self::of(image)
+    }
+
+    /// From the bytes that boards keep.
+    #[staticmethod]
+    fn _decoded(bytes: &[u8]) -> PyResult<Self> {
+        Self::of(RigImage::decode(bytes).map_err(refused)?)
+    }
+
+    /// For `pickle` and `copy`.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let decode = py.get_type::<Self>().getattr("_decoded")?;
+        Ok((decode, (PyBytes::new(py, &self.image.encode(0)),)))
     }
 
     /// Columns and rows of rectified images.
     #[getter]
     fn size(&self) -> (u16, u16) {
-        (self.dims.width, self.dims.height)
+        let dims = self.image.remap().dims();
+        (dims.width, dims.height)
     }
 
     /// Columns and rows of raw images.
     #[getter]
     fn raw_size(&self) -> (u16, u16) {
-        (self.raw.width, self.raw.height)
+        let dims = self.image.remap().raw_dims();
+        (dims.width, dims.height)
     }
 
     /// The rig of the rectified images.
     #[getter]
-    fn rig(&self) -> Rig {
-        Rig(self.rig)
+    fn rig(&self) -> PyResult<Rig> {
+        let remap = self.image.remap();
+        Rig::new(remap.focal(), remap.baseline(), 0.0, Some(remap.centre()))
+    }
+
+    /// Of each row of the rectified images the first pixel with a source and the one behind the last, left and right.
+    #[getter]
+    fn valid<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<u16>>; 2]> {
+        let [left, right] = CameraSide::BOTH.map(|eye| {
+            let spans = self.rectifier.facts(eye).spans;
+            let ends = spans.iter().flat_map(|span| [span.start, span.end]).collect();
+            Array2::from_shape_vec((spans.len(), 2), ends)
+        });
+        Ok([left.map_err(refused)?.into_pyarray(py), right.map_err(refused)?.into_pyarray(py)])
     }
 
     fn rectify<'py>(
@@ -106,12 +141,19 @@ impl Calibration {
         Ok([array(py, left)?, array(py, right)?])
     }
 
-    fn __repr__(&self) -> String {
-        format!("Calibration(raw_size={:?}, size={:?}, rig={})", self.raw_size(), self.size(), self.rig().__repr__())
+    fn __repr__(&self) -> PyResult<String> {
+        let rig = self.rig()?.__repr__();
+        Ok(format!("Calibration(raw_size={:?}, size={:?}, rig={rig})", self.raw_size(), self.size()))
     }
 }
 
 impl Calibration {
+    fn of(image: RigImage) -> PyResult<Self> {
+        let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
+        let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
+        Ok(Self { rig: image.remap().rig().map_err(refused)?, image, usable, rectifier })
+    }
+
     pub(crate) fn pair(&mut self, [left, right]: &[GrayImage; 2]) -> PyResult<[GrayImage; 2]> {
         let (left, right) = self.rectifier.pair(left, right).map_err(refused)?;
         for (image, usable) in [&left, &right].into_iter().zip(&self.usable) {

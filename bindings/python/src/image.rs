@@ -38,8 +38,21 @@ fn refusal(array: &Bound<'_, PyAny>, name: &str) -> PyErr {
     } else if array.ndim() != 2 {
         format!("{name} has shape {shape:?}: give grey of shape (rows, columns)")
     } else {
-        format!("{name} has dtype {kind}: give uint8, 0 to 255; (image >> 8).astype(numpy.uint8) makes it of 16 bits")
+        format!("{name} has dtype {kind}: give uint8, 0 to 255{}", conversion(&kind))
     })
+}
+
+/// How an array of this type becomes one of bytes.
+fn conversion(kind: &str) -> &'static str {
+    if kind.starts_with("float") {
+        "; (255 * image).round().astype(numpy.uint8) where 1.0 is white, image.round().astype(numpy.uint8) where 255 is"
+    } else if kind == "bool" {
+        "; (255 * image).astype(numpy.uint8) makes it of a mask"
+    } else if kind.contains("int16") {
+        "; (image >> 8).astype(numpy.uint8) makes it of 16 bits, (image >> 2) of 10"
+    } else {
+        ""
+    }
 }
 
 /// The core's view of an image, and of its valid pixels where they are not all.

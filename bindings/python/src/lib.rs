@@ -8,6 +8,7 @@ mod records;
 
 use core::fmt::Display;
 use linestereo::HealthFlags;
+use linestereo_wire::Health;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -22,6 +23,12 @@ fn fault_names() -> Vec<&'static str> {
     HealthFlags::NAMES.into_iter().map(|(_, name)| name).collect()
 }
 
+/// What to do about a fault; nothing for a name that is none.
+#[pyfunction]
+fn remedy(name: &str) -> Option<&'static str> {
+    Health::ADVICE.into_iter().find(|(known, _)| *known == name).map(|(_, what)| what)
+}
+
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
@@ -29,5 +36,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<calibration::Rig>()?;
     module.add_class::<matcher::Matched>()?;
     module.add_class::<matcher::Matcher>()?;
+    module.add_function(wrap_pyfunction!(remedy, module)?)?;
     module.add_function(wrap_pyfunction!(fault_names, module)?)
 }

@@ -7,9 +7,11 @@ use crate::records::{self, Answer};
 use crate::refused;
 use linestereo::objects::Run;
 use linestereo::scratch::Capacity;
-use linestereo::{Area, Dims, Pair, Params, Plan, Region, Span, Summary};
+use linestereo::image::shrink_to_valid;
+use linestereo::{Area, Dims, Disparity, ImagePosition, Pair, Params, Plan, Position, Region, Span, Summary};
 use linestereo_frames::GrayImage;
-use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray2};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::time::Instant;
@@ -21,6 +23,8 @@ const SEGMENTS: u16 = 4096;
 #[pyclass(module = "linestereo")]
 pub(crate) struct Matcher {
     params: Params,
+    /// Nobody said how far to search.
+    takes_what_fits: bool,
     calibration: Option<Py<Calibration>>,
     state: Option<(Dims, linestereo::Matcher)>,
 }
@@ -30,12 +34,13 @@ impl Matcher {
     #[new]
     #[pyo3(signature = (max_disparity, rig, min_disparity, min_confidence))]
     fn new(
-        max_disparity: u16,
+        max_disparity: Option<u16>,
         rig: Option<&Bound<'_, PyAny>>,
         min_disparity: i16,
         min_confidence: Option<f64>,
     ) -> PyResult<Self> {
-        let mut params = Params { max_disparity, min_disparity, ..Params::default() };
+        let mut params = Params { min_disparity, ..Params::default() };
+        params.max_disparity = max_disparity.unwrap_or(params.max_disparity);
         if let Some(confidence) = min_confidence {
             if !(0.0..1.0).contains(&confidence) {
                 return Err(PyValueError::new_err(format!("min_confidence is {confidence}, allowed are 0.1 to 0.99")));
@@ -45,7 +50,7 @@ impl Matcher {
         let mut calibration = None;
         if let Some(rig) = rig {
             if let Ok(rig) = rig.cast::<Rig>() {
-                params.rig = Some(rig.get().0);
+                params.rig = Some(rig.get().rig);
             } else if let Ok(found) = rig.cast::<Calibration>() {
                 params.rig = Some(found.borrow().rig);
                 calibration = Some(found.clone().unbind());
@@ -53,7 +58,7 @@ impl Matcher {
                 return Err(PyValueError::new_err("rig is neither a Rig nor a Calibration"));
             }
         }
-        Ok(Self { params, calibration, state: None })
+        Ok(Self { params, takes_what_fits: max_disparity.is_none(), calibration, state: None })
     }
 
     #[pyo3(name = "match")]
@@ -63,9 +68,16 @@ impl Matcher {
         left: &Bound<'_, PyAny>,
         right: &Bound<'_, PyAny>,
         times_us: Option<[u64; 2]>,
+        valid: [Option<PyReadonlyArray2<'_, u16>>; 2],
     ) -> PyResult<Matched> {
         let mut images = [grey(left, "left")?, grey(right, "right")?];
         let mut usable = [Vec::new(), Vec::new()];
+        for ((spans, given), image) in usable.iter_mut().zip(valid).zip(&images) {
+            let Some(given) = given else { continue };
+            spans.extend(given.as_array().rows().into_iter().map(|row| Span { start: row[0], end: row[1] }));
+            shrink_to_valid(spans, image.dims.width);
+            view(image, spans)?;
+        }
         if let Some(calibration) = &self.calibration {
             let mut calibration = calibration.bind(py).try_borrow_mut()?;
             usable.clone_from(&calibration.usable);
@@ -85,6 +97,10 @@ impl Matcher {
     ) -> PyResult<Matched> {
         let dims = images[0].dims;
         if self.state.as_ref().is_none_or(|(planned, _)| *planned != dims) {
+            if self.takes_what_fits {
+                let most = dims.width.saturating_sub(1);
+                self.params.max_disparity = Params::DEFAULT.max_disparity.min(most);
+            }
             self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
         }
         let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
@@ -160,6 +176,21 @@ impl Matched {
     #[getter]
     fn segments_found(&self) -> u16 {
         self.summary.counts().segments_left
+    }
+
+    /// Places of these points in space, three numbers of m each; not a number where there is none.
+    fn xyz<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'_, f32>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let Some(rig) = self.plan.rig() else {
+            return Err(PyValueError::new_err("places in space need a rig; give rig=linestereo.Rig(..) to the matcher"));
+        };
+        let (rig, points) = (rig.centred(self.plan.dims()), points.as_array());
+        let place = |[x, y, disparity]: [f32; 3]| {
+            let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
+            let found = rig.xyz(at, Disparity::saturating_from_num(disparity));
+            found.map_or([f64::NAN; 3], |place| place.map(|metres| metres.to_num()))
+        };
+        let places = points.rows().into_iter().flat_map(|row| place([row[0], row[1], row[2]])).collect();
+        Ok(Array2::from_shape_vec((points.nrows(), 3), places).map_err(refused)?.into_pyarray(py))
     }
 
     fn boxes(&mut self, py: Python<'_>, boxes: PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Answer>> {

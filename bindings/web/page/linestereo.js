@@ -7,6 +7,8 @@ const SEGMENTS = 4096;
 const SIZE = { config: 52, image: 20, segment: 36, point: 12 };
 const OWNERS = ["left", "right", "both"];
 const INFINITE = 0x7fffffff;
+/// The pair is not fit to be used: its health says why.
+const UNFIT = 9;
 /// From here on a status says why there is no depth.
 const NO_DEPTH = 100;
 
@@ -80,7 +82,7 @@ export class Matcher {
     const started = performance.now();
     const code = this.core.linestereo_run(this.matcher, this.images[0].at, this.images[1].at, 0);
     const milliseconds = performance.now() - started;
-    this.check(code);
+    if (code !== UNFIT) this.check(code);
     const health = this.health();
     const segments = Array.from({ length: health.matched }, (_, i) => this.segment(i));
     return { milliseconds, health, segments, points: this.pointList() };
@@ -181,9 +183,10 @@ export class Images {
     this.call("add_pixels", width, height);
   }
 
-  /// The images added, as a pair: one image is both side by side. `width` reduces them, 0 does not.
-  pair(width) {
-    this.call("pair", width);
+  /// The images added, as a pair: one image is both side by side, which is to be said of those that are not twice as wide as high. `width` reduces
+  /// them, 0 does not.
+  pair(width, holdsBoth = false) {
+    this.call("pair", width, holdsBoth);
     const size = { width: this.code.width(), height: this.code.height() }, bytes = size.width * size.height;
     const [left, right] = [0, 1].map(side => new Uint8Array(this.code.memory.buffer, this.code.pixels(side), bytes).slice());
     return { ...size, left, right };

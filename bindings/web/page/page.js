@@ -1,5 +1,5 @@
 import { Images, Matcher, Refused, csv } from "./linestereo.js";
-import { dimmed, drawPair, drawTop, inMetres, inWords, item, onBoxes, range, showLegend } from "../../../host-sim/src/report/drawing.js";
+import { dimmed, drawPair, drawTop, inMetres, inPixels, inWords, item, onBoxes, range, showLegend } from "../../../host-sim/src/report/drawing.js";
 // The page: files or a camera -> a pair -> what was matched, drawn, with the depth of boxes.
 
 /// Largest side that the core takes, px, and bytes of a file that are read.
@@ -79,7 +79,7 @@ function settings() {
   const number = id => ($(id).value === "" ? 0 : Number($(id).value));
   const [focal_px, baseline_m] = [number("focal"), number("baseline")];
   if ((focal_px === 0) !== (baseline_m === 0)) throw new Refused("metres need both, focal length and baseline; give the other one, or neither");
-  return { max_disparity: number("max-disparity"), width: number("width"), rig: focal_px ? { focal_px, baseline_m } : null };
+  return { max_disparity: number("max-disparity"), width: number("width"), both: $("both").checked, rig: focal_px ? { focal_px, baseline_m } : null };
 }
 
 /// Left before right by name, else as the names are sorted.
@@ -92,7 +92,7 @@ async function loadFiles() {
   decodedBy = "";
   await images.forget();
   for (const file of files) await add(file);
-  pair = images.pair(settings().width);
+  pair = images.pair(settings().width, settings().both);
   await match(true);
 }
 
@@ -127,7 +127,8 @@ function show() {
   document.querySelector("main").hidden = false;
   const { segments, points, health, milliseconds } = result;
   $("summary").textContent = `${pair.width}x${pair.height}: ${health.matched} of ${health.found} segments matched, ${points.length} points, ${milliseconds.toFixed(1)} ms`;
-  $("names").textContent = [stream ? "Camera, both side by side" : files.map(file => file.name).join(" | "), decodedBy].join(" ");
+  const cut = files.length === 1 ? ", cut in the middle: left | right." : "";
+  $("names").textContent = [stream ? "Camera, both side by side" : files.map(file => file.name).join(" | ") + cut, decodedBy].join(" ");
   $("swap").hidden = files.length !== 2 || stream !== null;
   const faults = health.is_cut ? [...health.names, "segments_dropped"] : health.names;
   $("health").replaceChildren(...faults.map(name => item(`${name}: ${advice.get(name) ?? ""}`, "bad")));
@@ -144,7 +145,8 @@ function list() {
   $("objects").replaceChildren(...boxes.map((box, i) => {
     const made = item(inWords(matcher.box(box), matcher.rig), ""), remove = document.createElement("button");
     remove.textContent = "remove";
-    remove.addEventListener("click", () => { boxes.splice(i, 1); list(); draw(); });
+    remove.setAttribute("aria-label", `remove box ${i + 1}`);
+    remove.addEventListener("click", () => { boxes.splice(i, 1); list(); draw(); $("left").focus({ preventScroll: true }); });
     made.append(remove);
     return made;
   }));
@@ -162,7 +164,7 @@ function showTop(points) {
     const z = rig.focal_px * rig.baseline_m / disparity;
     return { x: (x - (width - 1) / 2) * z / rig.focal_px, z, disparity };
   });
-  $("top-note").textContent = !rig ? "Metres need focal length and baseline." : placed.length ? "" : "Nothing was placed.";
+  $("top-note").textContent = !rig ? "Metres need focal length and baseline." : placed.length ? `${placed.length} points, the nearest at ${inMetres(placed.reduce((least, { z }) => Math.min(least, z), Infinity))}.` : "Nothing was placed.";
   drawTop($("top"), placed, range(result.segments, settings().max_disparity));
 }
 
@@ -194,7 +196,7 @@ function follow() {
       try {
         const { data, width, height } = pixelsOf(video, video.videoWidth, video.videoHeight);
         images.addPixels(data, width, height);
-        pair = images.pair(settings().width);
+        pair = images.pair(settings().width, true);
         await match(false);
       } catch (error) {
         stopCamera();
@@ -240,7 +242,7 @@ $("save").addEventListener("click", () => {
   URL.revokeObjectURL(link.href);
 });
 
-onBoxes($("left"), () => [pair.width, pair.height], box => { dragged = box; draw(); }, box => { boxes.push(box); list(); });
+onBoxes($("left"), () => [pair.width, pair.height], box => { dragged = box; $("box").textContent = inPixels(box); draw(); }, box => { boxes.push(box); list(); });
 
 next(async () => {
   if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") throw new Refused("this browser is too old; use one of 2023 or later");

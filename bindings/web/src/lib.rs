@@ -79,16 +79,20 @@ pub extern "C" fn add_pixels(width: u32, height: u32) -> bool {
     })
 }
 
-/// Makes a pair of what was added since the last one; a width of 0 reduces nothing.
+/// Makes a pair of what was added since the last one; a width of 0 reduces nothing. One image is cut in two where that is said, or where it is at
+/// least twice as wide as high.
 #[unsafe(no_mangle)]
-pub extern "C" fn pair(width: u32) -> bool {
+pub extern "C" fn pair(width: u32, holds_both: bool) -> bool {
     done(|state| {
         let added = core::mem::take(&mut state.added);
         let bits = added.iter().map(StoredGray::bits).max().unwrap_or(8);
         let mut grey = added.into_iter().map(|image| image.into_8_bit(bits));
         let [left, right] = match [grey.next(), grey.next()] {
             [Some(left), Some(right)] => [left, right],
-            [Some(both), _] => halves(&both),
+            [Some(both), _] if holds_both || both.dims.width / 2 >= both.dims.height => halves(&both),
+            [Some(GrayImage { dims, .. }), _] => {
+                return Err(format!("one image of {dims} is no pair; give the other one too, or say that it holds both"));
+            }
             _ => return Err("give two images, or one with both side by side".to_owned()),
         };
         if left.dims != right.dims {

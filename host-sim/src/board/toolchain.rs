@@ -121,7 +121,7 @@ fn host() -> Result<String> {
 }
 
 /// The compiler in use, with the target added if need be. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
-pub(crate) fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
+fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
     let toolchain = Toolchain::in_use();
     let has_target = || {
         let sysroot = sysroot(Command::new("rustc").current_dir(top))?;

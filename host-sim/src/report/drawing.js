@@ -13,6 +13,9 @@ export function inWords({ reason, disparity, sigma, confidence, depth, depth_sig
   return rig ? `${inMetres(depth)} ± ${inMetres(depth_sigma)}, nearest ${inMetres(nearest)}; ${px}, ${sure}` : `${px}, ${sure}`;
 }
 
+/// A box that is drawn in words; nothing without one.
+export const inPixels = box => (box ? `Box: ${box.left},${box.top} to ${box.right},${box.bottom} px` : "");
+
 /// An entry of a list.
 export function item(text, name) {
   const made = document.createElement("li");
@@ -114,7 +117,7 @@ export function drawTop(canvas, points, span, sectors = []) {
   context.lineWidth = 1;
 }
 
-/// Has `drawn` called with each box that the visitor draws, and `dragged` while it is drawn, with null at its end; in px of an image of this `size()`.
+/// Has `drawn` called with each box that the visitor draws, by mouse or by keys, and `dragged` while it is drawn, with null at its end; in px of an image of this `size()`.
 export function onBoxes(canvas, size, dragged, drawn) {
   let box = null;
   const place = event => {
@@ -140,4 +143,28 @@ export function onBoxes(canvas, size, dragged, drawn) {
     dragged(null);
   });
   canvas.addEventListener("pointercancel", () => { box = null; dragged(null); });
+  // Keys: arrows move a box, with Shift they size it, with Ctrl by one pixel; Enter asks for it, Escape drops it.
+  canvas.tabIndex = 0;
+  let held = null;
+  const drop = () => { held = null; dragged(null); };
+  canvas.addEventListener("blur", () => { if (held) drop(); });
+  canvas.addEventListener("keydown", event => {
+    const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key], [width, height] = size();
+    if (!by && !(held && ["Enter", "Escape"].includes(event.key))) return;
+    event.preventDefault();
+    if (!by) {
+      if (event.key === "Enter") drawn({ ...held });
+      return drop();
+    }
+    const middle = side => [Math.round(0.4 * side), Math.round(0.6 * side)], [[left, right], [top, bottom]] = [middle(width), middle(height)];
+    const { ...now } = held ?? { left, top, right, bottom }, step = event.ctrlKey ? 1 : Math.max(1, Math.round(width / 40));
+    const [dx, dy] = by.map(way => way * step), within = (value, least, most) => Math.min(most, Math.max(least, value));
+    if (event.shiftKey) {
+      Object.assign(now, { right: within(now.right + dx, now.left + 1, width), bottom: within(now.bottom + dy, now.top + 1, height) });
+    } else if (held) {
+      const [x, y] = [within(dx, -now.left, width - now.right), within(dy, -now.top, height - now.bottom)];
+      Object.assign(now, { left: now.left + x, right: now.right + x, top: now.top + y, bottom: now.bottom + y });
+    }
+    dragged(held = now);
+  });
 }

@@ -7,7 +7,6 @@
 
 pub mod browser;
 pub mod live;
-pub mod web;
 
 use crate::draw::{ColourRange, gray_png, shown};
 use crate::engine::FrameResult;

@@ -1,4 +1,4 @@
-// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, width, out, rig, runs }] }. Writes the grey images to out-left and
+// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, both, width, out, rig, runs }] }. Writes the grey images to out-left and
 // out-right; with a rig prints a result for each task, as text, and the median time of its runs in ms. A task that is refused prints why.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
@@ -8,11 +8,11 @@ const { page, matcher, images, tasks } = JSON.parse(readFileSync(0, "utf8"));
 const { Images, Matcher, Refused, csv } = await import(pathToFileURL(`${page}/linestereo.js`));
 const [matching, reading] = await Promise.all([matcher, images].map(path => WebAssembly.compile(readFileSync(path))));
 const done = [];
-for (const { files, width, out, rig, runs } of tasks) {
+for (const { files, both = true, width, out, rig, runs } of tasks) {
   try {
     const reader = await Images.make(reading);
     files.forEach(file => reader.addFile(readFileSync(file)));
-    const pair = reader.pair(width);
+    const pair = reader.pair(width, both);
     for (const side of ["left", "right"]) writeFileSync(`${out}-${side}`, pair[side]);
     if (!rig) {
       done.push({ size: [pair.width, pair.height] });

@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Any, FrozenSet, List, Optional, Tuple, Union
+from typing import Any, Dict, FrozenSet, List, Optional, Tuple, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _core
 from ._core import Calibration, Rig, __version__
@@ -37,8 +38,11 @@ within 1 px, side that owns the edge (0 left, 1 right, 2 both; left is above whe
 in m (inf: too far, nan: no rig)."""
 
 
+Valid = Optional[Tuple[Optional[npt.ArrayLike], Optional[npt.ArrayLike]]]
+
+
 class Fault(enum.Enum):
-    """Fault of a pair; docs/faults.md has its remedy."""
+    """Fault of a pair; `remedy` says what to do about it."""
 
     LEFT_EXPOSURE = "left_exposure"
     RIGHT_EXPOSURE = "right_exposure"
@@ -66,6 +70,12 @@ class Fault(enum.Enum):
     ROWS_FAR = "rows_far"
     SEGMENTS_DROPPED = "segments_dropped"
     """The list of segments was full or the budget of work spent: results are good, but not all that the images have."""
+
+
+    @property
+    def remedy(self) -> str:
+        """What to do, in a sentence."""
+        return _core.remedy(self.value) or ""
 
 
 _FAULTS = [Fault(name) for name in _core.fault_names()]
@@ -105,9 +115,9 @@ class Object:
 class Result:
     """A matched pair."""
 
-    points: np.ndarray
+    points: npt.NDArray[np.void]
     """Structured array of dtype `POINT`, one a pixel at most: those of segments, most probable first, then support points."""
-    segments: np.ndarray
+    segments: npt.NDArray[np.void]
     """Structured array of dtype `SEGMENT`, most confident first."""
     health: FrozenSet[Fault]
     """Faults of this pair, or of one shortly before; empty when all is well."""
@@ -115,7 +125,8 @@ class Result:
     """False when results may be wrong or outdated."""
 
     def __init__(self, matched: _core.Matched) -> None:
-        self._matched = matched
+        self._matched: Optional[_core.Matched] = matched
+        self._rest = (matched.size, matched.milliseconds, matched.segments_found)
         self.points = matched.take_points().view(POINT)
         self.segments = matched.take_segments().view(SEGMENT)
         bits, self.is_fit, is_cut = matched.health
@@ -125,19 +136,40 @@ class Result:
     @property
     def size(self) -> Tuple[int, int]:
         """Columns and rows of the images, px."""
-        return self._matched.size
+        return self._rest[0]
 
     @property
     def milliseconds(self) -> float:
         """Time that the core took for the pair and its points, ms."""
-        return self._matched.milliseconds
+        return self._rest[1]
 
     @property
     def segments_found(self) -> int:
         """Number of segments found in the left image, with a disparity or without."""
-        return self._matched.segments_found
+        return self._rest[2]
 
-    def objects(self, boxes: Any = None, masks: Any = None) -> List[Object]:
+    @property
+    def xyz(self) -> npt.NDArray[np.float64]:
+        """Places of the points in m, shape (n, 3): x right, y down, z forward of the left camera; nan where the depth is infinite. Needs a rig."""
+        points = self.points
+        return self._pair.xyz(np.stack([points[name].astype(np.float32) for name in ("x", "y", "disparity")], axis=1))
+
+    @property
+    def advice(self) -> List[str]:
+        """A line for each fault, with what to do; empty when all is well."""
+        return [f"{fault.value}: {fault.remedy}" for fault in Fault if fault in self.health]
+
+    @property
+    def _pair(self) -> _core.Matched:
+        if self._matched is None:
+            raise ValueError("this result was pickled, without its images: ask for objects, pixels and places before that")
+        return self._matched
+
+    def __getstate__(self) -> Dict[str, Any]:
+        """Numbers, without the images that questions need."""
+        return {**self.__dict__, "_matched": None}
+
+    def objects(self, boxes: Optional[npt.ArrayLike] = None, masks: Optional[npt.ArrayLike] = None) -> List[Object]:
         """The depth of each object, in the order given; of a mask, in the order of labels.
 
         boxes: shape (n, 4), left, top, right, bottom in px, the last two exclusive; cut to the image.
@@ -154,7 +186,7 @@ class Result:
                 return []
             if boxes.ndim != 2 or boxes.shape[1] != 4:
                 raise ValueError(f"boxes have shape {boxes.shape}: give (n, 4), left, top, right, bottom")
-            return [Object._of(answer) for answer in self._matched.boxes(boxes)]
+            return [Object._of(answer) for answer in self._pair.boxes(boxes)]
         masks = np.asarray(masks)
         if masks.dtype == np.bool_ and masks.ndim == 3:
             found = (self._of_labels(mask, index) for index, mask in enumerate(masks))
@@ -165,10 +197,10 @@ class Result:
             raise ValueError(f"masks have shape {masks.shape} and dtype {masks.dtype}: give bool of (n, rows, columns), or labels of (rows, columns)")
         if masks.size and not (0 <= masks.min() and masks.max() <= 65535):
             raise ValueError("masks: labels are outside 0 to 65535")
-        return [Object._of(answer) for answer in self._matched.labels(masks.astype(np.uint16, copy=False))]
+        return [Object._of(answer) for answer in self._pair.labels(masks.astype(np.uint16, copy=False))]
 
-    def _of_labels(self, mask: np.ndarray, label: int) -> List[Object]:
-        answers = self._matched.labels(mask.astype(np.uint16))
+    def _of_labels(self, mask: npt.NDArray[Any], label: int) -> List[Object]:
+        answers = self._pair.labels(mask.astype(np.uint16))
         if not answers:
             raise ValueError(f"masks[{label}]: a region without pixels")
         return [Object._of((label, *answer[1:])) for answer in answers]
@@ -178,7 +210,7 @@ class Result:
         width, height = self.size
         if not (0 <= x < width and 0 <= y < height):
             raise ValueError(f"pixel {x},{y} is outside of the image of {width}x{height}")
-        return Object._of(self._matched.pixel(x, y))
+        return Object._of(self._pair.pixel(x, y))
 
     def __repr__(self) -> str:
         health = "+".join(sorted(fault.value for fault in self.health)) or "good"
@@ -188,36 +220,80 @@ class Result:
 class Matcher:
     """A matcher of the consecutive pairs of one rig: health knows those before (a frozen camera, drifting rows)."""
 
-    def __init__(self, max_disparity: int = 64, rig: Union[Rig, Calibration, None] = None, *, min_disparity: int = 0,
+    def __init__(self, max_disparity: Optional[int] = None, rig: Union[Rig, Calibration, None] = None, *, min_disparity: int = 0,
                  min_confidence: Optional[float] = None) -> None:
-        """max_disparity: end of the disparities searched, px; 8 to 256 above min_disparity, below the width. focal length in px * baseline in m /
-        max_disparity is the nearest depth.
+        """max_disparity: end of the disparities searched, px; 8 to 256 above min_disparity, below the width; 64 without, or what a narrower image
+        allows. focal length in px * baseline in m / max_disparity is the nearest depth.
         rig: a `Rig` gives depths; a `Calibration` rectifies raw pairs first.
         min_disparity: first disparity searched, px; -32 to 0.
         min_confidence: least probability of points and segments, 0.1 to 0.99; 0.9 without.
         """
         limits = {"max_disparity": (max_disparity, 0, 65535), "min_disparity": (min_disparity, -32768, 32767)}
         for name, (value, low, high) in limits.items():
-            if not low <= value <= high:
+            if value is not None and not low <= value <= high:
                 raise ValueError(f"{name} is {value}, outside {low} to {high}")
-        self._matcher = _core.Matcher(max_disparity, rig, min_disparity, min_confidence)
+        self._parameters = (max_disparity, rig, min_disparity, min_confidence)
+        self._matcher = _core.Matcher(*self._parameters)
 
-    def match(self, left: Any, right: Any, times_us: Optional[Tuple[int, int]] = None) -> Result:
+    def __getstate__(self) -> Tuple[Any, ...]:
+        """Parameters alone: a matcher that is unpickled knows no pair before."""
+        return self._parameters
+
+    def __setstate__(self, state: Tuple[Any, ...]) -> None:
+        self._parameters = state
+        self._matcher = _core.Matcher(*state)
+
+    def match(self, left: npt.ArrayLike, right: npt.ArrayLike, times_us: Optional[Tuple[int, int]] = None, valid: Valid = None) -> Result:
         """Matches the next pair. Other threads run meanwhile; this matcher must not be used by two.
 
         left, right: grey images, dtype uint8, shape (rows, columns), 16x16 to 1280x1280.
         times_us: times of capture, left and right, us of one clock: more than 1 ms apart are refused (`Fault.SKEW`).
+        valid: pixels of the left and of the right image that show anything, None where all do: bool of (rows, columns), in one piece along each
+        row, or of each row the first and the one behind the last, integers of (rows, 2). Nothing is matched beyond them, nor next to them.
         """
-        return Result(self._matcher.match(np.asarray(left), np.asarray(right), times_us))
+        images = _image(left, "left"), _image(right, "right")
+        spans = (None, None) if valid is None else tuple(_spans(given, image, side) for given, image, side in zip(valid, images, ("left", "right")))
+        if len(spans) != 2:
+            raise ValueError("valid: give two, one of the left and one of the right image, None where all of it is valid")
+        if valid is not None and isinstance(self._parameters[1], Calibration):
+            raise ValueError("valid: a raw pair is rectified first, and the calibration knows which pixels that leaves; leave valid out")
+        return Result(self._matcher.match(*images, times_us, spans))
 
 
-def match(left: Any, right: Any, max_disparity: int = 64, rig: Union[Rig, Calibration, None] = None, **parameters: Any) -> Result:
+def match(left: npt.ArrayLike, right: npt.ArrayLike, max_disparity: Optional[int] = None, rig: Union[Rig, Calibration, None] = None, *,
+          valid: Valid = None, **parameters: Any) -> Result:
     """Matches one pair that stands alone; parameters and images as those of `Matcher`."""
-    return Matcher(max_disparity, rig, **parameters).match(left, right)
+    return Matcher(max_disparity, rig, **parameters).match(left, right, valid=valid)
 
 
-def rectify(left: Any, right: Any, calibration: Calibration) -> Tuple[np.ndarray, np.ndarray]:
-    """Rectifies a raw pair: two uint8 images of `calibration.size`. What has no source is black; `match` with the calibration as its rig leaves
-    such pixels out, which it cannot with these images."""
-    first, second = calibration.rectify(np.asarray(left), np.asarray(right))
+def rectify(left: npt.ArrayLike, right: npt.ArrayLike, calibration: Calibration) -> Tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint8]]:
+    """Rectifies a raw pair: two uint8 images of `calibration.size`. What has no source is black: `match` them with `valid=calibration.valid`, or the
+    raw ones with the calibration as the rig."""
+    first, second = calibration.rectify(_image(left, "left"), _image(right, "right"))
     return first, second
+
+
+def _image(image: Any, name: str) -> npt.NDArray[Any]:
+    if image is None:
+        raise ValueError(f"{name} is None: cv2.imread gives that for a file that it cannot read; check its path")
+    return np.asarray(image)
+
+
+def _spans(valid: Any, image: npt.NDArray[Any], side: str) -> Optional[npt.NDArray[np.uint16]]:
+    """Of each row the first valid pixel and the one behind the last."""
+    if valid is None:
+        return None
+    given = np.asarray(valid)
+    rows = image.shape[0] if image.ndim else 0
+    if given.dtype == np.bool_ and given.shape == image.shape and given.ndim == 2:
+        steps = np.diff(np.pad(given, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+        pieces = (steps == 1).sum(axis=1)
+        if (pieces > 1).any():
+            raise ValueError(f"valid: row {int(np.argmax(pieces > 1))} of the {side} image has valid pixels in more than one piece; give the widest one")
+        ends = np.stack([steps.argmax(axis=1), steps.argmin(axis=1)], axis=1)
+        return np.where(pieces[:, None] == 1, ends, 0).astype(np.uint16)
+    if given.dtype.kind in "iu" and given.shape == (rows, 2):
+        if given.size and not (0 <= given.min() and given.max() <= 65535):
+            raise ValueError(f"valid: a column of the {side} image is outside 0 to 65535")
+        return given.astype(np.uint16)
+    raise ValueError(f"valid of the {side} image has shape {given.shape} and dtype {given.dtype}: give bool of {image.shape}, or integers of ({rows}, 2)")

@@ -6,14 +6,14 @@
 //! both           gzip, base64                       into the page, with its drawing, and what to do about each flag of health
 //! ```
 
-use super::{DRAWING, SHARED_STYLE};
-use crate::board::toolchain::rustup;
-use crate::results::health;
 use anyhow::{Context, Result, bail};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use flate2::{Compression, write::GzEncoder};
+use linestereo_wire::Health;
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// Largest page, bytes.
@@ -36,8 +36,8 @@ pub fn build(top: &Path, folder: &Path) -> Result<WebPage> {
     let matcher = module(top, &built, "bindings/c", "linestereo_c.wasm", &matcher)?;
     let images = module(top, &built, "bindings/web", "linestereo_web.wasm", &["build"])?;
     let page = folder.join("index.html");
-    let html = html(&top.join("bindings/web/page"), &matcher, &images)?;
-    std::fs::write(&page, html).with_context(|| format!("cannot write {}", page.display()))?;
+    let html = html(top, &matcher, &images)?;
+    fs::write(&page, html).with_context(|| format!("cannot write {}", page.display()))?;
     Ok(WebPage { page, matcher, images })
 }
 
@@ -48,7 +48,7 @@ pub fn vectors() -> String {
 
 /// A module of the package in this folder, built for browsers by these arguments of cargo.
 pub fn module(top: &Path, built: &Path, package: &str, name: &str, arguments: &[&str]) -> Result<PathBuf> {
-    let mut cargo = rustup(top, TARGET)?.cargo();
+    let mut cargo = cargo(top)?;
     cargo.current_dir(top.join(package)).args(arguments).args(["--release", "--locked", "--target", TARGET]);
     cargo.arg("--target-dir").arg(built).args(["--config", "profile.release.strip=true"]);
     let output = cargo.output().context("cannot start cargo")?;
@@ -58,20 +58,45 @@ pub fn module(top: &Path, built: &Path, package: &str, name: &str, arguments: &[
     Ok(built.join(TARGET).join("release").join(name))
 }
 
-fn html(source: &Path, matcher: &Path, images: &Path) -> Result<String> {
-    let text = |name: &str| -> Result<String> {
-        let path = source.join(name);
-        String::from_utf8(bytes(&path)?).with_context(|| format!("{} is not text", path.display()))
+/// A cargo for this target, without what the builds of a PC or a board set.
+fn cargo(top: &Path) -> Result<Command> {
+    let rustc = |arguments: &[&str]| Command::new("rustc").args(arguments).current_dir(top).output();
+    let has_target = || {
+        let found = rustc(&["--print", "target-libdir", "--target", TARGET]).ok()?;
+        let folder = String::from_utf8(found.stdout).ok()?;
+        Path::new(folder.trim()).is_dir().then_some(())
     };
+    if has_target().is_none() {
+        eprintln!("rustup target add {TARGET}");
+        let added = Command::new("rustup").args(["target", "add", TARGET]).current_dir(top).status();
+        if has_target().is_none() {
+            let why = added.map_or_else(|error| error.to_string(), |status| status.to_string());
+            bail!("`rustup target add {TARGET}` does not work here ({why})");
+        }
+    }
+    let mut cargo = Command::new("cargo");
+    for (name, _) in std::env::vars_os() {
+        let text = name.to_string_lossy();
+        if text.starts_with("CARGO_PROFILE_") || text.starts_with("CARGO_TARGET_") || text.contains("RUSTFLAGS") {
+            cargo.env_remove(name);
+        }
+    }
+    Ok(cargo)
+}
+
+fn html(top: &Path, matcher: &Path, images: &Path) -> Result<String> {
+    let read = |path: &Path| fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()));
+    let text = |name: &str| read(&top.join("bindings/web/page").join(name));
+    let shared = |name: &str| read(&top.join("host-sim/src/report").join(name));
     // Behind what it imports it needs no imports.
     let script = text("page.js")?;
     let own: String = script.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
-        ("/*STYLE*/", lean(SHARED_STYLE)),
-        ("/*ADVICE*/", serde_json::to_string(&health::ADVICE)?.replace('<', "\\u003c")),
+        ("/*STYLE*/", lean(&shared("shared.css")?)),
+        ("/*ADVICE*/", serde_json::to_string(&Health::ADVICE)?.replace('<', "\\u003c")),
         ("/*MATCHER*/", packed(matcher)?),
         ("/*IMAGES*/", packed(images)?),
-        ("/*SCRIPT*/", lean(&[&text("linestereo.js")?, DRAWING, &own].concat())),
+        ("/*SCRIPT*/", lean(&[&text("linestereo.js")?, &shared("drawing.js")?, &own].concat())),
     ];
     let mut html = text("index.html")?;
     for (place, part) in parts {
@@ -89,12 +114,6 @@ fn lean(text: &str) -> String {
 
 fn packed(module: &Path) -> Result<String> {
     let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
-    gzip.write_all(&bytes(module)?)?;
+    gzip.write_all(&fs::read(module).with_context(|| format!("cannot read {}", module.display()))?)?;
     Ok(BASE64_STANDARD.encode(gzip.finish()?))
-}
-
-/// A file of the project itself.
-fn bytes(path: &Path) -> Result<Vec<u8>> {
-    linestereo_frames::untrusted::read(path, linestereo_frames::untrusted::SETTINGS_BYTES)
-        .with_context(|| format!("cannot read {}", path.display()))
 }

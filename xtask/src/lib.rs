@@ -1,0 +1,3 @@
+//! Tasks that need little of what the PC's program is made of.
+
+pub mod web;
